@@ -1,0 +1,36 @@
+"""Findings as plain values; rendering them is somebody else's job."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from mars_asp.source import Span
+
+Severity: TypeAlias = Literal["error", "warning", "note"]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding.
+
+    `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
+    names in backticks and no full stop, stating what is the case; `help` says what to do;
+    `labels` are other places that help; `excerpt` is the line of the file at `span`.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    span: Span
+    labels: tuple[tuple[Span, str], ...] = ()
+    help: str | None = None
+    excerpt: str | None = None
+
+
+class MarsError(Exception):
+    """Raised once per stage, with everything that stage found wrong, sorted by place."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Keep the diagnostics for the command line to render."""
+        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span, d.code, d.message)))
+        super().__init__(f"{len(self.diagnostics)} problem(s), first: {self.diagnostics[0]}")
