@@ -1,0 +1,44 @@
+"""Ground atoms and facts, apart from clingo's own symbols."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from mars_asp.source import Span
+
+Term: TypeAlias = "int | str | Atom"
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """A ground atom or function term; an `int` is a number, a `str` an ASP string.
+
+    A constant is an atom without arguments; a tuple is an atom without a name.
+    """
+
+    name: str
+    arguments: tuple[Term, ...] = ()
+
+    def __str__(self) -> str:
+        """Return the atom as clingo reads it."""
+        if not self.arguments and self.name:
+            return self.name
+        inside = ",".join(map(term_text, self.arguments))
+        if not self.name and len(self.arguments) == 1:
+            inside += ","
+        return f"{self.name}({inside})"
+
+
+def term_text(term: Term) -> str:
+    r"""Return a term as clingo reads it: strings quoted, with `\\`, `\"` and `\n` escaped."""
+    if isinstance(term, str):
+        escaped = term.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+        return f'"{escaped}"'
+    return str(term)
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """A given atom and where it comes from."""
+
+    atom: Atom
+    span: Span
