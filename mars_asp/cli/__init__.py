@@ -1,0 +1,118 @@
+"""The command line: one file for each verb, imported when it is called.
+
+A verb's file has `configure(parser)`, which adds its arguments, and `run(arguments)`, which
+returns the exit status and raises `MarsError` for what is wrong with the input.
+"""
+
+import argparse
+import difflib
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from mars_asp import __version__
+
+VERBS = {
+    "check": "parse, extract and analyse; print diagnostics only",
+    "extract": "the modules found in annotated sources",
+    "analyse": "the consequences of a configuration",
+    "synthesise": "the minimal specification that resolves them",
+    "explain": "why each consequence and node is there, down to lines",
+    "verify": "does a specification realise a configuration, and is it minimal",
+    "run": "execute a specification on the simulator and judge the run",
+    "facts": "the facts, to run clingo itself on them with rules/*.lp",
+    "fmt": "canonical layout of .mars files, comments kept",
+    "rules": "list, show or check the rule base",
+    "test": "run rule cases: facts and expected answer sets",
+}
+ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
+
+DONE, FOUND, USAGE, LIMIT, CLOSED_PIPE = 0, 1, 2, 3, 141
+
+
+def run_command(words: Sequence[str]) -> int:
+    """Run one command line; return its exit status, never a traceback for a user's mistake."""
+    try:
+        status = _run(words)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # What is left in the buffer has nowhere to go: let the interpreter close a dead end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+    except KeyboardInterrupt:
+        return 130
+    return status
+
+
+def _run(words: Sequence[str]) -> int:
+    if list(words[:1]) == ["--version"]:
+        print(f"mars-asp {__version__}")
+        return DONE
+    word = words[0] if words else ""
+    verb = ALIASES.get(word, word)
+    if verb not in VERBS:
+        return _no_verb(words)
+    module = importlib.import_module(f"mars_asp.cli.{verb}")
+    parser = _Parser(prog=f"mars-asp {word}", description=module.__doc__.splitlines()[0])
+    _common_options(parser)
+    module.configure(parser)
+    from mars_asp.cli.limits import run_limited
+
+    return run_limited(module.run, parser.parse_intermixed_args(words[1:]))
+
+
+def _no_verb(words: Sequence[str]) -> int:
+    parser = _Parser(
+        prog="mars-asp",
+        description="Consequences, minimal specifications and the reasons for both.",
+        epilog="verbs:\n" + "".join(f"  {verb:<12}{text}\n" for verb, text in VERBS.items()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"mars-asp {__version__}")
+    parser.add_argument("verb", metavar="VERB", help="see below; `mars-asp VERB --help` for each")
+    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=argparse.SUPPRESS)
+    verb = parser.parse_args(list(words)).verb
+    near = difflib.get_close_matches(verb, [*VERBS, *ALIASES], 1)
+    hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(VERBS)}"
+    parser.error(f"there is no verb `{verb}`: {hint}")
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports a wrong call in one line, with status 2 and where help is to be found."""
+
+    def error(self, message: str) -> NoReturn:
+        from mars_asp.visible import visible
+
+        self.exit(USAGE, f"{self.prog}: {visible(message)}; see `{self.prog} --help`\n")
+
+
+def _common_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("common options")
+    group.add_argument(
+        "--rules", metavar="DIR", action="append", default=[], help="more rule files"
+    )
+    group.add_argument(
+        "--sources", metavar="PATH", action="append", default=[], help="more sources"
+    )
+    group.add_argument("--format", choices=("text", "json"), default="text", help="of the output")
+    group.add_argument(
+        "--time-limit", metavar="SECONDS", type=_positive, help="stop after this long (status 3)"
+    )
+    group.add_argument(
+        "--memory-limit", metavar="MB", type=_positive, help="stop beyond this much (status 3)"
+    )
+    group.add_argument("--color", choices=("auto", "always", "never"), default="auto")
+    group.add_argument("--quiet", action="store_true", help="no progress and no notes")
+    group.add_argument("--version", action="version", version=f"mars-asp {__version__}")
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"`{text}` is no positive number")
+    return value

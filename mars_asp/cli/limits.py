@@ -1,0 +1,104 @@
+"""Run a verb in a child process, so that no rule file can hang or kill the command.
+
+Grounding cannot be interrupted and some programs abort the process; a child with limits of its own
+contains both. Where the system cannot fork, the verb runs here and only solving is limited.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from types import FrameType
+
+from mars_asp.cli.report import report_error
+from mars_asp.diagnostic import MarsError
+
+#: Beyond the limit, so that a solver that stops in time can still say what it found.
+GRACE_SECONDS = 5.0
+
+
+def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+    """Return a verb's exit status; 3 where a time or memory limit ended it."""
+    if not hasattr(os, "fork"):
+        return _run_here(run, arguments)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    child = os.fork()
+    if child:
+        return _wait(child, arguments)
+    status = 2
+    try:
+        _limit_memory(arguments.memory_limit)
+        status = _run_here(run, arguments)
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except BrokenPipeError:
+        status = 141
+    except KeyboardInterrupt:
+        status = 130
+    finally:
+        os._exit(status)
+
+
+def _run_here(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+    try:
+        return run(arguments)
+    except MarsError as error:
+        report_error(error, arguments)
+        return 2
+    except MemoryError:
+        print("mars-asp: the memory limit ended this", file=sys.stderr)
+        return 3
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        name = error.filename if error.filename is not None else "the output"
+        print(f"mars-asp: `{name}`: {error.strerror or error}", file=sys.stderr)
+        return 2
+
+
+def _limit_memory(megabytes: float | None) -> None:
+    if megabytes is None:
+        return
+    import resource
+
+    most = int(megabytes * 1024 * 1024)
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def _wait(child: int, arguments: argparse.Namespace) -> int:
+    """Wait for the child, pass on an interrupt, and end it when its time is over."""
+    if arguments.time_limit is not None:
+
+        def expire(number: int, frame: FrameType | None) -> None:
+            os.kill(child, signal.SIGKILL)
+
+        signal.signal(signal.SIGALRM, expire)
+        signal.setitimer(signal.ITIMER_REAL, arguments.time_limit + GRACE_SECONDS)
+    started = time.monotonic()
+    while True:
+        try:
+            _, status = os.waitpid(child, 0)
+            break
+        except KeyboardInterrupt:
+            continue
+    if os.WIFEXITED(status):
+        return os.WEXITSTATUS(status)
+    return _killed(os.WTERMSIG(status), time.monotonic() - started, arguments)
+
+
+def _killed(number: int, seconds: float, arguments: argparse.Namespace) -> int:
+    limited = arguments.time_limit is not None and seconds >= arguments.time_limit
+    if limited:
+        print(f"mars-asp: the time limit ended this after {seconds:.1f} s", file=sys.stderr)
+        return 3
+    if number == signal.SIGINT:
+        return 130
+    if arguments.memory_limit is not None:
+        print("mars-asp: the memory limit ended this", file=sys.stderr)
+        return 3
+    name = signal.Signals(number).name
+    print(f"mars-asp: a rule file or the system ended the reasoner ({name})", file=sys.stderr)
+    return 2

@@ -1,0 +1,279 @@
+"""Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from decimal import Decimal
+
+from mars_asp.annotations import canonical_names
+from mars_asp.atom import Atom, Fact, Term
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.model import (
+    Configuration,
+    Control,
+    Data,
+    Mode,
+    Module,
+    Mount,
+    Relationship,
+    Service,
+    node_kind,
+)
+from mars_asp.source import Span
+from mars_asp.walks import shortest_closed_walks
+
+MOST = 2**31 - 1
+ANY = Atom("any")
+NONE = Atom("none")
+PERIODIC = "NotifyAtFrequency"
+
+
+def configuration_facts(
+    configuration: Configuration, modules: Mapping[str, Module] | None = None
+) -> tuple[Fact, ...]:
+    """Turn a configuration and the modules described for it into facts with their places.
+
+    `modules` adds to those declared in the configuration itself; only modules that the
+    configuration names, and converters, are told. Relationships are identified by integers from 1
+    in the order of the file, annotations by those that follow.
+
+    Raises:
+        MarsError: a number does not fit clingo's 32 bit integers.
+    """
+    described = {**(modules or {}), **{module.name: module for module in configuration.declared}}
+    return _Compiler(configuration, described).compile()
+
+
+def mode_term(mode: Mode) -> Atom:
+    """Return mode(Name, Arguments); modes that mean the same give the same term."""
+    inside = [plain(number) for number in mode.arguments]
+    if mode.of is not None:
+        inside.append(f"of={mode.of}")
+    return Atom("mode", (mode.name, ", ".join(inside)))
+
+
+def plain(number: Decimal) -> str:
+    """Return a number without exponent and without trailing zeros."""
+    text = format(number, "f")
+    return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
+
+
+class _Compiler:
+    """Collects facts and what does not fit; lives for one call."""
+
+    def __init__(self, configuration: Configuration, described: Mapping[str, Module]) -> None:
+        self.configuration = configuration
+        named = {name.text for name in configuration.modules}
+        named |= {
+            name for relationship in configuration.relationships for name in _ends(relationship)
+        }
+        self.described = {
+            name: module
+            for name, module in described.items()
+            if name in named or any(service.kind == "Converts" for service in module.services)
+        }
+        self.known = described
+        self.named = named
+        self.facts: list[Fact] = []
+        self.problems: list[Diagnostic] = []
+        self.worded: set[tuple[str, Term]] = set()
+        names = canonical_names(sorted(set(_representations(self.described.values()))))
+        self.canonical, self.ambiguous = names.canonical, names.ambiguous
+
+    def compile(self) -> tuple[Fact, ...]:
+        configuration = self.configuration
+        self.add(configuration.span, "architecture", Atom(configuration.architecture))
+        for name in configuration.modules:
+            self.add(name.span, "module", name.text)
+            self.place(name.text, name.span)
+        for number, relationship in enumerate(configuration.relationships, 1):
+            self.relationship(number, relationship)
+        number = len(configuration.relationships)
+        for name in sorted(self.described):
+            number = self.module(number, self.described[name])
+        self.resemblances()
+        self.walks()
+        if self.problems:
+            raise MarsError(self.problems)
+        return tuple(self.facts)
+
+    def add(self, span: Span, name: str, *arguments: Term) -> None:
+        self.facts.append(Fact(Atom(name, arguments), span))
+
+    def place(self, identifier: Term, span: Span) -> None:
+        self.add(span, "place", identifier, span.path, span.line, span.column)
+
+    def whole(self, number: Decimal | int, unit: str, span: Span) -> int:
+        """Return a number as a whole one that clingo can hold; note it where it does not fit."""
+        value = Decimal(number)
+        if value != value.to_integral_value() or not -MOST <= value <= MOST:
+            self.problems.append(
+                Diagnostic(
+                    "number-range",
+                    "error",
+                    f"`{plain(value)}` {unit} is no whole number of at most {MOST}",
+                    span,
+                    help="rules reason with whole 32 bit numbers; state a smaller or coarser one",
+                )
+            )
+            return 0
+        return int(value)
+
+    def relationship(self, number: int, relationship: Relationship) -> None:
+        span = relationship.span
+        match relationship:
+            case Data(client, source):
+                self.add(span, "uses_data_from", number, client, source)
+                self.requirement(number, relationship)
+            case Control(controlled, controller):
+                self.add(span, "is_controlled_by", number, controlled, controller)
+                if relationship.priority is not None:
+                    priority = self.whole(relationship.priority, "(a priority)", span)
+                    self.add(span, "priority", number, priority)
+                if relationship.hold_ms is not None:
+                    self.add(span, "hold", number, self.whole(relationship.hold_ms, "ms", span))
+            case Mount(mounting, mounted):
+                at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
+                self.add(span, "is_mounted_on", number, mounting, at, mounted, on)
+        self.place(number, span)
+
+    def requirement(self, number: int, data: Data) -> None:
+        if data.mode is None:
+            return
+        mode = mode_term(data.mode)
+        self.add(data.span, "required_mode", number, mode)
+        if data.hz is None:
+            self.word(data.mode, mode, ANY, data.span)
+            return
+        rate = self.whole(data.hz * 1000, "mHz", data.span)
+        self.add(data.span, "required_rate", number, rate)
+        self.word(data.mode, mode, rate, data.span, data.hz)
+
+    def word(
+        self, mode: Mode, term: Atom, rate: Term, span: Span, hz: Decimal | None = None
+    ) -> None:
+        """Say once how a mode with its rate is written."""
+        if (str(term), rate) in self.worded:
+            return
+        self.worded.add((str(term), rate))
+        text = mode.text or mode.name
+        self.add(span, "in_words", term, rate, text if hz is None else f"{text} {plain(hz)}")
+
+    def module(self, number: int, module: Module) -> int:
+        """Tell a described module; return the last identifier given."""
+        self.add(module.span, "described", module.name)
+        for kind in module_classes(module):
+            self.add(module.span, "class", module.name, Atom(kind))
+        for service in module.services:
+            number += 1
+            self.service(number, module.name, service)
+            self.place(number, service.span)
+        for function in module.functions:
+            number += 1
+            self.add(function.span, "native", number, module.name, function.name)
+            self.place(number, function.span)
+        return number
+
+    def service(self, number: int, name: str, service: Service) -> None:
+        span = service.span
+        if service.kind == "Converts":
+            source, target = (*service.inputs, None)[0], service.output
+            if source is not None and target is not None:
+                ends = (self.canonical[source], self.canonical[target])
+                self.add(span, "converts", number, name, *ends, service.cost)
+            return
+        if service.kind in ("Sense", "DataOut"):
+            self.offer(number, name, service)
+        for function in service.commands:
+            self.add(span, "commands", number, name, function)
+        for index, representation in enumerate(service.inputs):
+            if representation is None or representation in self.ambiguous:
+                self.add(span, "unknown_input", number, name, index)
+            else:
+                self.add(span, "input", number, name, index, self.canonical[representation])
+            self.candidates(number, name, representation, span)
+
+    def offer(self, number: int, name: str, service: Service) -> None:
+        span = service.span
+        self.add(span, "delivers", number, name)
+        if service.output is not None and service.output not in self.ambiguous:
+            self.add(span, "output", number, name, self.canonical[service.output])
+        self.candidates(number, name, service.output, span)
+        for index, mode in enumerate(service.modes):
+            term = mode_term(mode)
+            self.add(span, "offered_mode", number, index, term)
+            if mode.name == PERIODIC and service.hz is not None:
+                rate = self.whole(service.hz * 1000, "mHz", span)
+                self.add(span, "offered_rate", number, rate)
+                self.word(mode, term, rate, span, service.hz)
+            else:
+                self.word(mode, term, NONE, span)
+
+    def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
+        for candidate in self.ambiguous.get(written or "", ()):
+            self.add(span, "ambiguous_name", number, name, written or "", candidate)
+
+    def resemblances(self) -> None:
+        """Tell which known name a name that nothing declares is spelt like."""
+        declared = {name.text for name in self.configuration.modules}
+        pools = [(self.named - declared, sorted(declared | set(self.known)))]
+        if self.known:
+            unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
+            pools.append((unknown, sorted(set(self.known) - declared)))
+        places = {name.text: name.span for name in self.configuration.modules}
+        for strangers, candidates in pools:
+            for stranger in sorted(strangers):
+                for near in difflib.get_close_matches(stranger, candidates, 1, 0.75):
+                    span = places.get(stranger, self.configuration.span)
+                    self.add(span, "resembles", stranger, near)
+
+    def walks(self) -> None:
+        """Tell the shortest closed walk of every knot of data and of control relationships."""
+        data, control = [], []
+        for number, relationship in enumerate(self.configuration.relationships, 1):
+            match relationship:
+                case Data(client, source):
+                    data.append((client, source, number))
+                case Control(controlled, controller):
+                    control.append((controlled, controller, number))
+        for kind, edges in (("data", data), ("control", control)):
+            for index, walk in enumerate(shortest_closed_walks(edges)):
+                for step, (start, end, number) in enumerate(walk):
+                    span = self.configuration.relationships[number - 1].span
+                    self.add(span, "closed_walk", Atom(kind), index, step, start, end, number)
+
+
+def module_classes(module: Module) -> Iterator[str]:
+    """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
+    kinds = {service.kind for service in module.services}
+    functions = {function.name for function in module.functions}
+    tests: Sequence[tuple[str, bool]] = (
+        ("sensor", "Sense" in kinds),
+        ("effector", bool(functions - {"Grasp"})),
+        ("end_effector", "Grasp" in functions),
+        ("data_out_algorithm", "DataOut" in kinds),
+        ("control_out_algorithm", "ControlOut" in kinds),
+        ("data_sink", "DataIn" in kinds),
+        ("converter", "Converts" in kinds),
+    )
+    return (name for name, holds in tests if holds)
+
+
+def facts_text(facts: Iterable[Fact]) -> str:
+    """Return facts as clingo reads them, one a line."""
+    return "".join(f"{fact.atom}.\n" for fact in facts)
+
+
+def _ends(relationship: Relationship) -> tuple[str, str]:
+    match relationship:
+        case Data(client, source):
+            return client, source
+        case Control(controlled, controller):
+            return controlled, controller
+        case Mount(mounting, mounted):
+            return mounting, mounted
+
+
+def _representations(modules: Iterable[Module]) -> Iterator[str]:
+    for module in modules:
+        for service in module.services:
+            yield from (name for name in (service.output, *service.inputs) if name is not None)

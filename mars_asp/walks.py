@@ -1,0 +1,90 @@
+"""Closed walks in relationships: what a graph shows, not what it means."""
+
+from collections.abc import Iterable
+from typing import TypeAlias
+
+Edge: TypeAlias = tuple[str, str, int]
+
+
+def shortest_closed_walks(edges: Iterable[Edge]) -> tuple[tuple[Edge, ...], ...]:
+    """Return for each strongly connected part of a graph one of its shortest cycles.
+
+    An edge is (start, end, identifier). A walk begins at its least name; of equally short ones
+    the least is taken, so the order of the edges does not matter. Parts with more than
+    `_EXACT` nodes give a short cycle found from their least nodes alone, to keep the time linear.
+    """
+    best: dict[tuple[str, str], int] = {}
+    for start, end, number in edges:
+        best[start, end] = min(number, best.get((start, end), number))
+    successors: dict[str, list[str]] = {}
+    for start, end in sorted(best):
+        successors.setdefault(start, []).append(end)
+    if _is_acyclic(successors):
+        return ()
+    import networkx  # noqa: PLC0415 -- slow to import, and only a configuration with cycles needs it
+
+    graph = networkx.DiGraph(list(best))
+    parts = sorted(sorted(part) for part in networkx.strongly_connected_components(graph))
+    walks = []
+    for part in parts:
+        cycle = _shortest_cycle(part, successors)
+        if cycle:
+            steps = zip(cycle, (*cycle[1:], cycle[0]), strict=True)
+            walks.append(tuple((start, end, best[start, end]) for start, end in steps))
+    return tuple(walks)
+
+
+_EXACT = 400
+
+
+def _is_acyclic(successors: dict[str, list[str]]) -> bool:
+    """Peel off nodes without successors (Kahn 1962); what remains is or leads to a cycle."""
+    waiting = {node: len(ends) for node, ends in successors.items()}
+    predecessors: dict[str, list[str]] = {}
+    for start, ends in successors.items():
+        for end in ends:
+            predecessors.setdefault(end, []).append(start)
+    ready = [node for node in predecessors if node not in waiting]
+    while ready:
+        for start in predecessors.get(ready.pop(), ()):
+            waiting[start] -= 1
+            if not waiting[start]:
+                del waiting[start]
+                ready.append(start)
+    return not waiting
+
+
+def _shortest_cycle(part: list[str], successors: dict[str, list[str]]) -> tuple[str, ...]:
+    """Search breadth first from each node, in name order, for the way back to it."""
+    inside = set(part)
+    best: tuple[str, ...] = ()
+    for root in part[:_EXACT]:
+        found = _way_back(root, inside, successors, len(best))
+        if found and (not best or len(found) < len(best)):
+            best = found
+    return best
+
+
+def _way_back(
+    root: str, inside: set[str], successors: dict[str, list[str]], bound: int
+) -> tuple[str, ...]:
+    came: dict[str, str] = {}
+    level, length = [root], 1
+    while level and (not bound or length < bound):
+        following = []
+        for node in level:
+            for end in successors.get(node, ()):
+                if end == root:
+                    return _path(root, node, came)
+                if end in inside and end not in came:
+                    came[end] = node
+                    following.append(end)
+        level, length = following, length + 1
+    return ()
+
+
+def _path(root: str, node: str, came: dict[str, str]) -> tuple[str, ...]:
+    path = [node]
+    while path[-1] != root:
+        path.append(came[path[-1]])
+    return tuple(reversed(path))
