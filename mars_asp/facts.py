@@ -4,6 +4,8 @@ import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
+from clingo import Symbol
+
 from mars_asp.annotations import canonical_names
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.diagnostic import Diagnostic, MarsError
@@ -11,6 +13,7 @@ from mars_asp.model import (
     Configuration,
     Control,
     Data,
+    Function,
     Mode,
     Module,
     Mount,
@@ -18,6 +21,7 @@ from mars_asp.model import (
     Service,
     node_kind,
 )
+from mars_asp.modes import parse_mode
 from mars_asp.source import Span
 from mars_asp.walks import shortest_closed_walks
 
@@ -33,14 +37,38 @@ def configuration_facts(
     """Turn a configuration and the modules described for it into facts with their places.
 
     `modules` adds to those declared in the configuration itself; only modules that the
-    configuration names, and converters, are told. Relationships are identified by integers from 1
-    in the order of the file, annotations by those that follow.
+    configuration names, and converters, are told. Relationships are identified as `numbered`
+    says, annotations by the integers that follow.
 
     Raises:
         MarsError: a number does not fit clingo's 32 bit integers.
     """
-    described = {**(modules or {}), **{module.name: module for module in configuration.declared}}
-    return _Compiler(configuration, described).compile()
+    return _Compiler(configuration, modules or {}).compile()
+
+
+def described_modules(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> dict[str, Module]:
+    """Return the modules that rules are told of, by name: those named, and every converter."""
+    every = {**modules, **{module.name: module for module in configuration.declared}}
+    named = {name.text for name in configuration.modules}
+    named |= {name for relationship in configuration.relationships for name in _ends(relationship)}
+    return {
+        name: every[name]
+        for name in sorted(every)
+        if name in named or any(s.kind == "Converts" for s in every[name].services)
+    }
+
+
+def numbered_annotations(
+    configuration: Configuration, described: Mapping[str, Module]
+) -> Iterator[tuple[int, Module, Service | Function]]:
+    """Yield the annotations of described modules with their identifiers."""
+    number = len(configuration.relationships)
+    for module in described.values():
+        for annotation in (*module.services, *module.functions):
+            number += 1
+            yield number, module, annotation
 
 
 def mode_term(mode: Mode) -> Atom:
@@ -49,6 +77,15 @@ def mode_term(mode: Mode) -> Atom:
     if mode.of is not None:
         inside.append(f"of={mode.of}")
     return Atom("mode", (mode.name, ", ".join(inside)))
+
+
+def mode_of(term: Symbol) -> Mode:
+    """Return the mode of a term mode(Name, Arguments)."""
+    name, inside = (argument.string for argument in term.arguments)
+    mode = parse_mode(f"{name}({inside})" if inside else name)
+    if not isinstance(mode, Mode):
+        raise ValueError(f"no delivery mode: {term}")
+    return mode
 
 
 def plain(number: Decimal) -> str:
@@ -60,19 +97,10 @@ def plain(number: Decimal) -> str:
 class _Compiler:
     """Collects facts and what does not fit; lives for one call."""
 
-    def __init__(self, configuration: Configuration, described: Mapping[str, Module]) -> None:
+    def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
         self.configuration = configuration
-        named = {name.text for name in configuration.modules}
-        named |= {
-            name for relationship in configuration.relationships for name in _ends(relationship)
-        }
-        self.described = {
-            name: module
-            for name, module in described.items()
-            if name in named or any(service.kind == "Converts" for service in module.services)
-        }
-        self.known = described
-        self.named = named
+        self.known = {**modules, **{module.name: module for module in configuration.declared}}
+        self.described = described_modules(configuration, modules)
         self.facts: list[Fact] = []
         self.problems: list[Diagnostic] = []
         self.worded: set[tuple[str, Term]] = set()
@@ -85,11 +113,21 @@ class _Compiler:
         for name in configuration.modules:
             self.add(name.span, "module", name.text)
             self.place(name.text, name.span)
-        for number, relationship in enumerate(configuration.relationships, 1):
+            kind = node_kind(name.text)
+            if configuration.kind == "specification" and kind and name.text not in self.described:
+                self.add(name.span, "node", name.text, Atom(kind))
+        for number, relationship in numbered(configuration.relationships):
             self.relationship(number, relationship)
-        number = len(configuration.relationships)
-        for name in sorted(self.described):
-            number = self.module(number, self.described[name])
+        for module in self.described.values():
+            self.add(module.span, "described", module.name)
+            for module_class in module_classes(module):
+                self.add(module.span, "class", module.name, Atom(module_class))
+        for number, module, annotation in numbered_annotations(configuration, self.described):
+            if isinstance(annotation, Service):
+                self.service(number, module.name, annotation)
+            else:
+                self.add(annotation.span, "native", number, module.name, annotation.name)
+            self.place(number, annotation.span)
         self.resemblances()
         self.walks()
         if self.problems:
@@ -158,21 +196,6 @@ class _Compiler:
         text = mode.text or mode.name
         self.add(span, "in_words", term, rate, text if hz is None else f"{text} {plain(hz)}")
 
-    def module(self, number: int, module: Module) -> int:
-        """Tell a described module; return the last identifier given."""
-        self.add(module.span, "described", module.name)
-        for kind in module_classes(module):
-            self.add(module.span, "class", module.name, Atom(kind))
-        for service in module.services:
-            number += 1
-            self.service(number, module.name, service)
-            self.place(number, service.span)
-        for function in module.functions:
-            number += 1
-            self.add(function.span, "native", number, module.name, function.name)
-            self.place(number, function.span)
-        return number
-
     def service(self, number: int, name: str, service: Service) -> None:
         span = service.span
         if service.kind == "Converts":
@@ -215,7 +238,8 @@ class _Compiler:
     def resemblances(self) -> None:
         """Tell which known name a name that nothing declares is spelt like."""
         declared = {name.text for name in self.configuration.modules}
-        pools = [(self.named - declared, sorted(declared | set(self.known)))]
+        ends = {end for r in self.configuration.relationships for end in _ends(r)}
+        pools = [(ends - declared, sorted(declared | set(self.known)))]
         if self.known:
             unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
             pools.append((unknown, sorted(set(self.known) - declared)))
@@ -229,7 +253,9 @@ class _Compiler:
     def walks(self) -> None:
         """Tell the shortest closed walk of every knot of data and of control relationships."""
         data, control = [], []
-        for number, relationship in enumerate(self.configuration.relationships, 1):
+        spans = {}
+        for number, relationship in numbered(self.configuration.relationships):
+            spans[number] = relationship.span
             match relationship:
                 case Data(client, source):
                     data.append((client, source, number))
@@ -238,8 +264,31 @@ class _Compiler:
         for kind, edges in (("data", data), ("control", control)):
             for index, walk in enumerate(shortest_closed_walks(edges)):
                 for step, (start, end, number) in enumerate(walk):
-                    span = self.configuration.relationships[number - 1].span
-                    self.add(span, "closed_walk", Atom(kind), index, step, start, end, number)
+                    self.add(
+                        spans[number], "closed_walk", Atom(kind), index, step, start, end, number
+                    )
+
+
+def numbered(
+    relationships: Sequence[Relationship],
+) -> tuple[tuple[int, Relationship], ...]:
+    """Return relationships with their identifiers, integers from 1.
+
+    They are numbered by what they say, so that the order of the lines of a file, which means
+    nothing, cannot decide anything either.
+    """
+    return tuple(enumerate(sorted(relationships, key=_content), 1))
+
+
+def _content(relationship: Relationship) -> tuple[object, ...]:
+    match relationship:
+        case Data(client, source, span, mode, hz):
+            words = (str(mode_term(mode)) if mode else "", hz or Decimal(0))
+            return (0, client, source, *words, span)
+        case Control(controlled, controller, span, priority, hold):
+            return (1, controlled, controller, priority or 0, hold or 0, span)
+        case Mount(mounting, mounted, span, at, on):
+            return (2, mounting, mounted, at or 0, on or 0, span)
 
 
 def module_classes(module: Module) -> Iterator[str]:

@@ -1,0 +1,154 @@
+"""The proven optimum of one component of a ground program."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from mars_asp.ground_program import Component
+
+#: Levels below this order optima by taste; they are no cost and do not tell optima apart.
+COST_LEVEL = 10
+#: Beyond this many, optima are not counted.
+MOST_COUNTED = 10_000
+_OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The least answer of a component.
+
+    `true` are its true atoms; `cost` and `bound` map levels to values (equal where `proven`);
+    `count` is how many optima there are, or `None` where that was not counted.
+    """
+
+    true: frozenset[int]
+    cost: dict[int, int]
+    bound: dict[int, int]
+    proven: bool
+    count: int | None
+
+
+class UnsatisfiableError(Exception):
+    """No answer satisfies the rules."""
+
+
+def optimise(component: Component, deadline: float | None = None) -> Optimum:
+    """Find the least answer of a component; of equal ones the first in the order of its atoms.
+
+    `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned.
+
+    Raises:
+        UnsatisfiableError: there is no answer.
+        TimeoutError: the deadline passed before any answer was found.
+    """
+    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
+    found = _search(component, levels, deadline)
+    if not found.proven:
+        return found
+    costs = {level: found.cost[level] for level in levels if level >= COST_LEVEL}
+    count = _count(component, costs, deadline)
+    if count == 1:
+        return Optimum(found.true, found.cost, found.bound, True, 1)
+    true = _first_by_name(component, found)
+    return Optimum(true, found.cost, found.bound, True, count)
+
+
+def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:
+    control = clingo.Control([*_OPTIONS, *options])
+    with control.backend() as backend:
+        for _ in range(component.size):
+            backend.add_atom()
+        for rule in component.rules:
+            if rule.bound is None:
+                backend.add_rule(rule.head, rule.body, rule.choice)
+            else:
+                backend.add_weight_rule(rule.head, rule.bound, rule.weighted, rule.choice)
+    return control
+
+
+def _search(component: Component, levels: Sequence[int], deadline: float | None) -> Optimum:
+    control = _control(component)
+    with control.backend() as backend:
+        for level in levels:
+            costs = [(lit, weight) for at, weight, lit in component.costs if at == level]
+            backend.add_minimize(level, costs)
+    true: frozenset[int] | None = None
+    cost: list[int] = []
+    with control.solve(yield_=True, async_=True) as handle:
+        while True:
+            handle.resume()
+            wait = None if deadline is None else max(0.0, deadline - time.monotonic())
+            if not handle.wait(wait):
+                handle.cancel()
+                break
+            model = handle.model()
+            if model is None:
+                break
+            true = frozenset(a for a in range(1, component.size + 1) if model.is_true(a))
+            cost = list(model.cost)
+        result = handle.get()
+    if result.unsatisfiable:
+        raise UnsatisfiableError
+    if true is None:
+        raise TimeoutError
+    values = dict(zip(levels, cost, strict=True))
+    if result.exhausted:
+        return Optimum(true, values, values, True, None)
+    lower = control.statistics["summary"]["lower"] if levels else []
+    bound = {level: int(value) for level, value in zip(levels, lower, strict=False)}
+    return Optimum(true, values, {level: bound.get(level, 0) for level in levels}, False, None)
+
+
+def _bounded(
+    component: Component, costs: dict[int, int], options: Sequence[str] = ()
+) -> clingo.Control:
+    """Return a control whose answers are those of these costs."""
+    control = _control(component, options)
+    with control.backend() as backend:
+        for level, most in costs.items():
+            terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
+            # Beyond the cost the sum reaches `most` + 1; negative weights do not occur in costs.
+            backend.add_weight_rule([], most + 1, terms)
+        backend.add_project(component.projected)
+    return control
+
+
+def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
+    control = _bounded(component, costs, ("--project=project", f"--models={MOST_COUNTED + 1}"))
+    count = 0
+    with control.solve(yield_=True, async_=True) as handle:
+        while True:
+            handle.resume()
+            wait = None if deadline is None else max(0.0, deadline - time.monotonic())
+            if not handle.wait(wait):
+                handle.cancel()
+                return None
+            if handle.model() is None:
+                break
+            count += 1
+    return count if count <= MOST_COUNTED else None
+
+
+def _first_by_name(component: Component, found: Optimum) -> frozenset[int]:
+    """Decide the atoms one by one, true where some optimum has them so."""
+    control = _bounded(component, found.cost)
+    true = found.true
+    assumed: list[int] = []
+    for atom in component.projected:
+        if atom in true:
+            assumed.append(atom)
+            continue
+        answer: list[frozenset[int]] = []
+
+        def keep(model: clingo.Model, answer: list[frozenset[int]] = answer) -> None:
+            answer.append(frozenset(a for a in range(1, component.size + 1) if model.is_true(a)))
+
+        control.solve(assumptions=[*assumed, atom], on_model=keep)
+        if answer:
+            true = answer[0]
+            assumed.append(atom)
+        else:
+            assumed.append(-atom)
+    return true

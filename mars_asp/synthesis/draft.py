@@ -1,0 +1,78 @@
+"""A specification while it is written: nodes get names, lines get their order."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from clingo import Symbol
+
+from mars_asp.facts import described_modules, numbered, numbered_annotations
+from mars_asp.model import (
+    NODE_NAMES,
+    Configuration,
+    Conversion,
+    Module,
+    NodeKind,
+    Relationship,
+    Service,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """An introduced module: its name, its kind and the term by which the rules know it."""
+
+    name: str
+    kind: NodeKind
+    term: str
+    conversion: Conversion | None = None
+
+
+class Draft:
+    """Collects nodes and lines in the order in which they are printed."""
+
+    def __init__(
+        self, configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
+    ) -> None:
+        """Index what the answer set and the configuration say."""
+        self.span = configuration.span
+        self.relationships = dict(numbered(configuration.relationships))
+        places = {id(r): place for place, r in enumerate(configuration.relationships)}
+        #: The place of each relationship in the file, by its identifier.
+        self.place = {number: places[id(r)] for number, r in self.relationships.items()}
+        self.number = {place: number for number, place in self.place.items()}
+        described = described_modules(configuration, modules)
+        self.services: dict[int, tuple[str, Service]] = {
+            number: (module.name, annotation)
+            for number, module, annotation in numbered_annotations(configuration, described)
+            if isinstance(annotation, Service)
+        }
+        self.nodes: dict[str, Node] = {}
+        self.lines: list[Relationship] = []
+        self._rows: dict[tuple[str, int], list[Sequence[Symbol]]] = {}
+        for atom in atoms:
+            self._rows.setdefault((atom.name, len(atom.arguments)), []).append(atom.arguments)
+        self._names = {name.text for name in configuration.modules} | set(described)
+        self._next: dict[NodeKind, int] = {}
+
+    def rows(self, name: str, arity: int) -> list[Sequence[Symbol]]:
+        """Return the arguments of the true atoms of a predicate."""
+        return self._rows.get((name, arity), [])
+
+    def node(self, kind: NodeKind, term: str, conversion: Conversion | None = None) -> str:
+        """Return the name of a node, introducing it where it is new."""
+        if term not in self.nodes:
+            name = self._free_name(kind)
+            if conversion is not None:
+                conversion = replace(conversion, transformer=name)
+            self.nodes[term] = Node(name, kind, term, conversion)
+        return self.nodes[term].name
+
+    def _free_name(self, kind: NodeKind) -> str:
+        """Return the next name of a kind that no module has."""
+        while True:
+            number = self._next.get(kind, 1)
+            self._next[kind] = number + 1
+            plain = kind == "arbitration_node" and number == 1
+            name = NODE_NAMES[kind] + ("" if plain else str(number))
+            if name not in self._names:
+                return name

@@ -1,0 +1,70 @@
+"""From the true atoms of `rules/resolve` to a specification.
+
+What is introduced, and where, the rules have decided; here nodes get their names and lines their
+order, as in the figures of the paper.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from clingo import Symbol
+
+from mars_asp.model import Configuration, Control, Data, Module, Mount, Name
+from mars_asp.synthesis.control_lines import ControlLines
+from mars_asp.synthesis.data_lines import DataLines
+from mars_asp.synthesis.draft import Draft, Node
+
+
+@dataclass(frozen=True, slots=True)
+class Specification:
+    """A configuration's resolution: what is printed, the nodes, and what each resolves."""
+
+    configuration: Configuration
+    nodes: tuple[Node, ...]
+    resolves: Mapping[str, tuple[str, ...]]
+
+
+def specify(
+    configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
+) -> Specification:
+    """Build the specification that the true atoms of `rules/resolve` describe."""
+    draft = Draft(configuration, modules, atoms)
+    data, control = DataLines(draft), ControlLines(draft)
+    for relationship in configuration.relationships:
+        match relationship:
+            case Data():
+                data.write(relationship)
+            case Control():
+                control.write(relationship)
+            case Mount():
+                draft.lines.append(relationship)
+    nodes = tuple(draft.nodes.values())
+    introduced = tuple(Name(node.name, configuration.span) for node in nodes)
+    conversions = tuple(node.conversion for node in nodes if node.conversion is not None)
+    printed = replace(
+        configuration,
+        kind="specification",
+        stated=_states_architecture(configuration, nodes),
+        sources=(),
+        modules=(*configuration.modules, *introduced),
+        relationships=tuple(draft.lines),
+        declared=(),
+        conversions=(*configuration.conversions, *conversions),
+    )
+    return Specification(printed, nodes, _purposes(draft, nodes))
+
+
+def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:
+    """Say whether `flat` or `hierarchical` is printed."""
+    if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
+        return True
+    if configuration.kind == "specification" and configuration.stated:
+        return True
+    return any(node.kind == "arbitration_node" for node in nodes)
+
+
+def _purposes(draft: Draft, nodes: Iterable[Node]) -> dict[str, tuple[str, ...]]:
+    found: dict[str, set[str]] = {}
+    for term, kind, subject in draft.rows("resolves", 3):
+        found.setdefault(str(term), set()).add(f"{kind.name}({subject.string})")
+    return {node.name: tuple(sorted(found.get(node.term, ()))) for node in nodes}
