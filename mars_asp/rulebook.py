@@ -1,0 +1,361 @@
+"""Rule files: their texts, gated, and the metadata that stands above their rules.
+
+Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
+`{Variable}` holes) and a `help`; `%*! predicate(Arguments) ... *%` documents a predicate.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from clingo import ast
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.gate import gate_text
+from mars_asp.source import Span, point
+
+KEYS = ("id", "because", "help")
+#: What a rule pack from elsewhere may derive besides predicates of its own.
+EXTENSIBLE = frozenset({("consequence", 4), ("participant", 5), ("concerns", 4)})
+_METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
+_HOLE = re.compile(r"\{([^{}]*)\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule as it is written, with its metadata and its syntax tree."""
+
+    id: str
+    because: str | None
+    help: str | None
+    span: Span
+    text: str
+    ast: ast.AST
+    stage: str
+
+    @property
+    def holes(self) -> tuple[str, ...]:
+        """Return the variables that `because` and `help` name, each once."""
+        return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))
+
+
+@dataclass(frozen=True)
+class Rulebook:
+    """All rules, in the order of their files, and the texts that clingo is given.
+
+    The stage of a file in `rules/` is `base`, in a folder below it the folder's name.
+    """
+
+    rules: tuple[Rule, ...]
+    texts: tuple[tuple[str, str], ...]
+
+    def text(self, stage: str) -> str:
+        """Return the rules of one stage as clingo reads them."""
+        return "\n".join(text for at, text in self.texts if at == stage)
+
+    @cached_property
+    def by_id(self) -> dict[str, Rule]:
+        """Return the rules by their ids."""
+        return {rule.id: rule for rule in self.rules}
+
+
+def rules_directory() -> Path:
+    """Return where the built-in rules are: beside the source tree, else in the package."""
+    here = Path(__file__).resolve().parent
+    beside = here.parent / "rules"
+    return beside if (beside / "vocabulary.lp").is_file() else here / "rules"
+
+
+def load_rulebook(
+    extra: Sequence[Path] = (), stages: Sequence[str] = ("resolve",), strict: bool = False
+) -> Rulebook:
+    """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
+
+    The holes of the built-in messages are checked only when `strict`: the tests have done so.
+
+    Raises:
+        MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong.
+    """
+    root = rules_directory()
+    rules: list[Rule] = []
+    texts: list[tuple[str, str]] = []
+    problems: list[Diagnostic] = []
+    for folder, stage in [(root, "base"), *((root / name, name) for name in stages)]:
+        for path in sorted(folder.glob("*.lp")):
+            shown = "rules/" + path.relative_to(root).as_posix()
+            _load_file(path, shown, stage, rules, texts, problems, strict)
+    own = tuple(rules)
+    for path in _pack_files(extra, problems):
+        first = len(rules)
+        _load_file(path, str(path), "base", rules, texts, problems, True)
+        problems += _reserved(rules[first:], own)
+    problems += _repeated(rules)
+    if problems:
+        raise MarsError(problems)
+    return Rulebook(tuple(rules), tuple(texts))
+
+
+def head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
+    """Yield the predicates that a rule's head can derive, as (name, arity)."""
+    head = statement.head
+    if head.ast_type == ast.ASTType.Literal:
+        yield from _signature(head)
+    for element in getattr(head, "elements", ()):
+        condition = getattr(element, "condition", element)
+        literal = getattr(condition, "literal", getattr(element, "literal", None))
+        if literal is not None and literal.ast_type == ast.ASTType.ConditionalLiteral:
+            literal = literal.literal
+        if literal is not None:
+            yield from _signature(literal)
+
+
+def _signature(literal: ast.AST) -> Iterator[tuple[str, int]]:
+    if literal.atom.ast_type != ast.ASTType.SymbolicAtom:
+        return
+    symbol = literal.atom.symbol
+    while symbol.ast_type == ast.ASTType.UnaryOperation:
+        symbol = symbol.argument
+    for variant in (
+        getattr(symbol, "arguments", ()) if symbol.ast_type == ast.ASTType.Pool else (symbol,)
+    ):
+        if variant.ast_type == ast.ASTType.Function:
+            yield variant.name, len(variant.arguments)
+
+
+def _load_file(
+    path: Path,
+    shown: str,
+    stage: str,
+    rules: list[Rule],
+    texts: list[tuple[str, str]],
+    problems: list[Diagnostic],
+    strict: bool,
+) -> None:
+    try:
+        text = gate_text(path, shown)
+        statements: list[ast.AST] = []
+        # Columns count bytes in clingo: what is not ASCII becomes one byte before it is parsed.
+        masked = re.sub(r"[^\x00-\x7f]", "`", text)
+        _parse(masked, shown, statements)
+    except MarsError as error:
+        problems += error.diagnostics
+        return
+    texts.append((stage, text))
+    found = list(_rules_of(statements, text, shown, stage, path.stem, problems))
+    if strict:
+        problems += [problem for rule in found for problem in _wrong_holes(rule)]
+    rules += found
+
+
+def _parse(text: str, shown: str, statements: list[ast.AST]) -> None:
+    notes: list[str] = []
+    try:
+        ast.parse_string(text, statements.append, logger=lambda _, note: notes.append(note))
+    except RuntimeError:
+        raise MarsError(tuple(_syntax(note, shown) for note in notes[:20])) from None
+
+
+def _syntax(note: str, shown: str) -> Diagnostic:
+    match = re.match(r"<string>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", note, re.DOTALL)
+    line, column, text = (int(match[1]), int(match[2]), match[3]) if match else (1, 1, note)
+    return Diagnostic("rule-syntax", "error", text.strip(), point(shown, line, column))
+
+
+def _rules_of(
+    statements: Iterable[ast.AST],
+    text: str,
+    shown: str,
+    stage: str,
+    stem: str,
+    problems: list[Diagnostic],
+) -> Iterator[Rule]:
+    lines = text.splitlines()
+    pending: dict[str, tuple[str, Span]] = {}
+    last_line = 0
+    for statement in statements:
+        if statement.ast_type == ast.ASTType.Comment:
+            begin = statement.location.begin
+            match = _METADATA.match(statement.value.replace("`", "`"))
+            if match:
+                written = _METADATA.match(lines[begin.line - 1][begin.column - 1 :])
+                span = point(shown, begin.line, begin.column)
+                _note_metadata(pending, written or match, span, problems)
+                last_line = begin.line
+            continue
+        if statement.ast_type != ast.ASTType.Rule:
+            problems += _unbound(pending)
+            pending = {}
+            continue
+        begin, end = statement.location.begin, statement.location.end
+        span = Span(shown, begin.line, begin.column, end.line, end.column)
+        if pending and begin.line != last_line + 1:
+            problems += _unbound(pending)
+            pending = {}
+        rule = _rule(statement, pending, span, lines, stage, stem)
+        problems += _wrong_id(rule, pending, stem)
+        pending = {}
+        yield rule
+    problems += _unbound(pending)
+
+
+def _note_metadata(
+    pending: dict[str, tuple[str, Span]],
+    match: re.Match[str],
+    span: Span,
+    problems: list[Diagnostic],
+) -> None:
+    key, value = match[1], match[2].strip()
+    if key not in KEYS:
+        near = difflib.get_close_matches(key, KEYS, 1)
+        help_text = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(KEYS)}"
+        problems.append(
+            Diagnostic(
+                "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
+            )
+        )
+    elif key in pending:
+        problems.append(
+            Diagnostic("rule-metadata", "error", f"`{key}` stands twice above one rule", span)
+        )
+    else:
+        pending[key] = (value, span)
+
+
+def _rule(
+    statement: ast.AST,
+    metadata: dict[str, tuple[str, Span]],
+    span: Span,
+    lines: Sequence[str],
+    stage: str,
+    stem: str,
+) -> Rule:
+    written = list(lines[span.line - 1 : span.end_line])
+    written[-1] = written[-1][: span.end_column - 1]
+    written[0] = written[0][span.column - 1 :]
+    given = {key: value for key, (value, _) in metadata.items()}
+    return Rule(
+        given.get("id", f"{stem}:{span.line}"),
+        given.get("because"),
+        given.get("help"),
+        span,
+        "\n".join(written),
+        statement,
+        stage,
+    )
+
+
+def _wrong_id(rule: Rule, metadata: dict[str, tuple[str, Span]], stem: str) -> Iterator[Diagnostic]:
+    if "id" in metadata and not rule.id.startswith(f"{stem}/"):
+        yield Diagnostic(
+            "rule-metadata",
+            "error",
+            f"rule id `{rule.id}` does not start with its file's name",
+            metadata["id"][1],
+            help=f"write `{stem}/...`",
+        )
+
+
+def _wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
+    if not rule.holes:
+        return
+    bound = _variables(rule.ast)
+    for hole in rule.holes:
+        if hole not in bound:
+            near = difflib.get_close_matches(hole, sorted(bound), 1)
+            yield Diagnostic(
+                "rule-metadata",
+                "error",
+                f"`{{{hole}}}` in the message of `{rule.id}` is no variable of the rule's body",
+                rule.span,
+                help=f"did you mean `{{{near[0]}}}`?" if near else None,
+            )
+
+
+def _variables(statement: ast.AST) -> set[str]:
+    """Return the variables outside of aggregates and negated literals of a rule's body."""
+    found: set[str] = set()
+    for literal in statement.body:
+        if literal.ast_type != ast.ASTType.Literal or literal.sign != ast.Sign.NoSign:
+            continue
+        atom = literal.atom
+        if atom.ast_type in (ast.ASTType.BodyAggregate, ast.ASTType.Aggregate):
+            guards = (atom.left_guard, atom.right_guard)
+            for guard in guards:
+                if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                    found |= set(_names(guard.term))
+        else:
+            found |= set(_names(atom))
+    return found
+
+
+def _names(node: ast.AST) -> Iterator[str]:
+    if node.ast_type == ast.ASTType.Variable:
+        yield node.name
+        return
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if child is None:
+            continue
+        for item in child if isinstance(child, ast.ASTSequence) else (child,):
+            yield from _names(item)
+
+
+def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
+    return [
+        Diagnostic(
+            "rule-metadata",
+            "error",
+            f"`{key}` does not stand directly above a rule",
+            span,
+            help="put it on the line above the rule it belongs to",
+        )
+        for key, (_, span) in list(metadata.items())[:1]
+    ]
+
+
+def _repeated(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+    first: dict[str, Rule] = {}
+    for rule in rules:
+        earlier = first.setdefault(rule.id, rule)
+        if earlier is not rule and "/" in rule.id:
+            yield Diagnostic(
+                "rule-metadata",
+                "error",
+                f"rule id `{rule.id}` is used twice",
+                rule.span,
+                ((earlier.span, "first used here"),),
+            )
+
+
+def _reserved(rules: Iterable[Rule], own: Iterable[Rule]) -> Iterator[Diagnostic]:
+    built_in = {signature for rule in own for signature in head_signatures(rule.ast)}
+    for rule in rules:
+        for name, arity in head_signatures(rule.ast):
+            if (name, arity) in built_in - EXTENSIBLE:
+                yield Diagnostic(
+                    "rule-reserved",
+                    "error",
+                    f"`{name}/{arity}` is derived by the built-in rules alone",
+                    rule.span,
+                    help="derive a predicate of your own, or `consequence/4`",
+                )
+
+
+def _pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:
+    for path in extra:
+        if path.is_dir():
+            yield from sorted(path.glob("*.lp"))
+        elif path.is_file():
+            yield path
+        else:
+            problems.append(
+                Diagnostic(
+                    "rules-missing",
+                    "error",
+                    f"`{path}` is no file or folder",
+                    point(str(path), 1, 1),
+                )
+            )
