@@ -8,7 +8,7 @@ import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, Recorder, partition
-from mars_asp.optimum import COST_LEVEL, Optimum, UnsatisfiableError, optimise
+from mars_asp.optimum import Optimum, UnsatisfiableError, optimise
 from mars_asp.source import point
 
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined")
@@ -74,6 +74,11 @@ class Grounding:
         """Yield the atoms of a predicate that are grounded, facts or not."""
         return (atom.symbol for atom in self.control.symbolic_atoms.by_signature(name, arity))
 
+    def atoms(self, name: str, arity: int) -> Iterable[tuple[clingo.Symbol, bool]]:
+        """Yield the atoms of a predicate and whether each is a fact."""
+        found = self.control.symbolic_atoms.by_signature(name, arity)
+        return ((atom.symbol, atom.is_fact) for atom in found)
+
     def resolve(
         self,
         rules: str,
@@ -127,11 +132,3 @@ class Grounding:
             return optimise(component, deadline)
         except UnsatisfiableError:
             raise self._refused("no resolution satisfies the rules of `rules/resolve`") from None
-
-
-def cost_at(cost: dict[int, int], level: int) -> int:
-    """Return the cost at a level of the minimisation, 0 where nothing is minimised there."""
-    return cost.get(level, 0)
-
-
-__all__ = ["COST_LEVEL", "Grounding", "Resolution", "cost_at"]

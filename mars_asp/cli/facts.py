@@ -1,0 +1,18 @@
+"""Print the facts of a configuration, so that clingo itself can be run on them."""
+
+import argparse
+
+from mars_asp.cli.reason import add_file, project_facts, read_project
+from mars_asp.facts import facts_text
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    add_file(parser)
+    parser.epilog = "clingo rules/*.lp rules/resolve/*.lp <(mars-asp facts config.mars)"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print one fact a line."""
+    print(facts_text(project_facts(read_project(arguments))), end="")
+    return 0

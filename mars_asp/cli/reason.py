@@ -1,0 +1,64 @@
+"""What the verbs that reason have in common: read, load the rules, analyse."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from mars_asp.analysis import Analysis, analyse
+from mars_asp.atom import Fact
+from mars_asp.cli.report import report
+from mars_asp.facts import configuration_facts
+from mars_asp.language.parse import decode
+from mars_asp.project import Project, load_project
+from mars_asp.rulebook import Rulebook, load_rulebook
+
+STANDARD_INPUT = "-"
+
+
+def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
+    """Read the project of a verb's FILE; report what is noteworthy about it.
+
+    Raises:
+        MarsError: what is wrong with its files.
+    """
+    path = arguments.file if path is None else path
+    if path == STANDARD_INPUT:
+        text = decode(sys.stdin.buffer.read(), "<stdin>")
+        project = load_project("<stdin>", arguments.sources, text)
+    else:
+        project = load_project(path, arguments.sources)
+    report(project.diagnostics, arguments)
+    return project
+
+
+def rulebook_for(arguments: argparse.Namespace, stages: Sequence[str] = ("resolve",)) -> Rulebook:
+    """Load the built-in rules and those of `--rules`.
+
+    Raises:
+        MarsError: what is wrong with rule files.
+    """
+    return load_rulebook([Path(path) for path in arguments.rules], stages)
+
+
+def project_facts(project: Project) -> tuple[Fact, ...]:
+    """Return the facts of a project.
+
+    Raises:
+        MarsError: numbers that do not fit.
+    """
+    return configuration_facts(project.configuration, project.modules)
+
+
+def analyse_project(project: Project, rulebook: Rulebook) -> Analysis:
+    """Return the consequences of a project.
+
+    Raises:
+        MarsError: numbers that do not fit, rules that clingo refuses.
+    """
+    return analyse(project_facts(project), rulebook, project.configuration.span)
+
+
+def add_file(parser: argparse.ArgumentParser) -> None:
+    """Add the FILE argument."""
+    parser.add_argument("file", metavar="FILE", help="a `.mars` file, `-` for standard input")

@@ -1,0 +1,134 @@
+"""Print the minimal specification that resolves a configuration."""
+
+import argparse
+import json
+import sys
+
+from mars_asp.analysis import diagnostic
+from mars_asp.cli.progress import progress_bar
+from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
+from mars_asp.cli.report import report
+from mars_asp.facts import module_classes
+from mars_asp.language import print_configuration
+from mars_asp.language.print import print_number
+from mars_asp.model import Control, Data, Module, Mount
+from mars_asp.project import Project
+from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
+from mars_asp.visible import write_whole
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    add_file(parser)
+    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the specification; 1 where something is an error, 3 where no time was left."""
+    project = read_project(arguments)
+    rulebook = rulebook_for(arguments)
+    analysis = analyse_project(project, rulebook)
+    findings = [c for c in analysis.consequences if c.severity != "note"]
+    report(map(diagnostic, findings), arguments)
+    try:
+        with progress_bar(arguments, "components") as progress:
+            found = synthesise(
+                project.configuration,
+                project.modules,
+                analysis,
+                rulebook,
+                arguments.time_limit,
+                progress,
+            )
+    except TimeoutError:
+        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
+        return 3
+    if found is None:
+        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+        return 1
+    if arguments.format == "json":
+        text = json.dumps(synthesis_json(project, found)) + "\n"
+    else:
+        text = print_configuration(found.specification.configuration)
+    if arguments.output == "-":
+        print(text, end="")
+    else:
+        write_whole(arguments.output, text)
+    if not found.resolution.proven:
+        print(
+            f"mars-asp: best found, {found.cost(NODES)} nodes; lower bound {found.bound(NODES)}",
+            file=sys.stderr,
+        )
+        return 3
+    return int(analysis.has_errors)
+
+
+def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
+    """Return a synthesis with the keys of the command line's contract."""
+    printed = found.specification.configuration
+    relationships = printed.relationships
+    return {
+        "architecture": printed.architecture,
+        "modules": _modules_json(project, found),
+        "data": [_data_json(r) for r in relationships if isinstance(r, Data)],
+        "control": [
+            {
+                "controlled": r.controlled,
+                "controller": r.controller,
+                "priority": r.priority,
+                "hold_ms": r.hold_ms,
+            }
+            for r in relationships
+            if isinstance(r, Control)
+        ],
+        "mounts": [_mount_json(r) for r in relationships if isinstance(r, Mount)],
+        "cost": {
+            "nodes": found.cost(NODES),
+            "conversion": found.cost(CONVERSION),
+            "relationships": found.cost(RELATIONSHIPS),
+        },
+        "proven_minimal": found.resolution.proven,
+        "optimal_count": found.resolution.count,
+        "resolves": {name: list(kinds) for name, kinds in found.specification.resolves.items()},
+        **({} if found.resolution.proven else {"lower_bound": {"nodes": found.bound(NODES)}}),
+    }
+
+
+def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]:
+    described = {
+        **project.modules,
+        **{module.name: module for module in project.configuration.declared},
+    }
+    listed: list[dict[str, object]] = [
+        {"name": name.text, "kind": _kind(described.get(name.text)), "origin": "declared"}
+        for name in project.configuration.modules
+    ]
+    for node in found.specification.nodes:
+        entry: dict[str, object] = {"name": node.name, "kind": node.kind, "origin": "introduced"}
+        if node.conversion is not None:
+            entry["converter"] = node.conversion.converter
+            entry["from"] = node.conversion.source
+            entry["to"] = node.conversion.target
+        listed.append(entry)
+    return listed
+
+
+def _kind(module: Module | None) -> str | None:
+    """Return the first class of a declared module, nothing where it is not described."""
+    return None if module is None else next(module_classes(module), None)
+
+
+def _data_json(data: Data) -> dict[str, object]:
+    mode = None if data.mode is None else data.mode.text or data.mode.name
+    hz = None if data.hz is None else json.loads(print_number(data.hz))
+    return {"client": data.client, "source": data.source, "mode": mode, "hz": hz}
+
+
+def _mount_json(mount: Mount) -> dict[str, object]:
+    return {
+        "mounting": mount.mounting,
+        "mounting_vertex": mount.mounting_vertex,
+        "mounted": mount.mounted,
+        "mounted_vertex": mount.mounted_vertex,
+        "transformation": mount.transformation.text if mount.transformation else None,
+    }

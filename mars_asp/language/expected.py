@@ -1,0 +1,85 @@
+"""What a statement that does not parse was expected to be."""
+
+import difflib
+import re
+
+from lark import UnexpectedInput
+
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.language.layout import Layout
+
+KEYWORDS = (
+    "@configuration",
+    "@specification",
+    "@modules",
+    "@sources",
+    "is_mounted_on",
+    "is_controlled_by",
+    "uses_data_from",
+)
+_WORDS = ("flat", "hierarchical", "period", "hold")
+_SHOWN = {
+    "NAME": "a module name",
+    "INTEGER": "a whole number",
+    "NUMBER": "a frequency",
+    "MODE": "a delivery mode",
+    "SLOT": "an axis, a number or `_`",
+    "PATH": "a path",
+    "ARCHITECTURE": "`flat` or `hierarchical`",
+    "KIND": "`@configuration`",
+    "COMMA": "`,`",
+    "LPAR": "`(`",
+    "RPAR": "`)`",
+    "_NEWLINE": "the end of the line",
+    "$END": "the end of the line",
+    "IS_MOUNTED_ON": "`is_mounted_on`",
+    "IS_CONTROLLED_BY": "`is_controlled_by`",
+    "USES_DATA_FROM": "`uses_data_from`",
+    "HOLD": "`hold`",
+    "PERIOD": "`period`",
+    "MODULES": "`@modules`",
+    "SOURCES": "`@sources`",
+}
+_WORD = re.compile(r"@?[^\s,()]+|\S")
+
+
+def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> Diagnostic:
+    """Return the diagnostic of a statement, `piece`, that stands at offset `base`."""
+    at = min(max(error.pos_in_stream or 0, 0), len(piece))
+    match = _WORD.search(piece, at)
+    found = f"`{match[0]}`" if match else "the end of the line"
+    begin, end = match.span() if match else (len(piece.rstrip()), len(piece.rstrip()) + 1)
+    terminals = getattr(error, "accepts", None) or getattr(error, "expected", None)
+    terminals = terminals or getattr(error, "allowed", None) or ()
+    wanted = sorted({_SHOWN.get(str(name), str(name)) for name in terminals})
+    if not wanted or not piece[:begin].strip():
+        wanted = ["a relationship", "`@configuration`", "`@modules`", "`@sources`"]
+    expected = (
+        f"expected {', '.join(wanted[:-1])} or {wanted[-1]}"
+        if wanted[1:]
+        else f"expected {wanted[0]}"
+    )
+    span = layout.span(base + begin, base + end)
+    return Diagnostic(
+        "syntax",
+        "error",
+        f"found {found}, {expected}",
+        span,
+        help=_hint(piece, match[0] if match else ""),
+        excerpt=layout.line(span.line),
+    )
+
+
+def _hint(piece: str, found: str) -> str | None:
+    """Name the keyword that a word of the statement is a misspelling of."""
+    words = [found, *_WORD.findall(piece)]
+    for word in words:
+        vocabulary = (*KEYWORDS, *_WORDS) if word == found else KEYWORDS
+        if word in vocabulary or len(word) < 3:
+            continue
+        near = difflib.get_close_matches(word.lower(), vocabulary, 1, 0.75)
+        if near:
+            return f"did you mean `{near[0]}`?"
+    if not piece.lstrip().startswith("@") and not any(word in words for word in KEYWORDS):
+        return "a line relates modules by `is_mounted_on`, `is_controlled_by` or `uses_data_from`"
+    return None

@@ -1,0 +1,54 @@
+"""A `.mars` text with everything blanked that the grammar does not read, offsets kept."""
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from mars_asp.source import Span
+
+_COMMENT = re.compile(r"(?://|#)[^\n]*")
+#: A statement goes on behind a comma, before one, and before the tuple of a mount.
+_CONTINUED = re.compile(r",[ \t]*\n[ \t\n]*|[ \t]*\n[ \t\n]*(?=[,(])")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The original text by lines, and the text that the grammar reads."""
+
+    path: str
+    text: str
+    grammatical: str
+    starts: tuple[int, ...]
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Return the line and column, from 1, of an offset."""
+        line = bisect_right(self.starts, offset)
+        return line, offset - self.starts[line - 1] + 1
+
+    def span(self, begin: int, end: int) -> Span:
+        """Return the span of a stretch of offsets."""
+        return Span(self.path, *self.position(begin), *self.position(end))
+
+    def line(self, number: int) -> str:
+        """Return a line without its end."""
+        end = self.starts[number] if number < len(self.starts) else len(self.text)
+        return self.text[self.starts[number - 1] : end].rstrip("\n ")
+
+
+def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
+    r"""Blank comments, the lines of module blocks and the line ends inside statements.
+
+    `text` has `\n` for every line end; `blocks` are (first, last) lines of module blocks.
+    """
+    starts = [0]
+    for match in re.finditer("\n", text):
+        starts.append(match.end())
+    blanked = text
+    for first, last in blocks:
+        begin = starts[first - 1]
+        end = starts[last] if last < len(starts) else len(text)
+        blanked = blanked[:begin] + re.sub(r"[^\n]", " ", text[begin:end]) + blanked[end:]
+    blanked = _COMMENT.sub(lambda match: " " * len(match[0]), blanked)
+    joined = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), blanked)
+    return Layout(path, text, joined + "\n", tuple(starts))

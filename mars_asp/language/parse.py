@@ -1,0 +1,160 @@
+"""`.mars` text to plain values, with every syntax error of a file in one run."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import cast
+
+from lark import Lark, UnexpectedInput
+
+from mars_asp.annotations import read_blocks
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language.expected import describe
+from mars_asp.language.layout import Layout, lay_out
+from mars_asp.language.statements import Builder, Raw, Statements
+from mars_asp.model import Configuration, Conversion
+from mars_asp.source import point
+
+#: Far above any robot; a larger file is a mistake that would only cost time.
+MOST_BYTES = 64 * 1024 * 1024
+#: Stands for a converter where a transformer is the abstract one.
+ABSTRACT = "no converter declared"
+_CONVERSION = re.compile(
+    r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
+    rf"(?P<converter>[A-Za-z_]\w*|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """A file that could be read, with what is noteworthy about it."""
+
+    configuration: Configuration
+    warnings: tuple[Diagnostic, ...]
+
+
+def parse_file(path: Path) -> Parsed:
+    """Read a `.mars` file.
+
+    Raises:
+        MarsError: the file cannot be read, or is not in the language.
+    """
+    shown = str(path)
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise MarsError((_unreadable(shown, error.strerror or "cannot be read"),)) from None
+    if len(raw) > MOST_BYTES:
+        raise MarsError((_unreadable(shown, f"is larger than {MOST_BYTES} bytes"),))
+    return parse_text(decode(raw, shown), shown)
+
+
+def decode(raw: bytes, shown: str) -> str:
+    """Return the text of a file's bytes.
+
+    Raises:
+        MarsError: the bytes are no text.
+    """
+    for mark, encoding in (
+        (b"\xef\xbb\xbf", "utf-8-sig"),
+        (b"\xff\xfe", "utf-16"),
+        (b"\xfe\xff", "utf-16"),
+    ):
+        if raw.startswith(mark):
+            break
+    else:
+        encoding = "utf-8"
+    try:
+        return raw.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        found = Diagnostic(
+            "encoding",
+            "error",
+            "the file is not UTF-8",
+            point(shown, line, 1),
+            help="save it as UTF-8",
+        )
+        raise MarsError((found,)) from None
+
+
+def parse_text(text: str, path: str) -> Parsed:
+    """Read the text of a `.mars` file; `path` is the name that places carry.
+
+    Raises:
+        MarsError: every syntax error of the text.
+    """
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    blocks = read_blocks(path, text)
+    layout = lay_out(path, text, blocks.lines)
+    problems = [d for d in blocks.diagnostics if d.severity == "error"]
+    warnings = tuple(d for d in blocks.diagnostics if d.severity != "error")
+    builder = Builder(layout)
+    for base, raw in _statements(layout, problems):
+        builder.add(base, raw)
+    configuration = builder.configuration(complete=not problems)
+    problems += builder.problems
+    if problems:
+        raise MarsError(problems)
+    conversions = _conversions(layout) if configuration.kind == "specification" else ()
+    return Parsed(
+        replace(configuration, declared=blocks.modules, conversions=conversions), warnings
+    )
+
+
+def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:
+    """Yield statements with the offset that theirs are relative to.
+
+    The whole text is parsed at once; only where that fails, each statement by itself, so that
+    one error hides no other.
+    """
+    try:
+        found = cast("list[Raw]", _parser().parse(layout.grammatical))
+    except UnexpectedInput:
+        pass
+    else:
+        for raw in found:
+            yield 0, raw
+        return
+    base = 0
+    for piece in layout.grammatical.split("\n"):
+        if piece.strip():
+            try:
+                found = cast("list[Raw]", _parser().parse(piece + "\n"))
+            except UnexpectedInput as error:
+                problems.append(describe(layout, base, piece, error))
+            else:
+                for raw in found:
+                    yield base, raw
+        base += len(piece) + 1
+
+
+def _conversions(layout: Layout) -> tuple[Conversion, ...]:
+    return tuple(
+        Conversion(
+            match["node"],
+            None if match["converter"] == ABSTRACT else match["converter"],
+            match["source"],
+            match["target"],
+            layout.span(match.start("node"), match.end("target")),
+        )
+        for match in _CONVERSION.finditer(layout.text)
+    )
+
+
+@cache
+def _parser() -> Lark:
+    return Lark.open(
+        "grammar.lark",
+        rel_to=__file__,
+        parser="lalr",
+        transformer=Statements(),
+        maybe_placeholders=True,
+    )
+
+
+def _unreadable(shown: str, reason: str) -> Diagnostic:
+    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", point(shown, 1, 1))

@@ -1,0 +1,88 @@
+"""A configuration together with the sources that describe its modules."""
+
+import glob
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language import parse_file, parse_text
+from mars_asp.model import Configuration, Module
+from mars_asp.source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """A configuration, the modules described for it, and what is noteworthy about their files."""
+
+    configuration: Configuration
+    modules: Mapping[str, Module]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
+    """Read a `.mars` file and the annotated sources that it and `sources` name.
+
+    `text` replaces the file's content, as it does for standard input. Paths of `@sources` are
+    relative to the file.
+
+    Raises:
+        MarsError: syntax errors of the file, and sources that are missing or wrongly annotated.
+    """
+    parsed = parse_file(Path(path)) if text is None else parse_text(text, path)
+    configuration = parsed.configuration
+    folder = Path(path).parent
+    problems: list[Diagnostic] = []
+    paths: list[Path] = []
+    for name in configuration.sources:
+        paths += _found(name.text, folder / name.text, name.span, problems)
+    for argument in sources:
+        paths += _found(argument, Path(argument), configuration.span, problems)
+    if problems:
+        raise MarsError(problems)
+    modules: dict[str, Module] = {}
+    diagnostics = parsed.warnings
+    if paths:
+        from mars_asp.annotations import extract  # noqa: PLC0415 -- only where there are sources
+
+        extraction = extract(paths)
+        diagnostics += extraction.diagnostics
+        modules = {module.name: module for module in extraction.modules}
+    clashes = [
+        _annotated_twice(module, modules[module.name])
+        for module in configuration.declared
+        if module.name in modules
+    ]
+    errors = [d for d in diagnostics if d.severity == "error"] + clashes
+    if errors:
+        raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
+    return Project(configuration, modules, diagnostics)
+
+
+def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> list[Path]:
+    """Return the paths that a path or glob names; note where it names none."""
+    if path.exists():
+        return [path]
+    matches = [Path(match) for match in sorted(glob.glob(str(path), recursive=True))]
+    if not matches:
+        problems.append(
+            Diagnostic(
+                "sources-missing",
+                "error",
+                f"`{written}` names no file or folder",
+                span,
+                help="paths of `@sources` are relative to the configuration's own file",
+            )
+        )
+    return matches
+
+
+def _annotated_twice(module: Module, other: Module) -> Diagnostic:
+    return Diagnostic(
+        "module-twice",
+        "error",
+        f"module `{module.name}` is described twice",
+        module.span,
+        ((other.span, "also here"),),
+        "keep one of the two descriptions",
+    )
