@@ -37,6 +37,11 @@ class Rule:
     stage: str
 
     @property
+    def is_choice(self) -> bool:
+        """Say whether the rule offers atoms instead of forcing them."""
+        return self.ast.head.ast_type not in (ast.ASTType.Literal, ast.ASTType.Disjunction)
+
+    @property
     def holes(self) -> tuple[str, ...]:
         """Return the variables that `because` and `help` name, each once."""
         return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))

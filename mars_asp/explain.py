@@ -1,0 +1,179 @@
+"""Explanations of a configuration: which question, which atoms, whose traces.
+
+>>> project = load_project("config.mars")
+>>> for topic in explain(project, load_rulebook()).topics:
+...     print(topic.title)
+"""
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from mars_asp.analysis import Analysis, Consequence, analyse
+from mars_asp.atom import Atom, Fact, Term
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.facts import configuration_facts
+from mars_asp.project import Project
+from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.rulebook import Rulebook, head_signatures
+from mars_asp.source import Span, point
+from mars_asp.synthesis import Node
+from mars_asp.trace import Explainer, Trace
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One thing that is explained: a node, a consequence or an atom."""
+
+    title: str
+    trace: Trace
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The answer to a question; `synthesis` is `None` where nothing was or could be resolved."""
+
+    subject: str | None
+    topics: tuple[Topic, ...]
+    analysis: Analysis
+    synthesis: Synthesis | None
+
+
+def explain(
+    project: Project, rulebook: Rulebook, subject: str | None = None, seconds: float | None = None
+) -> Explanation:
+    """Explain everything, or a module, node, consequence kind or atom.
+
+    Raises:
+        MarsError: the subject is nothing that could be explained, or does not hold.
+        TimeoutError: no specification was found in the seconds given.
+    """
+    facts = configuration_facts(project.configuration, project.modules)
+    analysis = analyse(facts, rulebook, project.configuration.span)
+    chosen = _consequences(analysis, project, subject)
+    synthesis = None
+    if not chosen or not _is_kind(chosen, subject):
+        synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+    nodes = _nodes(synthesis, subject, chosen)
+    asked: list[tuple[str, clingo.Symbol]] = [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
+    asked += [(_node_title(node, synthesis), clingo.parse_term(node.term)) for node in nodes]
+    if not asked and subject is not None:
+        asked = [_asked_atom(subject, project, analysis, synthesis)]
+    explainer = explainer_for(rulebook, facts, analysis, synthesis)
+    traces = explainer.why(dict.fromkeys(atom for _, atom in asked))
+    topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
+    return Explanation(subject, topics, analysis, synthesis)
+
+
+def explainer_for(
+    rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, synthesis: Synthesis | None
+) -> Explainer:
+    """Return an explainer of one analysis and its resolution."""
+    given: dict[clingo.Symbol, Span] = {symbol_of(fact.atom): fact.span for fact in facts}
+    control = analysis.grounding.control
+    if synthesis is None:
+        return Explainer(rulebook, control, given)
+    taken = synthesis.resolution.taken
+    derived = {
+        signature
+        for rule in rulebook.rules
+        if rule.stage == "resolve"
+        for signature in head_signatures(rule.ast)
+    }
+    opened = {
+        (name, arity)
+        for name, arity in derived
+        if any(not is_fact for _, is_fact in analysis.grounding.atoms(name, arity))
+    }
+    return Explainer(rulebook, control, given, taken, opened)
+
+
+def symbol_of(atom: Atom) -> clingo.Symbol:
+    """Return an atom as clingo's symbol."""
+    return clingo.Function(atom.name, [_symbol(term) for term in atom.arguments])
+
+
+def _symbol(term: Term) -> clingo.Symbol:
+    match term:
+        case int():
+            return clingo.Number(term)
+        case str():
+            return clingo.String(term)
+        case Atom():
+            return symbol_of(term)
+
+
+def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:
+    return all(subject in (c.kind, f"{c.kind}({c.subject})") for c in chosen)
+
+
+def _consequences(
+    analysis: Analysis, project: Project, subject: str | None
+) -> tuple[Consequence, ...]:
+    if subject is None:
+        return analysis.consequences
+    return tuple(
+        c
+        for c in analysis.consequences
+        if subject in (c.kind, f"{c.kind}({c.subject})", c.subject, *c.participants, str(c.atom))
+    )
+
+
+def _nodes(
+    synthesis: Synthesis | None, subject: str | None, chosen: Sequence[Consequence]
+) -> tuple[Node, ...]:
+    if synthesis is None:
+        return ()
+    specification = synthesis.specification
+    if subject is None:
+        return specification.nodes
+    named = tuple(node for node in specification.nodes if node.name == subject)
+    if named:
+        return named
+    reasons = {f"{c.kind}({c.subject})" for c in chosen}
+    return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
+
+
+def _node_title(node: Node, synthesis: Synthesis | None) -> str:
+    resolves = () if synthesis is None else synthesis.specification.resolves[node.name]
+    return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
+
+
+def _asked_atom(
+    subject: str, project: Project, analysis: Analysis, synthesis: Synthesis | None
+) -> tuple[str, clingo.Symbol]:
+    """Return the true atom that a subject names.
+
+    Raises:
+        MarsError: it names none.
+    """
+    try:
+        symbol = clingo.parse_term(subject)
+    except RuntimeError:
+        symbol = None
+    if symbol is not None and symbol.type == clingo.SymbolType.Function:
+        taken = frozenset() if synthesis is None else synthesis.resolution.taken
+        atom = analysis.grounding.control.symbolic_atoms[symbol]
+        if atom is not None and (atom.is_fact or symbol in taken):
+            return subject, symbol
+    names = {name.text for name in project.configuration.modules}
+    if subject in names:
+        message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
+    else:
+        known = [*names, *(c.kind for c in analysis.consequences)]
+        if synthesis is not None:
+            known += [node.name for node in synthesis.specification.nodes]
+        near = difflib.get_close_matches(subject, known, 1)
+        message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
+        help_text = (
+            f"did you mean `{near[0]}`?" if near else "`--why-not ATOM` says what an atom lacks"
+        )
+    raise MarsError(
+        (
+            Diagnostic(
+                "subject", "error", message, point(project.configuration.path, 1, 1), help=help_text
+            ),
+        )
+    )

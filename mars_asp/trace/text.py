@@ -1,0 +1,217 @@
+"""Traces as text of 80 columns and as JSON, without recursion."""
+
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from mars_asp.source import Span
+from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
+
+WIDTH = 80
+#: Deep enough for a reason, short enough to read.
+DEPTH = 4
+
+
+def traces_text(
+    topics: Sequence[tuple[str, Trace]],
+    line_at: Callable[[Span], str],
+    depth: int | None = DEPTH,
+) -> Iterator[str]:
+    """Yield the lines of several traces, each under its title: messages, rules and places.
+
+    What has no message is folded into what it supports. What is shared stands once; where it is
+    needed again, it is referred to by a number.
+    """
+    entries = [entry for topic in topics for entry in _entries(*topic, line_at, depth)]
+    shown: set[int] = set()
+    again: set[int] = set()
+    for entry in entries:
+        if entry.step is not None and id(entry.step) in shown:
+            again.add(id(entry.step))
+        shown.add(id(entry.step))
+    numbers: dict[int, int] = {}
+    hidden: int | None = None
+    for entry in entries:
+        if hidden is not None and entry.level > hidden:
+            continue
+        hidden = None
+        key = id(entry.step)
+        if entry.step is None:
+            yield from _wrap(entry.text, entry.level)
+        elif key in numbers and key in again:
+            yield from _wrap(f"{entry.text}, as in ({numbers[key]})", entry.level)
+            hidden = entry.level
+        else:
+            numbers[key] = len({k for k in numbers if k in again}) + 1
+            mark = f"({numbers[key]}) " if key in again else ""
+            how = ", chosen as the cheapest" if entry.step.chosen else ""
+            span = entry.step.rule.span
+            place = f"[{entry.step.rule.id}] {span.path}:{span.line}"
+            yield from _wrap(f"{mark}{entry.text}{how}  {place}", entry.level)
+
+
+class _Entry(NamedTuple):
+    """One line to be: a title or leaf has no step."""
+
+    level: int
+    text: str
+    step: Derived | None
+
+
+def _entries(
+    title: str, trace: Trace, line_at: Callable[[Span], str], depth: int | None
+) -> Iterator[_Entry]:
+    yield _Entry(0, title, None)
+    stack: list[tuple[Trace, int]] = [(trace, 1)]
+    opened: set[int] = set()
+    said: set[tuple[int, str]] = set()
+    while stack:
+        step, level = stack.pop()
+        if not isinstance(step, Derived):
+            line = _leaf(step, line_at)
+            if line is not None and (level, line) not in said:
+                said.add((level, line))
+                yield _Entry(level, line, None)
+            continue
+        said = {entry for entry in said if entry[0] <= level}
+        yield _Entry(level, step.message or step.atom, step)
+        if id(step) in opened:
+            continue
+        opened.add(id(step))
+        below: Sequence[Trace] = _interesting(step, absences=level == 1 or depth is None)
+        if depth is not None and level >= depth and any(isinstance(p, Derived) for p in below):
+            below = _leaves(step)
+        stack += [(premise, level + 1) for premise in reversed(below)]
+
+
+def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
+    """Return a trace with the keys of the command line's contract.
+
+    What is shared stands once; elsewhere it has `"shared": true` and no premises.
+    """
+    root: dict[str, object] = {}
+    shown: set[int] = set()
+    stack: list[tuple[Trace, dict[str, object], int]] = [(trace, root, 0)]
+    while stack:
+        step, target, level = stack.pop()
+        target.update(_step_json(step))
+        if not isinstance(step, Derived):
+            continue
+        if id(step) in shown:
+            target["shared"] = True
+            continue
+        if depth is not None and level >= depth:
+            target["folded"] = bool(step.premises)
+            continue
+        shown.add(id(step))
+        premises: list[dict[str, object]] = [{} for _ in step.premises]
+        target["premises"] = premises
+        below = list(zip(step.premises, premises, strict=True))
+        stack += [(premise, entry, level + 1) for premise, entry in reversed(below)]
+    return root
+
+
+def _step_json(step: Trace) -> dict[str, object]:
+    entry: dict[str, object] = {"atom": step.atom, "message": step.atom, "kind": "given"}
+    entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
+    match step:
+        case Given(_, span) if span is not None:
+            entry["location"] = {"path": span.path, "line": span.line, "column": span.column}
+        case Absent(atom):
+            entry |= {"kind": "absent", "message": f"no {atom}"}
+        case Unexplained(_, reason):
+            entry |= {"message": reason}
+        case Derived():
+            span = step.rule.span
+            entry["kind"] = "chosen" if step.chosen else "derived"
+            entry["message"] = step.message or step.atom
+            entry["bindings"] = {name: str(value) for name, value in step.bindings.items()}
+            entry["rule"] = {
+                "id": step.rule.id,
+                "path": span.path,
+                "line": span.line,
+                "text": step.rule.text,
+            }
+        case _:
+            pass
+    return entry
+
+
+def _interesting(step: Derived, absences: bool) -> list[Trace]:
+    """Return the premises that say something of their own.
+
+    Those without a message give way to their premises; what another premise leads to as well is
+    left to that one.
+    """
+    found: dict[int, Trace] = {}
+    stack = list(reversed(step.premises))
+    seen: set[int] = set()
+    while stack:
+        premise = stack.pop()
+        if id(premise) in seen:
+            continue
+        seen.add(id(premise))
+        if isinstance(premise, Derived) and premise.message is None:
+            stack += reversed(premise.premises)
+        elif absences or not isinstance(premise, Absent):
+            found[id(premise)] = premise
+    told: set[int] = set()
+    places: set[Span | None] = {None}
+    for premise in found.values():
+        if isinstance(premise, Derived) and id(premise) not in told:
+            below = _below(premise)
+            told |= {id(part) for part in below if part is not premise}
+            places |= {part.span for part in below if isinstance(part, Given)}
+    return [
+        premise
+        for premise in found.values()
+        if id(premise) not in told and not (isinstance(premise, Given) and premise.span in places)
+    ]
+
+
+def _below(step: Derived) -> list[Trace]:
+    """Return a step and everything that supports it."""
+    found: dict[int, Trace] = {}
+    stack: list[Trace] = [step]
+    while stack:
+        part = stack.pop()
+        if id(part) not in found:
+            found[id(part)] = part
+            if isinstance(part, Derived):
+                stack += part.premises
+    return list(found.values())
+
+
+def _leaves(step: Derived) -> Sequence[Given]:
+    """Return the facts below a step, one for each place."""
+    found: dict[Span, Given] = {}
+    for part in _below(step):
+        if isinstance(part, Given) and part.span is not None:
+            found.setdefault(part.span, part)
+    return [found[span] for span in sorted(found)]
+
+
+def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
+    match step:
+        case Given(_, span) if span is not None:
+            return f"{span.path}:{span.line}: {line_at(span)}"
+        case Given():
+            return None
+        case Absent(atom):
+            return f"no {atom}"
+        case Unexplained(atom, reason):
+            return f"{atom}: not traced, for {reason}"
+        case _:
+            return None
+
+
+def _wrap(text: str, level: int) -> Iterator[str]:
+    indent = "  " * min(level, 20)
+    yield from textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=indent,
+        subsequent_indent=indent + "    ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
