@@ -71,15 +71,15 @@ def analyse(facts: Iterable[Fact], rulebook: Rulebook, configuration: Span) -> A
     first: dict[clingo.Symbol, tuple[int, clingo.Symbol]] = {}
     for symbol in grounding.symbols("_said", 3):
         number, head, values = symbol.arguments
-        candidate = (number.number, values)
-        if head not in first or candidate < first[head]:
-            first[head] = candidate
+        told = (number.number, values)
+        if head not in first or told < first[head]:
+            first[head] = told
     consequences = []
-    for head, (number, values) in first.items():
+    for head, (speaker, spoken) in first.items():
         kind, severity, subject, case = head.arguments
         key = (kind, subject, case)
-        rule = speakers[number]
-        named = dict(zip(rule.holes, values.arguments, strict=True))
+        rule = speakers[speaker]
+        named = dict(zip(rule.holes, spoken.arguments, strict=True))
         spans = {
             places[_plain(row[0])] for row in concerned.get(key, ()) if _plain(row[0]) in places
         }

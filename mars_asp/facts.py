@@ -66,7 +66,8 @@ def numbered_annotations(
     """Yield the annotations of described modules with their identifiers."""
     number = len(configuration.relationships)
     for module in described.values():
-        for annotation in (*module.services, *module.functions):
+        annotations: tuple[Service | Function, ...] = (*module.services, *module.functions)
+        for annotation in annotations:
             number += 1
             yield number, module, annotation
 

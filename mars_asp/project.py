@@ -63,7 +63,8 @@ def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> 
     """Return the paths that a path or glob names; note where it names none."""
     if path.exists():
         return [path]
-    matches = [Path(match) for match in sorted(glob.glob(str(path), recursive=True))]
+    # `Path.glob` knows no pattern that is absolute or leads upwards.
+    matches = [Path(match) for match in sorted(glob.glob(str(path), recursive=True))]  # noqa: PTH207
     if not matches:
         problems.append(
             Diagnostic(

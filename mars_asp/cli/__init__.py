@@ -16,14 +16,10 @@ from mars_asp import __version__
 
 VERBS = {
     "check": "parse, extract and analyse; print diagnostics only",
-    "extract": "the modules found in annotated sources",
     "analyse": "the consequences of a configuration",
     "synthesise": "the minimal specification that resolves them",
     "explain": "why each consequence and node is there, down to lines",
-    "verify": "does a specification realise a configuration, and is it minimal",
-    "run": "execute a specification on the simulator and judge the run",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
-    "fmt": "canonical layout of .mars files, comments kept",
     "rules": "list, show or check the rule base",
     "test": "run rule cases: facts and expected answer sets",
 }
@@ -46,7 +42,12 @@ def run_command(words: Sequence[str]) -> int:
     return status
 
 
-def _run(words: Sequence[str]) -> int:
+def run_here(words: Sequence[str]) -> int:
+    """Run one command line in this process, without the child that contains limits."""
+    return _run(words, contained=False)
+
+
+def _run(words: Sequence[str], contained: bool = True) -> int:
     if list(words[:1]) == ["--version"]:
         print(f"mars-asp {__version__}")
         return DONE
@@ -55,12 +56,13 @@ def _run(words: Sequence[str]) -> int:
     if verb not in VERBS:
         return _no_verb(words)
     module = importlib.import_module(f"mars_asp.cli.{verb}")
-    parser = _Parser(prog=f"mars-asp {word}", description=module.__doc__.splitlines()[0])
+    parser = _Parser(prog=f"mars-asp {word}", description=(module.__doc__ or "").partition("\n")[0])
     _common_options(parser)
     module.configure(parser)
-    from mars_asp.cli.limits import run_limited
+    from mars_asp.cli.limits import run_limited, run_plain
 
-    return run_limited(module.run, parser.parse_intermixed_args(words[1:]))
+    arguments = parser.parse_intermixed_args(words[1:])
+    return (run_limited if contained else run_plain)(module.run, arguments)
 
 
 def _no_verb(words: Sequence[str]) -> int:

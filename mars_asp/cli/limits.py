@@ -22,7 +22,7 @@ GRACE_SECONDS = 5.0
 def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
     """Return a verb's exit status; 3 where a time or memory limit ended it."""
     if not hasattr(os, "fork"):
-        return _run_here(run, arguments)
+        return run_plain(run, arguments)
     sys.stdout.flush()
     sys.stderr.flush()
     child = os.fork()
@@ -31,7 +31,7 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
     status = 2
     try:
         _limit_memory(arguments.memory_limit)
-        status = _run_here(run, arguments)
+        status = run_plain(run, arguments)
         sys.stdout.flush()
         sys.stderr.flush()
     except BrokenPipeError:
@@ -42,7 +42,8 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
         os._exit(status)
 
 
-def _run_here(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+    """Run a verb here; report what it raises and return its exit status."""
     try:
         return run(arguments)
     except MarsError as error:

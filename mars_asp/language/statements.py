@@ -174,7 +174,7 @@ class Builder:
             begin = controlled if len(controllers) == 1 else name
             rank = self._whole(priority, "a priority")
             if len(controllers) > 1:
-                if priority is not None:
+                if isinstance(priority, Token):
                     self._note_token(
                         priority,
                         "a priority in a list of controllers",

@@ -162,11 +162,21 @@ def _interesting(step: Derived, absences: bool) -> list[Trace]:
             below = _below(premise)
             told |= {id(part) for part in below if part is not premise}
             places |= {part.span for part in below if isinstance(part, Given)}
-    return [
-        premise
-        for premise in found.values()
-        if id(premise) not in told and not (isinstance(premise, Given) and premise.span in places)
-    ]
+    derived = any(isinstance(premise, Derived) for premise in found.values())
+
+    def speaks(premise: Trace) -> bool:
+        if id(premise) in told:
+            return False
+        match premise:
+            case Given(_, span):
+                return span not in places
+            case Absent():
+                # Beside a message an absence says nothing that the message leaves out.
+                return not derived
+            case _:
+                return True
+
+    return [premise for premise in found.values() if speaks(premise)]
 
 
 def _below(step: Derived) -> list[Trace]:

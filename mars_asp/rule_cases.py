@@ -1,0 +1,107 @@
+"""Regression tests on answer sets: facts and what the rules make of them, in one file.
+
+A line `%= atom atom ...` is one expected answer set, restricted to the predicates that the case's
+own `#show` lines name, else to `consequence/4`; no such line means that there is none. A case in a
+folder named after a stage (`resolve`) has the rules of that stage, too; of its answer sets the
+least count.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import clingo
+
+from mars_asp.gate import gate_text
+from mars_asp.rulebook import Rulebook
+
+STAGES = ("resolve",)
+_EXPECTED = re.compile(r"^%=(.*)$", re.MULTILINE)
+_SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
+_BY_DEFAULT = (("consequence", 4),)
+_MOST_ANSWERS = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a case expects and what the rules gave, each a tuple of sorted answer sets."""
+
+    path: Path
+    expected: tuple[tuple[str, ...], ...]
+    found: tuple[tuple[str, ...], ...]
+
+    @property
+    def passed(self) -> bool:
+        """Say whether the rules gave what is expected."""
+        return self.expected == self.found
+
+    def difference(self) -> Iterator[str]:
+        """Yield lines that say what is missing and what is too much."""
+        missing = [answer for answer in self.expected if answer not in self.found]
+        extra = [answer for answer in self.found if answer not in self.expected]
+        if len(missing) == len(extra) == 1:
+            lost, new = set(missing[0]), set(extra[0])
+            yield from (f"  - {atom}" for atom in sorted(lost - new))
+            yield from (f"  + {atom}" for atom in sorted(new - lost))
+            return
+        yield from (f"  - answer set: {' '.join(answer)}" for answer in missing)
+        yield from (f"  + answer set: {' '.join(answer)}" for answer in extra)
+
+
+def find_cases(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Return the case files that paths name, those of folders in the order of their names."""
+    found: list[Path] = []
+    for path in paths:
+        found += sorted(path.rglob("*.lp")) if path.is_dir() else [path]
+    return tuple(found)
+
+
+def run_case(path: Path, rulebook: Rulebook) -> Outcome:
+    """Run one case.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    text = gate_text(path, str(path))
+    expected = tuple(sorted(tuple(sorted(_atoms(match[1]))) for match in _EXPECTED.finditer(text)))
+    shown = [(name, int(arity)) for name, arity in _SHOW.findall(text)] or list(_BY_DEFAULT)
+    facts = _SHOW.sub("", text)
+    stages = ["base", *(stage for stage in STAGES if stage in path.parts)]
+    program = "\n".join([facts, *(rulebook.text(stage) for stage in stages)])
+    return Outcome(path, expected, _answers(program, shown))
+
+
+def _answers(
+    program: str, shown: Sequence[tuple[str, int]]
+) -> tuple[tuple[str, ...], ...]:
+    control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
+    control.add("base", [], program)
+    control.ground()
+    minimised = "#minimize" in program
+    found: set[tuple[str, ...]] = set()
+
+    def keep(model: clingo.Model) -> None:
+        if minimised and model.cost and not model.optimality_proven:
+            return
+        atoms = (a for a in model.symbols(atoms=True) if (a.name, len(a.arguments)) in shown)
+        found.add(tuple(sorted(map(str, atoms))))
+
+    control.solve(on_model=keep)
+    return tuple(sorted(found))
+
+
+def _atoms(text: str) -> Iterator[str]:
+    """Yield the atoms of a line, which blanks part outside of brackets and strings."""
+    depth, quoted, current = 0, False, ""
+    for character in text.strip() + " ":
+        if character == '"':
+            quoted = not quoted
+        if not quoted:
+            depth += (character == "(") - (character == ")")
+        if character == " " and not depth and not quoted:
+            if current:
+                yield current
+            current = ""
+        else:
+            current += character
