@@ -1,0 +1,218 @@
+"""A specification at work: every module and node built and joined, stepped in simulated time."""
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.execute.arbitration import FlatArbitration, HierarchicalArbitration
+from mars_asp.execute.behaviour import Behaviour
+from mars_asp.execute.delivery import (
+    AT_FREQUENCY,
+    ON_REQUEST,
+    Forward,
+    Port,
+    open_port,
+    start_clock,
+)
+from mars_asp.execute.link import Link, Message, Observer
+from mars_asp.execute.modules import COMMAND_TIMEOUT, Algorithm, Effector, Sensor
+from mars_asp.execute.nodes import ControlSplitter, DataSplitter, DataTransformer, InheritanceNode
+from mars_asp.execute.plan import Plan
+from mars_asp.execute.schedule import CONTROL, DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.model import Configuration, Module
+
+DEFAULT_PERIOD = 100 * MILLISECOND
+
+
+class Executor:
+    """Runs a specification (or a configuration's relationships directly).
+
+    `behaviours` has one entry for each module, converters included; modules may lack one only
+    if they are sinks. `command_timeout` is in ns. `observe` is told of all that happens.
+
+    Raises:
+        MarsError: modules have no behaviour, or nothing that would ever make them run.
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        behaviours: Mapping[str, Behaviour],
+        command_timeout: int = COMMAND_TIMEOUT,
+        observe: Observer | None = None,
+    ) -> None:
+        self.plan = Plan(configuration, modules, behaviours)
+        self.command_timeout, self.observe = command_timeout, observe
+        self._refuse_incomplete()
+        depth = max((self.plan.depth(name) for name in self.plan.names), default=0)
+        self.schedule = Schedule(max(depth, 1))
+        self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
+        self.effectors: dict[str, Effector] = {}
+        self.elements: dict[str, Any] = {}
+        self._demands: dict[str, Callable[[], None]] = {}
+        for link in self.plan.links:
+            link.clock, link.observe = self._now, observe
+        # An arbiter is built before those it feeds: their timers then follow its own.
+        for name in sorted(self.plan.names, key=self.plan.depth):
+            self.elements[name] = self._build(name)
+        for name in self.plan.names:
+            self._join(name)
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """Return every link, in the order of the relationships, with its counts."""
+        return tuple(self.plan.links)
+
+    def step_until(self, time: int) -> None:
+        """Run all events up to and including an instant (ns)."""
+        self.schedule.step_until(time)
+
+    def _now(self) -> int:
+        return self.schedule.now
+
+    def _refuse_incomplete(self) -> None:
+        """Report at once all that is unbound and all that could never run."""
+        plan, problems = self.plan, []
+        span = plan.configuration.span
+        for name in plan.names:
+            kind = plan.kind(name)
+            if name in plan.behaviours or kind == "sink":
+                problems += self._never_runs(name)
+            elif kind in ("sensor", "data_out", "control_out") or (
+                kind == "effector" and plan.control_in[name]
+            ):
+                problems.append(_unbound(name, kind, span))
+        problems += [
+            _unbound(c.converter or c.transformer, "converter", span)
+            for c in plan.configuration.conversions
+            if (c.converter or c.transformer) not in plan.behaviours
+        ]
+        if problems:
+            raise MarsError(problems)
+
+    def _never_runs(self, name: str) -> list[Diagnostic]:
+        plan = self.plan
+        if plan.kind(name) not in ("data_out", "control_out"):
+            return []
+        behaviour = plan.behaviours[name]
+        pushed = [k for k in plan.data_in[name] if plan.carried(k)[0].name != ON_REQUEST]
+        if pushed or plan.made(name)[0].name in (AT_FREQUENCY, ON_REQUEST) or behaviour.period:
+            return []
+        if plan.kind(name) == "control_out" and plan.control_in[name]:
+            return []
+        message = f"nothing ever makes `{name}` run: no input is notified and it has no period"
+        help_text = f"give `{name}` a period in the scenario"
+        return [Diagnostic("never-runs", "error", message, plan.configuration.span, (), help_text)]
+
+    def _build(self, name: str) -> Any:
+        kind, plan = self.plan.kind(name), self.plan
+        behaviour = plan.behaviours.get(name, Behaviour(lambda *inputs: None))
+        if kind == "sensor":
+            _, hz = plan.made(name)
+            sensor = Sensor(name, behaviour, hz, self.schedule)
+            self._demands[name] = (lambda: None) if sensor.clocked else sensor.sample
+            return sensor
+        if kind in ("data_out", "control_out", "sink"):
+            return self._algorithm(name, kind, behaviour)
+        if kind == "effector":
+            self.effectors[name] = Effector(name, behaviour, self.command_timeout, self.schedule)
+            return self.effectors[name]
+        if kind == "arbitration_node":
+            self.arbiters[name] = self._arbiter(name)
+            return self.arbiters[name]
+        if kind == "data_splitter":
+            return DataSplitter()
+        if kind == "data_transformer":
+            return DataTransformer(self._converter(name), plan.data_out[name])
+        if kind == "inheritance_node":
+            return InheritanceNode(plan.providers(name))
+        return ControlSplitter(plan.control_out[name])
+
+    def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
+        mode, hz = self.plan.made(name)
+        if hz is None and behaviour.period is not None:
+            hz = Fraction(SECOND, behaviour.period)
+        on_request = kind == "data_out" and mode.name == ON_REQUEST
+        clocked = hz is not None and not on_request
+        rank = CONTROL if kind == "control_out" else DATA
+        algorithm = Algorithm(name, behaviour, rank, not clocked and not on_request, self.schedule)
+        self._demands[name] = algorithm.run
+        if clocked and hz is not None:
+            start_clock(self.schedule, hz, rank, algorithm.run)
+        return algorithm
+
+    def _arbiter(self, name: str) -> FlatArbitration | HierarchicalArbitration:
+        plan = self.plan
+        rank, outputs = CONTROL + plan.depth(name), plan.control_out[name]
+        if plan.configuration.architecture == "flat":
+            stated = plan.configuration.period_ms
+            period = DEFAULT_PERIOD if stated is None else stated * MILLISECOND
+            return FlatArbitration(name, period, self.schedule, rank, outputs)
+        stops = plan.reaches_effector(name)
+        return HierarchicalArbitration(
+            name, self.schedule, rank, outputs, stops=stops, observe=self.observe
+        )
+
+    def _converter(self, name: str) -> Callable[[Any], Any]:
+        for conversion in self.plan.configuration.conversions:
+            if conversion.transformer == name:
+                return self.plan.behaviours[conversion.converter or name].call
+        behaviour = self.plan.behaviours.get(name)
+        return behaviour.call if behaviour else lambda value: value
+
+    def _join(self, name: str) -> None:
+        plan, element = self.plan, self.elements[name]
+        mode, hz = plan.made(name)
+        for link in plan.data_out[name]:
+            element.ports.append(self._port(name, link, mode, hz))
+        if isinstance(element, Sensor | Algorithm):
+            element.outputs += [*plan.data_out[name], *plan.control_out[name]]
+        if isinstance(element, Algorithm):
+            element.ports += [Forward(link) for link in plan.control_out[name]]
+        for link in plan.data_in[name]:
+            link.receive = self._data_receiver(element, link)
+        for link in plan.control_in[name]:
+            link.receive = self._control_receiver(element, link)
+
+    def _port(self, name: str, link: Link, mode: Any, hz: Fraction | None) -> Port:
+        upstream = self._upstream(name)
+        if self.plan.kind(name) == "data_transformer" and mode.name != ON_REQUEST:
+            # It hands on the service of its input unchanged: conditions were met before.
+            return Forward(link)
+        return open_port(link, mode, hz, self.schedule, upstream)
+
+    def _upstream(self, name: str) -> Callable[[], None] | None:
+        if name in self._demands:
+            return self._demands[name]
+        inputs = self.plan.data_in[name]
+
+        def ask() -> None:
+            for link in inputs:
+                if link.request is not None:
+                    link.request()
+
+        return ask
+
+    def _data_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
+        if isinstance(element, Algorithm):
+            return element.input(link, self.plan.carried(link)[0].name == ON_REQUEST)
+        receive: Callable[[Message], None] = element.receive
+        return receive
+
+    def _control_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
+        if isinstance(element, HierarchicalArbitration):
+            return element.input(link, self.plan.hold(link))
+        if isinstance(element, Algorithm):
+            return element.input(link, False)
+        if isinstance(element, FlatArbitration | Effector):
+            return element.input(link)
+        receive: Callable[[Message], None] = element.receive
+        return receive
+
+
+def _unbound(name: str, kind: str, span: Any) -> Diagnostic:
+    message = f"`{name}` has nothing to run it ({kind.replace('_', ' ')})"
+    help_text = f"bind `{name}` to a device or a Python function in the scenario"
+    return Diagnostic("unbound", "error", message, span, (), help_text)

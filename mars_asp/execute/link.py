@@ -1,0 +1,72 @@
+"""Messages, and the links that carry and count them."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+from mars_asp.model import Mode
+
+
+class Message(NamedTuple):
+    """A value on its way: when (ns) and by which module it was made.
+
+    A command that an arbiter hands on also carries until when (ns) it is in force and the
+    arrival number by which the latest among equals is known.
+    """
+
+    value: Any
+    time: int
+    origin: str
+    until: int | None = None
+    arrival: int | None = None
+
+
+#: Told of every delivery, holding and fault: time, what happened, where, and with what.
+Observer: TypeAlias = Callable[[int, str, str, object], None]
+
+
+@dataclass(slots=True, eq=False)
+class Link:
+    """One relationship of the specification, and what has passed over it.
+
+    `dropped` counts by reason: `lowered` (a rate that was to be lowered), `unread` (overtaken
+    before it was requested), `failed` (an exception). `hold` and ages are in ns.
+    """
+
+    kind: Literal["data", "control"]
+    source: str
+    client: str
+    mode: Mode | None = None
+    hz: Fraction | None = None
+    priority: int = 0
+    hold: int | None = None
+    receive: Callable[[Message], None] = lambda message: None
+    request: Callable[[], None] | None = None
+    delivered: int = 0
+    stale: int = 0
+    dropped: Counter[str] = field(default_factory=Counter)
+    faulty: bool = False
+    last: int | None = None
+    oldest: int = 0
+    clock: Callable[[], int] = lambda: 0
+    observe: Observer | None = None
+
+    def send(self, message: Message) -> None:
+        """Deliver at once."""
+        now = self.clock()
+        self.delivered += 1
+        self.last = now
+        self.oldest = max(self.oldest, now - message.time)
+        if self.observe is not None:
+            self.observe(now, self.kind, f"{self.source} -> {self.client}", message.value)
+        self.receive(message)
+
+    def fail(self, error: Exception) -> None:
+        """Count a message that an exception dropped; the link is faulty from now on."""
+        self.dropped["failed"] += 1
+        self.faulty = True
+        if self.observe is not None:
+            name = type(error).__name__
+            self.observe(self.clock(), "failed", f"{self.source} -> {self.client}", name)

@@ -1,0 +1,247 @@
+"""What a specification says about its links, before anything runs."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import pairwise
+from math import cos, radians, sin
+
+from mars_asp.execute.behaviour import Behaviour
+from mars_asp.execute.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
+from mars_asp.execute.link import Link
+from mars_asp.execute.nodes import Rotation
+from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.model import (
+    Configuration,
+    Control,
+    Data,
+    Mode,
+    Module,
+    Mount,
+    Service,
+    Transformation,
+    node_kind,
+)
+
+DEFAULT_HOLD = 200 * MILLISECOND
+_IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+class Plan:
+    """The links of a specification, what each carries, and what each module offers."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        behaviours: Mapping[str, Behaviour],
+    ) -> None:
+        self.configuration = configuration
+        self.modules = {**modules, **{module.name: module for module in configuration.declared}}
+        self.behaviours = behaviours
+        self.links: list[Link] = []
+        self.data_in: defaultdict[str, list[Link]] = defaultdict(list)
+        self.data_out: defaultdict[str, list[Link]] = defaultdict(list)
+        self.control_in: defaultdict[str, list[Link]] = defaultdict(list)
+        self.control_out: defaultdict[str, list[Link]] = defaultdict(list)
+        self.mounts: dict[str, Mount] = {}
+        for relationship in configuration.relationships:
+            self._add(relationship)
+        ends = (end for link in self.links for end in (link.source, link.client))
+        self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
+
+    def _add(self, relationship: Mount | Control | Data) -> None:
+        if isinstance(relationship, Mount):
+            self.mounts.setdefault(relationship.mounting, relationship)
+            return
+        if isinstance(relationship, Data):
+            hz = None if relationship.hz is None else Fraction(relationship.hz)
+            link = Link("data", relationship.source, relationship.client, relationship.mode, hz)
+            into, out = self.data_in, self.data_out
+        else:
+            hold = relationship.hold_ms
+            link = Link("control", relationship.controller, relationship.controlled)
+            link.priority = relationship.priority or 0
+            link.hold = None if hold is None else hold * MILLISECOND
+            into, out = self.control_in, self.control_out
+        self.links.append(link)
+        into[link.client].append(link)
+        out[link.source].append(link)
+
+    def kind(self, name: str) -> str:
+        """Return the kind of a node, or what a module is to the executor."""
+        node = None if name in self.modules else node_kind(name)
+        if node is not None:
+            return node
+        kinds = {service.kind for service in self.services(name)}
+        for kind, called in (
+            ("Sense", "sensor"),
+            ("DataOut", "data_out"),
+            ("ControlOut", "control_out"),
+            ("DataIn", "sink"),
+        ):
+            if kind in kinds:
+                return called
+        if name in self.modules and self.modules[name].functions:
+            return "effector"
+        return self._guess(name)
+
+    def _guess(self, name: str) -> str:
+        """Return what an undescribed module must be, by its relationships."""
+        if self.control_out[name]:
+            return "control_out"
+        if self.data_out[name]:
+            return "data_out" if self.data_in[name] else "sensor"
+        return "sink" if self.data_in[name] and not self.control_in[name] else "effector"
+
+    def services(self, name: str) -> tuple[Service, ...]:
+        """Return the services of a module; none for a node or an undescribed module."""
+        return self.modules[name].services if name in self.modules else ()
+
+    def offered(self, name: str) -> tuple[Mode, Fraction | None]:
+        """Return the mode in which a module makes data, and its rate in Hertz.
+
+        A module that offers several makes what its single client asks for, else its first.
+        """
+        service = next((s for s in self.services(name) if s.kind in ("Sense", "DataOut")), None)
+        if service is None or not service.modes:
+            return Mode(WHEN_READY), None
+        asked = [link.mode for link in self.data_out[name] if link.mode is not None]
+        named = [mode for mode in service.modes if len(asked) == 1 and mode == asked[0]]
+        mode = (named or list(service.modes))[0]
+        hz = None if service.hz is None else Fraction(service.hz)
+        return mode, hz if mode.name == AT_FREQUENCY else None
+
+    def carried(self, link: Link) -> tuple[Mode, Fraction | None]:
+        """Return what a link carries: as stated, else as its feeder's input, else as offered."""
+        mode, hz = link.mode, link.hz
+        if mode is None or (mode.name == AT_FREQUENCY and hz is None):
+            fed, rate = self.made(link.source)
+            mode = mode or fed
+            hz = hz or (rate if mode.name == AT_FREQUENCY else None)
+        return mode, hz
+
+    def made(self, name: str) -> tuple[Mode, Fraction | None]:
+        """Return the mode and rate of what stands behind a module's or node's outputs."""
+        if self.kind(name) in ("data_splitter", "data_transformer"):
+            inputs = self.data_in[name]
+            return self.carried(inputs[0]) if inputs else (Mode(WHEN_READY), None)
+        mode, hz = self.offered(name)
+        if self.kind(name) == "sensor" and mode.name not in (AT_FREQUENCY, ON_REQUEST):
+            # What it samples is raw: the link's own port sets the condition.
+            return Mode(WHEN_READY), None
+        if mode.name not in (AT_FREQUENCY, ON_REQUEST):
+            return Mode(WHEN_READY), None
+        return mode, hz
+
+    def rate(self, name: str, seen: frozenset[str] = frozenset()) -> Fraction | None:
+        """Return how often a module makes a message, in Hertz, where that is known."""
+        if name in seen:
+            return None
+        _, hz = self.offered(name)
+        behaviour = self.behaviours.get(name)
+        if hz is None and behaviour is not None and behaviour.period is not None:
+            hz = Fraction(SECOND, behaviour.period)
+        if hz is not None:
+            return hz
+        inputs = self.data_in[name]
+        if len(inputs) != 1:
+            return None
+        mode, stated = self.carried(inputs[0])
+        if mode.name == ON_REQUEST:
+            return None
+        return stated or self.rate(inputs[0].source, seen | {name})
+
+    def hold(self, link: Link) -> int:
+        """Return how long (ns) a message over a link into an arbiter stays in force."""
+        if link.hold is not None:
+            return link.hold
+        hz = self.rate(link.source)
+        return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
+
+    def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
+        """Return how many arbiters stand one behind the other before a node."""
+        if name in seen:
+            return 0
+        own = self.kind(name) == "arbitration_node"
+        behind = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
+        return own + max(behind, default=0)
+
+    def reaches_effector(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
+        """Return whether commands of a node reach an effector without another arbiter."""
+        if name in seen:
+            return False
+        return any(
+            self.kind(link.client) != "arbitration_node"
+            and (
+                self.kind(link.client) not in ("control_splitter", "inheritance_node")
+                or self.reaches_effector(link.client, seen | {name})
+            )
+            for link in self.control_out[name]
+        )
+
+    def chain(self, name: str) -> list[str]:
+        """Return what a module is mounted on, itself first."""
+        chain = [name]
+        while chain[-1] in self.mounts and self.mounts[chain[-1]].mounted not in chain:
+            chain.append(self.mounts[chain[-1]].mounted)
+        return chain
+
+    def providers(self, node: str) -> list[tuple[Link, Rotation, frozenset[str]]]:
+        """Return an InheritanceNode's outputs, nearest to the commanded module first.
+
+        The commanded module is the one farthest out whose mounts pass through every provider.
+        """
+        links = {link.client: link for link in self.control_out[node]}
+        chains = [self.chain(name) for name in self.names]
+        through = [chain for chain in chains if links.keys() <= set(chain)]
+        chain = max(through, key=len, default=list(links))
+        found: list[tuple[Link, Rotation, frozenset[str]]] = []
+        for name in chain:
+            if name in links:
+                functions = self.modules[name].functions if name in self.modules else ()
+                names = frozenset(function.name for function in functions)
+                found.append((links[name], self._rotation(chain, name), names))
+        return found
+
+    def _rotation(self, chain: list[str], base: str) -> Rotation:
+        rotation = _IDENTITY
+        for mounting, mounted in pairwise(chain[: chain.index(base) + 1]):
+            if mounting in self.mounts and self.mounts[mounting].mounted == mounted:
+                rotation = _times(self._mount_rotation(self.mounts[mounting]), rotation)
+        return rotation
+
+    def _mount_rotation(self, mount: Mount) -> Rotation:
+        own = _rotation_of(self._vertex(mount.mounting, mount.mounting_vertex))
+        on = _rotation_of(self._vertex(mount.mounted, mount.mounted_vertex))
+        across = _rotation_of(mount.transformation)
+        transposed = tuple(zip(*own, strict=True))
+        return _times(on, _times(across, transposed))
+
+    def _vertex(self, name: str, number: int | None) -> Transformation | None:
+        vertices = self.modules[name].vertices if name in self.modules else ()
+        return next((v.transformation for v in vertices if v.number == (number or 0)), None)
+
+
+def _rotation_of(transformation: Transformation | None) -> Rotation:
+    rotation = _IDENTITY
+    for axis, degrees in transformation.rotations if transformation else ():
+        rotation = _times(_turn(axis.lower(), float(degrees)), rotation)
+    return rotation
+
+
+def _turn(axis: str, degrees: float) -> Rotation:
+    quarters = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
+    angle = radians(degrees)
+    c, s = quarters.get(degrees % 360, (cos(angle), sin(angle)))
+    if axis == "x":
+        return ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
+    if axis == "y":
+        return ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
+    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
+
+
+def _times(a: Rotation, b: Rotation) -> Rotation:
+    return tuple(
+        tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)
+    )

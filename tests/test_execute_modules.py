@@ -1,0 +1,161 @@
+"""What modules, transformers and effectors do."""
+
+import pytest
+
+from mars_asp.diagnostic import MarsError
+from mars_asp.execute import Behaviour
+from mars_asp.execute.behaviour import single_command
+from tests.execute_builders import (
+    Inbox,
+    control_out,
+    counter,
+    data_out,
+    effector,
+    executed,
+    ms,
+    sensor,
+    sink,
+)
+
+
+def test_an_algorithm_computes_with_the_latest_of_each_input_once_all_have_arrived():
+    inbox = Inbox()
+    executed(
+        "D uses_data_from S\nD uses_data_from T\nA uses_data_from D",
+        [sensor("S"), sensor("T"), data_out("D"), sink("A")],
+        {
+            "S": Behaviour(counter(), ms(100)),
+            "T": Behaviour(counter(), ms(250), delay=ms(150)),
+            "D": lambda s, t: (s, t),
+            "A": inbox,
+        },
+        0.4,
+    )
+    assert inbox.got == [(150, (1, 0)), (200, (2, 0)), (300, (3, 0)), (400, (4, 0)), (400, (4, 1))]
+
+
+def test_an_algorithm_at_a_frequency_computes_on_its_clock_with_what_came_in_that_instant():
+    inbox = Inbox()
+    executed(
+        "D uses_data_from S\nA uses_data_from D",
+        [
+            sensor("S", "NotifyAtFrequency", 50),
+            data_out("D", "NotifyAtFrequency", 10),
+            sink("A"),
+        ],
+        {"S": counter(), "D": lambda x: x, "A": inbox},
+        0.2,
+    )
+    assert inbox.got == [(0, 0), (100, 5), (200, 10)]
+
+
+def test_a_processing_delay_passes_before_a_result_is_sent():
+    inbox = Inbox()
+    executed(
+        "D uses_data_from S\nA uses_data_from D",
+        [sensor("S", "NotifyAtFrequency", 10), data_out("D"), sink("A")],
+        {"S": counter(), "D": Behaviour(lambda x: x, delay=ms(30)), "A": inbox},
+        0.2,
+    )
+    assert inbox.got == [(30, 0), (130, 1)]
+
+
+def test_nothing_returned_is_nothing_sent():
+    inbox = Inbox()
+    executed(
+        "D uses_data_from S\nA uses_data_from D",
+        [sensor("S", "NotifyAtFrequency", 10), data_out("D"), sink("A")],
+        {"S": counter(), "D": lambda x: x if x % 2 else None, "A": inbox},
+        0.3,
+    )
+    assert inbox.values == [1, 3]
+
+
+def test_an_exception_in_a_converter_drops_the_message_is_counted_and_marks_the_link():
+    inbox = Inbox()
+    executor = executed(
+        "DataTransformer1 uses_data_from S\nA uses_data_from DataTransformer1",
+        [sensor("S", "NotifyAtFrequency", 10), sink("A")],
+        {"S": counter(), "DataTransformer1": lambda x: 6 // x, "A": inbox},
+        0.3,
+    )
+    into, out = executor.links
+    assert inbox.values == [6, 3, 2]
+    assert (out.dropped["failed"], out.faulty, into.faulty) == (1, True, False)
+
+
+def commanded(results, seconds, functions=("Trans_Z",), **options):
+    inbox = Inbox()
+    executor = executed(
+        "P is_controlled_by C",
+        [control_out("C"), effector("P", *functions)],
+        {"C": Behaviour(iter(results).__next__, ms(100)), "P": inbox},
+        seconds,
+        **options,
+    )
+    return inbox, executor
+
+
+def test_a_controller_without_inputs_computes_at_its_period_and_sends_a_command_or_nothing():
+    inbox, _ = commanded([("Trans_Z", 5), None, {"Trans_Z": 6}], 0.2)
+    assert inbox.got == [(0, {"Trans_Z": 5}), (200, {"Trans_Z": 6})]
+
+
+@pytest.mark.parametrize(
+    "result",
+    [{"Trans_Z": 1, "Rotn_Y": 2}, {}, ("Trans_Q", 1), 7, ("Trans_Z", float("nan")), ("Trans_Z",)],
+)
+def test_a_command_names_one_function(result):
+    with pytest.raises((TypeError, ValueError)):
+        single_command(result)
+    inbox, executor = commanded([result], 0.0)
+    assert (inbox.got, executor.links[0].dropped["failed"]) == ([], 1)
+
+
+def test_an_effector_holds_the_latest_command_and_rests_after_the_timeout():
+    inbox, executor = commanded([("Trans_Z", 5), *[None] * 20], 1.5)
+    assert inbox.got == [(0, {"Trans_Z": 5}), (500, {})]
+    assert executor.effectors["P"].timeouts == 1
+    shorter, _ = commanded([("Trans_Z", 5), *[None] * 20], 1.5, command_timeout=ms(250))
+    assert shorter.got == [(0, {"Trans_Z": 5}), (250, {})]
+
+
+def test_a_command_in_time_keeps_an_effector_from_resting():
+    inbox, executor = commanded([("Trans_Z", 5), None, None, None, ("Trans_Z", 5), *[None] * 9], 0.8)
+    assert executor.effectors["P"].timeouts == 0
+    assert [time for time, _ in inbox.got] == [0, 400]
+
+
+def test_all_that_is_unbound_or_never_runs_is_reported_at_once():
+    with pytest.raises(MarsError) as raised:
+        executed(
+            "D uses_data_from S\nC uses_data_from D\nP is_controlled_by C\nP is_controlled_by E",
+            [sensor("S"), data_out("D"), control_out("C"), control_out("E"), effector("P")],
+            {"C": lambda x: None, "E": lambda: None},
+            1,
+        )
+    codes = sorted((d.code, d.message.split("`")[1]) for d in raised.value.diagnostics)
+    assert codes == [("unbound", "D"), ("unbound", "P"), ("unbound", "S")] or codes == [
+        ("never-runs", "E"),
+        ("unbound", "D"),
+        ("unbound", "P"),
+        ("unbound", "S"),
+    ]
+
+
+def test_the_same_run_gives_the_same_trace_to_the_byte():
+    def trace():
+        lines = []
+        executed(
+            "DataSplitter1 uses_data_from S\nA uses_data_from DataSplitter1 NotifyAtFrequency 37\n"
+            "C uses_data_from DataSplitter1\nP is_controlled_by C",
+            [sensor("S", "NotifyAtFrequency", 100), sink("A"), control_out("C"), effector("P")],
+            {"S": counter(), "C": lambda x: ("Trans_Z", x), "P": Inbox()},
+            2,
+            observe=lambda *event: lines.append(repr(event)),
+        )
+        return "\n".join(lines).encode()
+
+    first = trace()
+    assert first == trace()
+    assert first.count(b"\n") > 600
