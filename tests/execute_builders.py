@@ -17,9 +17,7 @@ HERE = point("test", 1, 1)
 def specification(text: str, kind: str = "specification hierarchical") -> Configuration:
     """Read relationships; the modules are those they name."""
     lines = [line.strip() for line in text.strip().splitlines()]
-    names = dict.fromkeys(
-        word for line in lines for word in (line.split()[0], line.split()[2])
-    )
+    names = dict.fromkeys(word for line in lines for word in (line.split()[0], line.split()[2]))
     body = "\n".join([f"@{kind}", "@modules " + ", ".join(names), *lines])
     return parse_text(body, "test.mars").configuration
 
@@ -95,9 +93,7 @@ def executed(
     bound = {
         name: b if isinstance(b, Behaviour) else Behaviour(b) for name, b in behaviours.items()
     }
-    executor = Executor(
-        specification(text, kind), {m.name: m for m in modules}, bound, **options
-    )
+    executor = Executor(specification(text, kind), {m.name: m for m in modules}, bound, **options)
     for behaviour in bound.values():
         if isinstance(behaviour.call, Inbox):
             behaviour.call.executor = executor

@@ -1,26 +1,35 @@
 """Flat averages, priorities, holds, stops, cascades and inheritance."""
 
+from typing import Any, TypeAlias
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mars_asp.execute import Behaviour
-from tests.execute_builders import Inbox, control_out, effector, executed, ms
+from mars_asp.execute import Behaviour, Executor
+from mars_asp.execute.arbitration import HierarchicalArbitration
+from tests.execute_builders import Inbox, control_out, effector, executed, ms, sensor
 
 GO = "Trans_Z"
+Script: TypeAlias = dict[int, float]
 
 
-def scripted(script, step=10):
+def scripted(script: Script, step: int = 10) -> Behaviour:
     """Return a controller that sends rate R at each time (ms) in {time: R}."""
     time = iter(range(0, 10**9, step))
     return Behaviour(lambda: _go(script.get(next(time))), ms(step))
 
 
-def _go(rate):
+def _go(rate: float | None) -> tuple[str, float] | None:
     return None if rate is None else (GO, rate)
 
 
-def arbitrated(scripts, seconds, text=None, kind="specification hierarchical", **options):
+def arbitrated(
+    scripts: dict[str, Script],
+    seconds: float,
+    text: str | None = None,
+    kind: str = "specification hierarchical",
+) -> tuple[list[tuple[float, Any]], Executor]:
     """Run controllers A, B, ... with ascending priority; return what the effector got."""
     inbox = Inbox()
     if text is None:
@@ -34,38 +43,39 @@ def arbitrated(scripts, seconds, text=None, kind="specification hierarchical", *
         {"P": inbox, **{name: scripted(script) for name, script in scripts.items()}},
         seconds,
         kind,
-        **options,
     )
     return [(time, value.get(GO)) for time, value in inbox.got], executor
 
 
-def test_priority_0_alone_passes_and_a_never_heard_controller_blocks_nobody():
+def test_priority_0_alone_passes_and_a_never_heard_controller_blocks_nobody() -> None:
     got, _ = arbitrated({"A": {0: 1}, "B": {}}, 0.05)
     assert got == [(0, 1)]
 
 
-def test_the_highest_in_force_wins_and_is_forwarded_at_once():
+def test_the_highest_in_force_wins_and_is_forwarded_at_once() -> None:
     got, executor = arbitrated({"A": {0: 1, 30: 2}, "B": {20: 9}}, 0.05)
     assert got == [(0, 1), (20, 9)]
-    assert executor.arbiters["ArbitrationNode"].suppressed == {"A": 1, "B": 0}
+    arbiter = executor.arbiters["ArbitrationNode"]
+    assert isinstance(arbiter, HierarchicalArbitration)
+    assert arbiter.suppressed == {"A": 1, "B": 0}
 
 
-def test_when_the_winner_falls_silent_the_next_in_force_resumes_after_the_hold():
+def test_when_the_winner_falls_silent_the_next_in_force_resumes_after_the_hold() -> None:
     got, _ = arbitrated({"A": {0: 1, 60: 2}, "B": {20: 9}}, 0.15)
     assert got == [(0, 1), (20, 9), (120, 2)]
 
 
-def test_one_stop_is_sent_when_all_fall_silent():
+def test_one_stop_is_sent_when_all_fall_silent() -> None:
     got, _ = arbitrated({"A": {0: 1}, "B": {20: 9}}, 0.49)
     assert got == [(0, 1), (20, 9), (120, None)]
 
 
-def test_a_controllers_next_message_replaces_its_last_and_renews_its_hold():
+def test_a_controllers_next_message_replaces_its_last_and_renews_its_hold() -> None:
     got, _ = arbitrated({"A": {0: 1, 90: 2}}, 0.3)
     assert got == [(0, 1), (90, 2), (190, None)]
 
 
-def test_among_equals_the_latest_wins():
+def test_among_equals_the_latest_wins() -> None:
     text = (
         "P is_controlled_by ArbitrationNode\n"
         "ArbitrationNode is_controlled_by A 3 hold 100\n"
@@ -75,36 +85,26 @@ def test_among_equals_the_latest_wins():
     assert got == [(0, 1), (10, 9), (20, 2), (30, 8), (60, 2)]
 
 
-@pytest.mark.parametrize(("period", "hold"), [(40, 100), (None, 200)])
-def test_the_default_hold_is_two_and_a_half_periods_or_200_ms(period, hold):
-    inbox = Inbox()
-    once = iter([(GO, 1)])
+@pytest.mark.parametrize(("sources", "hold"), [(["S"], 100), (["S", "T"], 200)])
+def test_the_default_hold_is_two_and_a_half_periods_or_200_ms(
+    sources: list[str], hold: int
+) -> None:
+    inbox, once = Inbox(), iter([(GO, 1)])
+    inputs = "\n".join(f"A uses_data_from {source}" for source in sources)
     executed(
-        "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A 0\n"
-        + ("" if period else "A uses_data_from S"),
-        [control_out("A"), effector("P", GO)],
+        f"P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A 0\n{inputs}",
+        [control_out("A"), effector("P", GO), *(sensor(source) for source in sources)],
         {
-            "A": Behaviour(lambda *x: next(once, None), period and ms(period)),
+            "A": lambda *readings: next(once, None),
             "P": inbox,
-            **({} if period else {"S": Behaviour(lambda: 0, delay=ms(0), period=None)}),
-        },
-        0.4,
-    ) if period else executed(
-        "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A 0\n"
-        "A uses_data_from S\nA uses_data_from T",
-        [control_out("A"), effector("P", GO)],
-        {
-            "A": lambda *x: next(once, None),
-            "P": inbox,
-            "S": Behaviour(lambda: 0, ms(1000)),
-            "T": Behaviour(lambda: 0, ms(1000)),
+            **{source: Behaviour(lambda: 0, ms(40)) for source in sources},
         },
         0.4,
     )
     assert inbox.got == [(0, {GO: 1}), (hold, {})]
 
 
-def test_who_holds_control_why_and_since_when_is_recorded():
+def test_who_holds_control_why_and_since_when_is_recorded() -> None:
     _, executor = arbitrated({"A": {0: 1, 60: 2}, "B": {20: 9}}, 0.3)
     held = [(h.since / 1e6, h.holder, h.why) for h in executor.arbiters["ArbitrationNode"].holdings]
     assert held == [
@@ -131,7 +131,7 @@ SCRIPT = st.dictionaries(st.integers(0, 40).map(lambda k: k * 10), st.integers(1
 
 @given(SCRIPT, SCRIPT, SCRIPT)
 @settings(max_examples=60, deadline=None)
-def test_a_cascade_behaves_as_one_node(a, b, c):
+def test_a_cascade_behaves_as_one_node(a: Script, b: Script, c: Script) -> None:
     scripts = {"A": a, "B": b, "C": c}
     cascade, _ = arbitrated(scripts, 0.7, CASCADE)
     one, _ = arbitrated(scripts, 0.7, ONE)
@@ -140,39 +140,39 @@ def test_a_cascade_behaves_as_one_node(a, b, c):
 
 @given(SCRIPT, SCRIPT, SCRIPT)
 @settings(max_examples=60, deadline=None)
-def test_a_cascade_of_equals_behaves_as_one_node(a, b, c):
-    def equal(text):
+def test_a_cascade_of_equals_behaves_as_one_node(a: Script, b: Script, c: Script) -> None:
+    def equal(text: str) -> str:
         return text.replace("B 1", "B 0").replace("C 2", "C 0").replace("Node 1", "Node 0")
 
     scripts = {"A": a, "B": b, "C": c}
     assert arbitrated(scripts, 0.7, equal(CASCADE))[0] == arbitrated(scripts, 0.7, equal(ONE))[0]
 
 
-def test_an_inner_arbiter_sends_no_stop_of_its_own():
+def test_an_inner_arbiter_sends_no_stop_of_its_own() -> None:
     _, executor = arbitrated({"A": {}, "B": {0: 1}, "C": {}}, 0.4, CASCADE)
     inner = next(link for link in executor.links if link.source == "ArbitrationNode")
     assert inner.delivered == 1
 
 
-def test_flat_sends_at_each_end_the_mean_per_function_of_what_came_in_the_period():
+def test_flat_sends_at_each_end_the_mean_per_function_of_what_came_in_the_period() -> None:
     text = "P is_controlled_by ArbitrationNode\n" + "\n".join(
         f"ArbitrationNode is_controlled_by {name}" for name in "AB"
     )
-    scripts = {"A": {0: 1, 50: 3, 100: 5}, "B": {110: 7}}
+    scripts: dict[str, Script] = {"A": {0: 1, 50: 3, 100: 5}, "B": {110: 7}}
     got, _ = arbitrated(scripts, 0.4, text, "specification flat")
     assert got == [(100, 3), (200, 7)]
 
 
-def test_flat_takes_a_stated_period_and_a_50_hz_controller_outvotes_a_10_hz_one():
+def test_flat_takes_a_stated_period_and_a_50_hz_controller_outvotes_a_10_hz_one() -> None:
     text = "P is_controlled_by ArbitrationNode\n" + "\n".join(
         f"ArbitrationNode is_controlled_by {name}" for name in "AB"
     )
-    scripts = {"A": {k: 12 for k in range(20, 101, 20)}, "B": {100: 0}}
+    scripts: dict[str, Script] = {"A": {k: 12 for k in range(20, 101, 20)}, "B": {100: 0}}
     got, _ = arbitrated(scripts, 0.1, text, "specification flat period 100")
     assert got == [(100, 10)]
 
 
-def test_a_flat_mean_may_name_several_functions():
+def test_a_flat_mean_may_name_several_functions() -> None:
     inbox = Inbox()
     executed(
         "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A\n"
@@ -189,7 +189,7 @@ def test_a_flat_mean_may_name_several_functions():
     assert inbox.got == [(100, {GO: 4, "Rotn_Y": 6})]
 
 
-def test_a_control_splitter_copies():
+def test_a_control_splitter_copies() -> None:
     first, second = Inbox(), Inbox()
     executed(
         "ControlSplitter1 is_controlled_by A\nP is_controlled_by ControlSplitter1\n"
@@ -201,7 +201,7 @@ def test_a_control_splitter_copies():
     assert first.got == second.got == [(0, {GO: 1}), (20, {GO: 2})]
 
 
-def test_an_inheritance_node_maps_into_the_providers_frames_and_the_nearest_takes_it():
+def test_an_inheritance_node_maps_into_the_providers_frames_and_the_nearest_takes_it() -> None:
     head, base = Inbox(), Inbox()
     executed(
         "Camera is_mounted_on Head (z, 90)\nHead is_mounted_on Base\n"

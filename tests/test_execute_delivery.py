@@ -1,10 +1,12 @@
 """Delivery modes, rates and requests, sentence by sentence."""
 
+from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 import pytest
 
-from mars_asp.execute import Behaviour, Schedule, tick_time
+from mars_asp.execute import Behaviour, Link, Schedule, tick_time
 from mars_asp.execute.schedule import SECOND, last_tick
 from tests.execute_builders import (
     Inbox,
@@ -20,7 +22,14 @@ from tests.execute_builders import (
 SPLIT = "DataSplitter1 uses_data_from S\nA uses_data_from DataSplitter1 {}"
 
 
-def split(offered: str, hz: float | None, asked: str, seconds: float, call=None, period=None):
+def split(
+    offered: str,
+    hz: float | None,
+    asked: str,
+    seconds: float,
+    call: Callable[[], Any] | None = None,
+    period: int | None = None,
+) -> tuple[Inbox, Link]:
     inbox = Inbox()
     executor = executed(
         SPLIT.format(asked),
@@ -31,13 +40,13 @@ def split(offered: str, hz: float | None, asked: str, seconds: float, call=None,
     return inbox, executor.links[1]
 
 
-def test_ticks_of_50_and_10_hertz_coincide_in_every_shared_instant():
+def test_ticks_of_50_and_10_hertz_coincide_in_every_shared_instant() -> None:
     assert all(tick_time(5 * k, Fraction(50)) == tick_time(k, Fraction(10)) for k in range(1000))
     assert tick_time(1, Fraction(3)) == 333_333_333
     assert tick_time(3 * 10**6, Fraction(3)) == 10**6 * SECOND
 
 
-def test_last_tick_inverts_tick_time():
+def test_last_tick_inverts_tick_time() -> None:
     for hz in (Fraction(37), Fraction(1, 3), Fraction(997, 10)):
         for k in range(200):
             time = tick_time(k, hz)
@@ -45,18 +54,25 @@ def test_last_tick_inverts_tick_time():
             assert last_tick(time - 1, hz) == k - 1
 
 
-def test_one_instant_is_ordered_by_rank_then_sequence():
-    schedule, seen = Schedule(), []
+def test_one_instant_is_ordered_by_rank_then_sequence() -> None:
+    schedule = Schedule()
+    seen: list[str] = []
+
+    def sense() -> None:
+        seen.append("sensor")
+        schedule.soon(1, lambda: seen.append("late"))
+
     schedule.at(5, 2, lambda: seen.append("control"))
     schedule.at(5, schedule.effectors, lambda: seen.append("effector"))
     schedule.at(5, 1, lambda: seen.append("data"))
-    schedule.at(5, 0, lambda: (seen.append("sensor"), schedule.soon(1, lambda: seen.append("late"))))
+    schedule.at(5, 0, sense)
     schedule.step_until(5)
     assert seen == ["sensor", "data", "late", "control", "effector"]
 
 
-def test_step_until_runs_up_to_and_including_an_instant():
-    schedule, seen = Schedule(), []
+def test_step_until_runs_up_to_and_including_an_instant() -> None:
+    schedule = Schedule()
+    seen: list[int] = []
     schedule.at(5, 0, lambda: seen.append(5))
     schedule.at(6, 0, lambda: seen.append(6))
     schedule.step_until(5)
@@ -68,24 +84,24 @@ def test_step_until_runs_up_to_and_including_an_instant():
 @pytest.mark.parametrize(
     ("source", "asked"), [(25, 10), (10, 8), (50, 20), (100, 80), (100, 37), (10, 10), (37, 10)]
 )
-def test_a_splitter_lowers_a_rate_exactly(source, asked):
+def test_a_splitter_lowers_a_rate_exactly(source: int, asked: int) -> None:
     inbox, link = split("NotifyAtFrequency", source, f"NotifyAtFrequency {asked}", 9.9999999)
     assert len(inbox.got) == 10 * asked
     assert link.dropped["lowered"] == 10 * (source - asked)
 
 
-def test_a_lowered_rate_delivers_the_latest_message():
+def test_a_lowered_rate_delivers_the_latest_message() -> None:
     inbox, _ = split("NotifyAtFrequency", 25, "NotifyAtFrequency 10", 0.4)
     assert inbox.got == [(0, 0), (120, 3), (200, 5), (320, 8), (400, 10)]
 
 
-def test_a_splitter_repeats_what_is_only_notified_when_ready_and_counts_it_stale():
+def test_a_splitter_repeats_what_is_only_notified_when_ready_and_counts_it_stale() -> None:
     inbox, link = split("NotifyWhenReady", None, "NotifyAtFrequency 10", 0.5, period=ms(250))
     assert inbox.got == [(0, 0), (100, 0), (200, 0), (300, 1), (400, 1), (500, 2)]
     assert link.stale == 3
 
 
-def test_a_splitter_polls_what_answers_requests():
+def test_a_splitter_polls_what_answers_requests() -> None:
     inbox, _ = split("RequestWhenReady", None, "NotifyAtFrequency 10", 0.3)
     assert inbox.got == [(0, 0), (100, 1), (200, 2), (300, 3)]
 
@@ -103,27 +119,29 @@ def test_a_splitter_polls_what_answers_requests():
         ("NotifyOnChange(0.5)", [0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2], [0, 0.6, 1.2]),
     ],
 )
-def test_conditions_deliver_when_they_hold(asked, readings, delivered):
+def test_conditions_deliver_when_they_hold(
+    asked: str, readings: list[float], delivered: list[float]
+) -> None:
     seconds = (len(readings) - 1) / 10
     for offered, wanted in (("NotifyWhenReady", asked), (asked, "")):
         inbox, _ = split(offered, None, wanted, seconds, replay(readings), ms(100))
         assert inbox.values == delivered
 
 
-def test_a_drift_is_reported_at_every_third_step():
+def test_a_drift_is_reported_at_every_third_step() -> None:
     drift = [round(0.2 * k, 1) for k in range(31)]
     inbox, _ = split("NotifyWhenReady", None, "NotifyOnChange(0.5)", 3, replay(drift), ms(100))
     assert inbox.values == drift[::3]
 
 
-def test_a_condition_is_about_a_field():
+def test_a_condition_is_about_a_field() -> None:
     readings = [{"nearest": 400}, {"nearest": 200}]
     asked = "NotifyOnMin(300, of=nearest)"
     inbox, _ = split("NotifyWhenReady", None, asked, 0.1, replay(readings), ms(100))
     assert inbox.values == [{"nearest": 200}]
 
 
-def test_a_message_without_the_field_is_dropped_counted_and_marks_the_link():
+def test_a_message_without_the_field_is_dropped_counted_and_marks_the_link() -> None:
     asked = "NotifyOnMin(300, of=nearest)"
     inbox, link = split("NotifyWhenReady", None, asked, 0.1, replay([{}, {}]), ms(100))
     assert (inbox.got, link.dropped["failed"], link.faulty) == ([], 2, True)
@@ -132,7 +150,7 @@ def test_a_message_without_the_field_is_dropped_counted_and_marks_the_link():
 PULL = "D uses_data_from S RequestWhenReady\nA uses_data_from D"
 
 
-def test_a_client_pulls_when_it_runs_and_gets_the_latest_unread():
+def test_a_client_pulls_when_it_runs_and_gets_the_latest_unread() -> None:
     inbox = Inbox()
     executor = executed(
         PULL,
@@ -144,7 +162,7 @@ def test_a_client_pulls_when_it_runs_and_gets_the_latest_unread():
     assert executor.links[0].dropped["unread"] == 6
 
 
-def test_without_an_unread_message_the_next_one_answers_the_one_outstanding_request():
+def test_without_an_unread_message_the_next_one_answers_the_one_outstanding_request() -> None:
     inbox = Inbox()
     executor = executed(
         PULL,
@@ -156,8 +174,14 @@ def test_without_an_unread_message_the_next_one_answers_the_one_outstanding_requ
     assert executor.links[0].delivered == 3
 
 
-def test_an_algorithm_on_request_computes_when_it_is_asked():
-    inbox, calls = Inbox(), []
+def test_an_algorithm_on_request_computes_when_it_is_asked() -> None:
+    inbox = Inbox()
+    calls: list[int] = []
+
+    def recorded(x: int) -> int:
+        calls.append(x)
+        return x
+
     executed(
         "M uses_data_from S\nD uses_data_from M\nA uses_data_from D",
         [
@@ -168,7 +192,7 @@ def test_an_algorithm_on_request_computes_when_it_is_asked():
         ],
         {
             "S": counter(),
-            "M": lambda x: calls.append(x) or x,
+            "M": recorded,
             "D": lambda x: x,
             "A": inbox,
         },
@@ -178,7 +202,7 @@ def test_an_algorithm_on_request_computes_when_it_is_asked():
     assert inbox.got == [(0, 0), (100, 10), (200, 20)]
 
 
-def test_a_request_passes_a_splitter_that_keeps_the_latest():
+def test_a_request_passes_a_splitter_that_keeps_the_latest() -> None:
     inbox = Inbox()
     executed(
         "DataSplitter1 uses_data_from S\nD uses_data_from DataSplitter1 RequestWhenReady\n"
@@ -194,10 +218,11 @@ def test_a_request_passes_a_splitter_that_keeps_the_latest():
     assert inbox.got == [(0, 0), (100, 10)]
 
 
-def test_a_splitter_copies_in_the_same_instant_in_order_and_no_failing_client_holds_up_another():
-    order, inbox = [], Inbox()
+def test_a_splitter_copies_in_the_same_instant_and_no_failing_client_holds_up_another() -> None:
+    inbox = Inbox()
+    order: list[str] = []
 
-    def fails(value):
+    def fails(value: int) -> None:
         order.append("B")
         raise ZeroDivisionError
 

@@ -128,11 +128,15 @@ class HierarchicalArbitration:
         source.arrival = arrival
         self.forces.append(Force(self.name, source.link.source, now, until))
         self.schedule.at(until, self.rank, lambda: self.expire(source))
-        if self.best() is source:
+        best = self.best()
+        if best is source:
             others = any(other is not source and other.until > now for other in self.inputs)
             self.forward(source, "highest priority in force" if others else "alone in force")
-        else:
-            source.suppressed += 1
+            return
+        source.suppressed += 1
+        if best is not None and source is self.winner:
+            # The arbiter behind it fell back to an older message than what is in force here.
+            self.forward(best, f"latest among equals of {source.link.source}")
 
     def best(self) -> _Input | None:
         """Return the input of the highest priority in force, among equals the latest."""

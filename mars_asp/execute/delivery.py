@@ -130,13 +130,13 @@ class Poll:
 
 def open_port(
     link: Link,
-    carried: Mode,
-    rate: Fraction | None,
+    asked: Mode,
+    made: tuple[Mode, Fraction | None],
     schedule: Schedule,
     upstream: Callable[[], None] | None,
 ) -> Port:
-    """Return the port that makes what `link` asks for from what is `carried`, at `rate` Hertz."""
-    asked = link.mode or carried
+    """Return the port that makes what is asked of `link` from a mode and rate (Hz) that is made."""
+    carried, rate = made
     if asked.name == ON_REQUEST:
         return Keep(link, upstream if carried.name == ON_REQUEST else None)
     if asked.name == AT_FREQUENCY:

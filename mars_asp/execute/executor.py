@@ -164,9 +164,8 @@ class Executor:
 
     def _join(self, name: str) -> None:
         plan, element = self.plan, self.elements[name]
-        mode, hz = plan.made(name)
         for link in plan.data_out[name]:
-            element.ports.append(self._port(name, link, mode, hz))
+            element.ports.append(self._port(name, link))
         if isinstance(element, Sensor | Algorithm):
             element.outputs += [*plan.data_out[name], *plan.control_out[name]]
         if isinstance(element, Algorithm):
@@ -176,12 +175,12 @@ class Executor:
         for link in plan.control_in[name]:
             link.receive = self._control_receiver(element, link)
 
-    def _port(self, name: str, link: Link, mode: Any, hz: Fraction | None) -> Port:
-        upstream = self._upstream(name)
-        if self.plan.kind(name) == "data_transformer" and mode.name != ON_REQUEST:
+    def _port(self, name: str, link: Link) -> Port:
+        made, asked = self.plan.made(name), self.plan.carried(link)[0]
+        if self.plan.kind(name) == "data_transformer" and made[0].name != ON_REQUEST:
             # It hands on the service of its input unchanged: conditions were met before.
             return Forward(link)
-        return open_port(link, mode, hz, self.schedule, upstream)
+        return open_port(link, asked, made, self.schedule, self._upstream(name))
 
     def _upstream(self, name: str) -> Callable[[], None] | None:
         if name in self._demands:

@@ -117,9 +117,13 @@ class Plan:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)
-            mode = mode or fed
+            mode = mode or self._unstated(link.source, fed)
             hz = hz or (rate if mode.name == AT_FREQUENCY else None)
         return mode, hz
+
+    def _unstated(self, source: str, fed: Mode) -> Mode:
+        is_node = self.kind(source) in ("data_splitter", "data_transformer")
+        return fed if is_node else self.offered(source)[0]
 
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of what stands behind a module's or node's outputs."""
