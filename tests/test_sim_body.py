@@ -1,0 +1,143 @@
+"""Arcs, contact and devices of the simulator."""
+
+from math import cos, inf, radians, sin
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mars_asp.sim import (
+    Body,
+    Circle,
+    Joint,
+    Mark,
+    Pose,
+    World,
+    bumper,
+    joystick,
+    lidar,
+    marks,
+    move,
+    odometry,
+    sonar,
+)
+from mars_asp.sim.devices import mounted
+
+WALL = ((1000.0, -5000.0), (1000.0, 5000.0))
+
+
+@given(st.floats(-500, 500), st.floats(-180, 180).filter(lambda w: abs(w) > 1), st.floats(0, 9))
+def test_a_turn_on_an_arc_agrees_with_the_closed_form(v: float, w: float, t: float) -> None:
+    got = move(Pose(0, 0, 0), v, 0, w, t)
+    radius, angle = v / radians(w), radians(w * t)
+    assert got.forward == pytest.approx(radius * sin(angle), abs=1e-9)
+    assert got.side == pytest.approx(radius * (1 - cos(angle)), abs=1e-9)
+
+
+@given(st.floats(-90, 90), st.integers(2, 40))
+def test_many_small_steps_are_one_large_one(w: float, n: int) -> None:
+    pose = Pose(3, 4, 5)
+    for _ in range(n):
+        pose = move(pose, 200, 50, w, 1 / n)
+    once = move(Pose(3, 4, 5), 200, 50, w, 1)
+    assert (pose.forward, pose.side) == pytest.approx((once.forward, once.side), abs=1e-8)
+
+
+def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
+    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200, command={"Trans_Z": 5000.0})
+    body.advance(10.0)
+    assert body.pose.forward == pytest.approx(800, abs=0.01)
+    assert [body.collisions, *body.contacts] == pytest.approx([1, 0.16], abs=1e-3)
+    body.obey({"Trans_Z": -100.0}, 10.0)
+    body.advance(11.0)
+    assert body.pose.forward == pytest.approx(700, abs=0.1)
+    assert body.collisions == 1
+
+
+def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
+    world = World(circles=[Circle((1000, 0), 100, (0, 0), 100)])
+    body = Body(world, Pose(0, 0, 0), 200)
+    body.advance(6.9)
+    assert [body.collisions, body.clearance] == pytest.approx([0, 10], abs=0.1)
+    body.advance(7.1)
+    assert body.collisions == 1
+
+
+def test_rates_are_limited_and_turning_while_driving_is_timed() -> None:
+    body = Body(World(), Pose(0, 0, 0), 200, limits={"Trans_Z": 100})
+    body.obey({"Trans_Z": 900}, 0)
+    body.obey({"Trans_Z": 100, "Rotn_Y": 10}, 1)
+    body.advance(3)
+    assert [body.driven, body.both] == pytest.approx([300, 2], rel=1e-3)
+
+
+def test_either_axis_may_be_up() -> None:
+    body = Body(World(), Pose(0, 0, 0), 200, up="z", command={"Trans_Y": 10})
+    body.advance(1)
+    assert [body.pose.forward, body.pose.side] == pytest.approx([0, 10])
+
+
+def test_a_sonar_cone_is_the_least_over_its_rays_and_a_miss_is_infinite() -> None:
+    body = Body(World(circles=[Circle((1000, 120), 20)]), Pose(0, 0, 0), 100)
+    read = sonar(body, mounted(body), Random(1), beams=4, cone=15, rays=5)
+    assert read(0.0) == [pytest.approx(np.hypot(1000, 120), abs=25), inf, inf, inf]
+    assert sonar(body, mounted(body), Random(1), beams=4, rays=1)(0.0)[0] == inf
+
+
+def test_devices_see_bump_and_reckon() -> None:
+    world = World(walls=[WALL], marks=[Mark((900, 0), "red"), Mark((1100, 0), "blue")])
+    body = Body(world, Pose(0, 0, 0), 200)
+    assert lidar(body, mounted(body), Random(1), beams=3)(0.0) == [inf, pytest.approx(1000), inf]
+    assert marks(body, mounted(body))(0.0) == [("red", 0.0, 900.0)]
+    assert bumper(body)(0.0) == 0
+    reckon = odometry(body, Random(1))
+    body.obey({"Trans_Z": 5000.0}, 0.0)
+    assert reckon(1.0)[0] == pytest.approx(800, abs=0.01)
+    assert bumper(body)(1.0) == 1
+
+
+def test_noise_is_seeded_for_each_device() -> None:
+    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200)
+    first = sonar(body, mounted(body), Random("1/a"), sigma=5)(0.0)
+    assert first == sonar(body, mounted(body), Random("1/a"), sigma=5)(0.0)
+    assert first != sonar(body, mounted(body), Random("1/b"), sigma=5)(0.0)
+
+
+def test_joints_turn_what_is_mounted_on_them_within_their_bounds() -> None:
+    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200)
+    joint = Joint("Rotn_Y", -60, 60, 30)
+    place = mounted(body, [(100, 0, 0, joint)])
+    joint.obey({"Rotn_Y": 90}, 0.0)
+    assert place(1.0) == Pose(100, 0, 30)
+    assert place(9.0).heading == 60
+    gripper = Joint("Grasp", 0, 80, 20, value=80, wanted=80)
+    gripper.obey({"Grasp": 50}, 0.0)
+    assert [gripper.advance(t) for t in (1.0, 2.0)] == [60, 50]
+
+
+def test_a_scripted_hand() -> None:
+    read = joystick([(1, "Trans_Z", 5), (2, "Rotn_Y", 3)])
+    assert [read(t) for t in (0.5, 1, 3)] == [None, ("Trans_Z", 5), ("Rotn_Y", 3)]
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_culling_changes_no_ray_and_no_distance(seed: int) -> None:
+    random = Random(seed)
+
+    def point() -> tuple[float, float]:
+        return random.uniform(-9000, 9000), random.uniform(-9000, 9000)
+
+    walls = [[point(), point()] for _ in range(20)]
+    circles = [Circle(point(), random.uniform(10, 900)) for _ in range(20)]
+    walked = World(walls, circles=circles)
+    angles = np.array([random.uniform(-9, 9) for _ in range(16)])
+    for _ in range(5):
+        at, fresh = point(), World(walls, circles=circles)
+        walked.rays((at[0] + 300, at[1]), angles, 3000, 0)
+        got = walked.rays(at, angles, 3000, 0)
+        wide = fresh.rays(at, angles, 1e6, 0)
+        assert np.array_equal(got, np.where(wide > 3000, inf, wide))
+        assert walked.distance(at, 0, 1e6) == fresh.distance(at, 0, 1e6)
