@@ -72,9 +72,7 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     return Outcome(path, expected, _answers(program, shown))
 
 
-def _answers(
-    program: str, shown: Sequence[tuple[str, int]]
-) -> tuple[tuple[str, ...], ...]:
+def _answers(program: str, shown: Sequence[tuple[str, int]]) -> tuple[tuple[str, ...], ...]:
     control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
     control.add("base", [], program)
     control.ground()

@@ -35,5 +35,7 @@ def test_every_message_of_a_consequence_has_a_case(rulebook: Rulebook) -> None:
         for rule in rulebook.rules
         if rule.because and rule.text.startswith("consequence(")
     }
-    expected = {kind for case in CASES for kind in kinds if f"consequence({kind}," in case.read_text()}
+    expected = {
+        kind for case in CASES for kind in kinds if f"consequence({kind}," in case.read_text()
+    }
     assert kinds - {"Kind"} - expected == set()

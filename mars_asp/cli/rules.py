@@ -47,7 +47,9 @@ def _show(rulebook: Rulebook, name: str) -> None:
         near = difflib.get_close_matches(name, rulebook.by_id, 1)
         hint = f"did you mean `{near[0]}`?" if near else "`mars-asp rules list` names them all"
         where = point("rules", 1, 1)
-        raise MarsError((Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),))
+        raise MarsError(
+            (Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),)
+        )
     print(_document(rule), end="")
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from mars_asp.source import Span
 
 _COMMENT = re.compile(r"(?://|#)[^\n]*")
-#: A statement goes on behind a comma, before one, and before the tuple of a mount.
-_CONTINUED = re.compile(r",[ \t]*\n[ \t\n]*|[ \t]*\n[ \t\n]*(?=[,(])")
+#: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
+#: keeps this linear: of a run of blanks only the first is tried.
+_CONTINUED = re.compile(r"(?<=,)[ \t\n]++|(?<=[^ \t\n,])[ \t\n]++(?=[,(])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +45,11 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
     starts = [0]
     for match in re.finditer("\n", text):
         starts.append(match.end())
-    blanked = text
+    lines = text.split("\n")
     for first, last in blocks:
-        begin = starts[first - 1]
-        end = starts[last] if last < len(starts) else len(text)
-        blanked = blanked[:begin] + re.sub(r"[^\n]", " ", text[begin:end]) + blanked[end:]
+        for number in range(first - 1, last):
+            lines[number] = " " * len(lines[number])
+    blanked = "\n".join(lines)
     blanked = _COMMENT.sub(lambda match: " " * len(match[0]), blanked)
     joined = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), blanked)
     return Layout(path, text, joined + "\n", tuple(starts))

@@ -128,7 +128,8 @@ class Rewriter:
                 self._symbolic(literal, terms, premises, absent, rest)
             elif literal.ast_type == _TYPE.Literal:
                 rest.append(str(literal))
-        element = f"_e({firing},{index},p({','.join(term for _, term in premises)}),a({','.join(absent)}))"
+        shown = ",".join(term for _, term in premises)
+        element = f"_e({firing},{index},p({shown}),a({','.join(absent)}))"
         wanted = [firing, *(text for text, _ in premises), *rest, *terms.equations]
         yield f"{element} :- {'; '.join(wanted)}."
         for _, term in premises:

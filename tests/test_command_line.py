@@ -1,0 +1,122 @@
+"""What a user can get wrong, as whole processes: status, message, never a traceback."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.documents import ROOT
+
+
+def mars(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "mars_asp", *words],
+        cwd=ROOT,
+        input=text,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+LEVEL0 = "examples/level0/config.mars"
+GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "text", "status", "mentions"),
+    [
+        ([], None, 2, "VERB"),
+        (["analise", LEVEL0], None, 2, "did you mean `analyse`"),
+        (["analyse"], None, 2, "FILE"),
+        (["analyse", "missing.mars"], None, 2, "missing.mars"),
+        (["analyse", "examples"], None, 2, "examples"),
+        (["analyse", "-"], "", 2, "@configuration"),
+        (["analyse", "-"], "\0\0", 2, "syntax"),
+        (["analyse", "-"], "@configuration\n", 2, "@modules"),
+        (["analyse", "-"], GOOD + "A uses_data_from C\n", 1, ""),
+        (["check", "-"], GOOD + "A uses_data_from C\n", 1, "`C`"),
+        (["check", "-"], GOOD, 0, ""),
+        (["analyse", "-", "--rules", "missing"], GOOD, 2, "missing"),
+        (["analyse", "-", "--sources", "missing"], GOOD, 2, "missing"),
+        (["analyse", "-", "--time-limit", "0"], GOOD, 2, "positive"),
+        (["synthesise", "-", "-o", "missing/folder/x"], GOOD, 2, "missing/folder"),
+        (["explain", LEVEL0, "DataSpliter1"], None, 2, "did you mean `DataSplitter1`"),
+        (["explain", LEVEL0, "--depth", "0"], None, 2, "depth"),
+        (["rules", "show", "data/divergenc"], None, 2, "did you mean `data/divergence`"),
+        (["test", "missing.lp"], None, 2, "missing.lp"),
+    ],
+)
+def test_mistakes(words: list[str], text: str | None, status: int, mentions: str) -> None:
+    done = mars(*words, text=text)
+    assert done.returncode == status, done.stderr
+    assert mentions in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_all_syntax_errors_come_at_once() -> None:
+    text = "@configuration hierachical\n@modules A, B\nA uses_data_form B\nA is_controlled_by\n"
+    done = mars("analyse", "-", "--format", "json", text=text)
+    problems = [json.loads(line) for line in done.stderr.splitlines()]
+    assert [(p["line"], p["column"]) for p in problems] == [(1, 16), (3, 3), (4, 19)]
+    assert "`hierarchical`" in problems[0]["help"]
+    assert "`uses_data_from`" in problems[1]["help"]
+
+
+def test_hostile_rules_end_with_a_message(tmp_path: Path) -> None:
+    rules = tmp_path / "loop.lp"
+    rules.write_text("p((X,X)) :- p(X).\np(1).\n")
+    done = mars("analyse", "-", "--rules", str(rules), "--memory-limit", "900", text=GOOD)
+    assert done.returncode in (2, 3)
+    assert "Traceback" not in done.stderr
+    assert done.stderr.strip()
+
+
+@pytest.mark.parametrize(
+    "text", ["#script (python)\n", '#include "x".\n', "p(\ufeff).\n", "p :- \n"]
+)
+def test_refused_rules_are_named(tmp_path: Path, text: str) -> None:
+    rules = tmp_path / "bad.lp"
+    rules.write_text(text, encoding="utf-8")
+    done = mars("analyse", "-", "--rules", str(rules), text=GOOD)
+    assert done.returncode == 2
+    assert "bad.lp" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_pack_may_not_derive_what_the_built_in_rules_do(tmp_path: Path) -> None:
+    rules = tmp_path / "forged.lp"
+    rules.write_text('commanded(1, "A", "B").\n')
+    done = mars("analyse", "-", "--rules", str(rules), text=GOOD)
+    assert done.returncode == 2
+    assert "commanded/3" in done.stderr
+
+
+def test_an_output_file_is_written(tmp_path: Path) -> None:
+    target = tmp_path / "out.mars"
+    assert mars("synthesise", LEVEL0, "-o", str(target)).returncode == 0
+    assert target.read_text().startswith("@specification hierarchical\n")
+
+
+def test_clingo_itself_gives_the_same_consequences(tmp_path: Path) -> None:
+    import clingo
+
+    facts = mars("facts", "tests/mixed.mars").stdout
+    control = clingo.Control(["--warn=none"])
+    for path in sorted((ROOT / "rules").glob("*.lp")):
+        control.load(str(path))
+    control.add("base", [], facts)
+    control.ground()
+    shown: set[tuple[str, str]] = set()
+
+    def keep(model: clingo.Model) -> None:
+        shown.update(
+            (str(s.arguments[0]), s.arguments[2].string) for s in model.symbols(shown=True)
+        )
+
+    control.solve(on_model=keep)
+    found = json.loads(mars("analyse", "--format", "json", "tests/mixed.mars").stdout)
+    assert shown == {(c["kind"], c["subject"]) for c in found["consequences"]}
+    assert len(shown) > 5

@@ -1,0 +1,201 @@
+"""Laws that hold for every configuration."""
+
+import json
+import os
+import random
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from decimal import Decimal
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mars_asp.analysis import analyse
+from mars_asp.facts import configuration_facts
+from mars_asp.language import parse_text, print_configuration
+from mars_asp.model import Configuration, Control, Data, Mode, Mount, Name, Relationship
+from mars_asp.resolve import NODES, Synthesis, synthesise
+from mars_asp.rulebook import load_rulebook
+from mars_asp.source import point
+from tests.documents import ROOT
+
+HERE = point("config.mars", 1, 1)
+NAMES = ("A", "B", "C", "D", "Eye", "Wheel")
+RULEBOOK = load_rulebook()
+few = settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+
+names = st.sampled_from(NAMES)
+modes = st.sampled_from(
+    [
+        (None, None),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("12.5")),
+        (Mode("RequestWhenReady", text="RequestWhenReady"), None),
+        (Mode("NotifyOnMax", (Decimal(80),), text="NotifyOnMax(80)"), None),
+    ]
+)
+data = st.builds(
+    lambda client, source, mode: Data(client, source, HERE, *mode), names, names, modes
+)
+control = st.builds(
+    lambda controlled, controller, priority, hold: Control(
+        controlled, controller, HERE, priority, hold
+    ),
+    names,
+    names,
+    st.none() | st.integers(0, 3),
+    st.none() | st.integers(1, 500),
+)
+mount = st.builds(
+    lambda mounting, mounted, vertex: Mount(mounting, mounted, HERE, vertex, vertex),
+    names,
+    names,
+    st.none() | st.integers(0, 4),
+)
+configurations = st.builds(
+    lambda relationships, architecture, kind: Configuration(
+        "config.mars",
+        HERE,
+        kind,
+        architecture,
+        architecture == "hierarchical",
+        modules=tuple(Name(name, HERE) for name in NAMES),
+        relationships=tuple(relationships),
+    ),
+    st.lists(data | control | mount, max_size=9, unique=True),
+    st.sampled_from(["flat", "hierarchical"]),
+    st.sampled_from(["configuration", "specification"]),
+)
+
+
+def without_places(configuration: Configuration) -> Configuration:
+    def bare(relationship: Relationship) -> Relationship:
+        return replace(relationship, span=HERE)
+
+    return replace(
+        configuration,
+        span=HERE,
+        modules=tuple(Name(name.text, HERE) for name in configuration.modules),
+        relationships=tuple(map(bare, configuration.relationships)),
+    )
+
+
+def resolved(configuration: Configuration) -> Synthesis:
+    facts = configuration_facts(configuration)
+    analysis = analyse(facts, RULEBOOK, configuration.span)
+    found = synthesise(configuration, {}, analysis, RULEBOOK)
+    assert found is not None
+    return found
+
+
+def consequences(configuration: Configuration) -> list[tuple[str, str, frozenset[str]]]:
+    facts = configuration_facts(configuration)
+    analysis = analyse(facts, RULEBOOK, configuration.span)
+    return sorted((c.kind, c.subject, frozenset(c.participants)) for c in analysis.consequences)
+
+
+def renamed(configuration: Configuration, rename: Callable[[str], str]) -> Configuration:
+    def over(relationship: Relationship) -> Relationship:
+        match relationship:
+            case Data():
+                return replace(
+                    relationship,
+                    client=rename(relationship.client),
+                    source=rename(relationship.source),
+                )
+            case Control():
+                return replace(
+                    relationship,
+                    controlled=rename(relationship.controlled),
+                    controller=rename(relationship.controller),
+                )
+            case Mount():
+                return replace(
+                    relationship,
+                    mounting=rename(relationship.mounting),
+                    mounted=rename(relationship.mounted),
+                )
+
+    return replace(
+        configuration,
+        modules=tuple(Name(rename(name.text), HERE) for name in configuration.modules),
+        relationships=tuple(map(over, configuration.relationships)),
+    )
+
+
+@few
+@given(configurations)
+def test_what_is_printed_reads_back(configuration: Configuration) -> None:
+    text = print_configuration(configuration)
+    read = parse_text(text, "config.mars").configuration
+    assert without_places(read) == configuration
+
+
+@few
+@given(configurations)
+def test_a_specification_reads_back_with_nothing_to_resolve(configuration: Configuration) -> None:
+    printed = resolved(configuration).specification.configuration
+    read = parse_text(print_configuration(printed), "config.mars").configuration
+    assert without_places(read) == without_places(printed)
+    assert resolved(read).cost(NODES) == 0
+    resolvable = {"data_divergence", "control_convergence", "control_divergence"}
+    assert not resolvable & {kind for kind, _, _ in consequences(read)}
+
+
+@few
+@given(configurations, st.randoms(use_true_random=False))
+def test_the_order_of_lines_changes_only_order(
+    configuration: Configuration, rng: random.Random
+) -> None:
+    lines = list(configuration.relationships)
+    rng.shuffle(lines)
+    other = replace(configuration, relationships=tuple(lines))
+    assert consequences(other) == consequences(configuration)
+    first, second = resolved(configuration), resolved(other)
+    assert first.resolution == second.resolution
+
+
+@few
+@given(configurations)
+def test_renaming_modules_renames_the_answer(configuration: Configuration) -> None:
+    def rename(name: str) -> str:
+        return f"Z{name}"
+
+    expected = sorted(
+        (kind, rename(subject), frozenset(map(rename, participants)))
+        for kind, subject, participants in consequences(configuration)
+    )
+    other = renamed(configuration, rename)
+    assert consequences(other) == expected
+    assert resolved(other).resolution.cost == resolved(configuration).resolution.cost
+
+
+@few
+@given(configurations)
+def test_an_unconnected_module_adds_no_node(configuration: Configuration) -> None:
+    more = replace(configuration, modules=(*configuration.modules, Name("Alone", HERE)))
+    assert resolved(more).resolution.cost == resolved(configuration).resolution.cost
+
+
+def test_output_is_the_same_for_every_hash_seed() -> None:
+    program = (
+        "import sys; from mars_asp.cli import run_here\n"
+        "for verb in ('analyse', 'synthesise', 'explain'):\n"
+        "    run_here([verb, 'tests/mixed.mars', '--format', 'json'])\n"
+    )
+    outputs = set()
+    for seed in range(30):
+        environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            check=True,
+        )
+        outputs.add(done.stdout)
+    (output,) = outputs
+    assert len([json.loads(line) for line in output.splitlines()]) == 3
