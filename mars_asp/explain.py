@@ -14,8 +14,7 @@ import clingo
 from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.facts import configuration_facts
-from mars_asp.project import Project
+from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook, head_signatures
 from mars_asp.source import Span, point
@@ -50,7 +49,7 @@ def explain(
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in the seconds given.
     """
-    facts = configuration_facts(project.configuration, project.modules)
+    facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     chosen = _consequences(analysis, project, subject)
     synthesis = None

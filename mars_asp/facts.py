@@ -252,8 +252,8 @@ class _Compiler:
                     self.add(span, "resembles", stranger, near)
 
     def walks(self) -> None:
-        """Tell the shortest closed walk of every knot of data and of control relationships."""
-        data, control = [], []
+        """Tell the shortest closed walk of every knot of relationships of one kind."""
+        data, control, mounts = [], [], []
         spans = {}
         for number, relationship in numbered(self.configuration.relationships):
             spans[number] = relationship.span
@@ -262,7 +262,9 @@ class _Compiler:
                     data.append((client, source, number))
                 case Control(controlled, controller):
                     control.append((controlled, controller, number))
-        for kind, edges in (("data", data), ("control", control)):
+                case Mount(mounting, mounted):
+                    mounts.append((mounting, mounted, number))
+        for kind, edges in (("data", data), ("control", control), ("mount", mounts)):
             for index, walk in enumerate(shortest_closed_walks(edges)):
                 for step, (start, end, number) in enumerate(walk):
                     self.add(

@@ -5,9 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_file, parse_text
-from mars_asp.model import Configuration, Module
+from mars_asp.model import Configuration, Module, Mount
 from mars_asp.source import Span
 
 
@@ -57,6 +59,25 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
     return Project(configuration, modules, diagnostics)
+
+
+def project_facts(project: Project) -> tuple[Fact, ...]:
+    """Return the facts of a project.
+
+    Raises:
+        MarsError: numbers that do not fit.
+    """
+    facts = configuration_facts(project.configuration, project.modules)
+    if not has_mounts(project):
+        return facts
+    from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
+
+    return facts + frame_facts(project.configuration, project.modules)
+
+
+def has_mounts(project: Project) -> bool:
+    """Say whether a project mounts anything; only then is numpy worth loading."""
+    return any(isinstance(r, Mount) for r in project.configuration.relationships)
 
 
 def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> list[Path]:

@@ -15,6 +15,8 @@ LAYERS = [
     "annotations",
     "language",
     "facts",
+    "frames",
+    "physical",
     "gate",
     "rulebook",
     "rule_cases",

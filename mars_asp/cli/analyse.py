@@ -6,10 +6,15 @@ import sys
 from collections.abc import Iterator
 
 from mars_asp.analysis import Analysis, Consequence
-from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
+from mars_asp.cli.reason import (
+    add_file,
+    analyse_project,
+    read_project,
+    rulebook_for,
+)
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
-from mars_asp.project import Project
+from mars_asp.project import Project, has_mounts
 from mars_asp.source import Span
 from mars_asp.visible import visible
 
@@ -43,9 +48,21 @@ def analysis_json(project: Project, analysis: Analysis) -> dict[str, object]:
             "modules": [name.text for name in configuration.modules],
             "relationships": len(configuration.relationships),
         },
-        "frames": {},
+        "frames": frames_json(project),
         "consequences": [consequence_json(consequence) for consequence in analysis.consequences],
         "unchecked": list(analysis.unchecked),
+    }
+
+
+def frames_json(project: Project) -> dict[str, object]:
+    """Return the frames of mounted modules with the keys of the contract."""
+    if not has_mounts(project):
+        return {}
+    from mars_asp.physical import frames
+
+    found = frames(project.configuration, project.modules)
+    return {
+        name: {"root": root, "matrix": matrix.tolist()} for name, (root, matrix) in found.items()
     }
 
 

@@ -2,8 +2,9 @@
 
 import argparse
 
-from mars_asp.cli.reason import add_file, project_facts, read_project
+from mars_asp.cli.reason import add_file, read_project
 from mars_asp.facts import facts_text
+from mars_asp.project import project_facts
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mars_asp.analysis import Analysis, analyse
-from mars_asp.atom import Fact
 from mars_asp.cli.report import report
-from mars_asp.facts import configuration_facts
 from mars_asp.language.parse import decode
-from mars_asp.project import Project, load_project
+from mars_asp.project import Project, load_project, project_facts
 from mars_asp.rulebook import Rulebook, load_rulebook
 
 STANDARD_INPUT = "-"
@@ -39,15 +37,6 @@ def rulebook_for(arguments: argparse.Namespace, stages: Sequence[str] = ("resolv
         MarsError: what is wrong with rule files.
     """
     return load_rulebook([Path(path) for path in arguments.rules], stages)
-
-
-def project_facts(project: Project) -> tuple[Fact, ...]:
-    """Return the facts of a project.
-
-    Raises:
-        MarsError: numbers that do not fit.
-    """
-    return configuration_facts(project.configuration, project.modules)
 
 
 def analyse_project(project: Project, rulebook: Rulebook) -> Analysis:
