@@ -12,12 +12,16 @@ NOBODY = ""
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """From `since` (ns) on, `holder` (a module, or nobody) holds control of `node`, and why."""
+    """From `since` (ns) on, `holder` (a module, or nobody) holds control of `node`, and why.
+
+    `through` is the controller of the node that handed the holder's message on.
+    """
 
     node: str
     holder: str
     since: int
     why: str
+    through: str = NOBODY
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +154,7 @@ class HierarchicalArbitration:
         if message is None:
             return
         self.winner = source
-        self._hold(message.origin, why)
+        self._hold(message.origin, why, source.link.source)
         sent = message._replace(until=source.until, arrival=source.arrival)
         for link in self.outputs:
             link.send(sent)
@@ -170,10 +174,11 @@ class HierarchicalArbitration:
             for link in self.outputs:
                 link.send(Message({}, now, NOBODY, until=now))
 
-    def _hold(self, holder: str, why: str) -> None:
-        if self.holdings and self.holdings[-1].holder == holder:
+    def _hold(self, holder: str, why: str, through: str = NOBODY) -> None:
+        last = self.holdings[-1] if self.holdings else None
+        if last is not None and (last.holder, last.through) == (holder, through):
             return
         now = self.schedule.now
-        self.holdings.append(Holding(self.name, holder, now, why))
+        self.holdings.append(Holding(self.name, holder, now, why, through))
         if self.observe is not None:
             self.observe(now, "holds", self.name, [holder, why])

@@ -30,7 +30,9 @@ class Sensor:
         emit(self.schedule, self.behaviour, (), SENSORS, accept=self.accept, outputs=self.outputs)
 
     def accept(self, reading: Any, made: int) -> None:
-        """Offer a reading that was made at an instant (ns)."""
+        """Offer a reading that was made at an instant (ns); none is nothing to deliver."""
+        if reading is None:
+            return
         message = Message(reading, made, self.name)
         for port in self.ports:
             port.offer(message)

@@ -1,0 +1,223 @@
+"""Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.model import GRASP, MOTION_FUNCTIONS
+from mars_asp.source import Span, point
+
+_NUMBER: tuple[type, ...] = (int, float)
+#: The keys of each table and the types of their values; `docs/scenarios.md` says what they mean.
+SCHEMA: Mapping[str, Mapping[str, tuple[type, ...]]] = {
+    "": {
+        "seed": (int,),
+        "duration": _NUMBER,
+        "up": (str,),
+        "command_timeout": _NUMBER,
+        "world": (dict,),
+        "robot": (dict,),
+        "devices": (dict,),
+        "bindings": (dict,),
+        "faults": (dict,),
+        "requirements": (dict,),
+    },
+    "world": {
+        "walls": (list,),
+        "polygons": (list,),
+        "circles": (list,),
+        "moving": (list,),
+        "marks": (list,),
+        "scatter": (dict,),
+    },
+    "world.moving": {"from": (list,), "to": (list,), "radius": _NUMBER, "speed": _NUMBER},
+    "world.marks": {"at": (list,), "colour": (str,)},
+    "world.scatter": {
+        "count": (int,),
+        "radius": (list,),
+        "within": _NUMBER,
+        "free": _NUMBER,
+        "moving": (int,),
+        "speed": _NUMBER,
+    },
+    "robot": {"module": (str,), "radius": _NUMBER, "start": (list,), "limits": (dict,)},
+    "devices": {
+        "kind": (str,),
+        "period": _NUMBER,
+        "beams": (int,),
+        "cone": _NUMBER,
+        "rays": (int,),
+        "reach": _NUMBER,
+        "view": _NUMBER,
+        "sigma": _NUMBER,
+        "script": (list,),
+        "function": (str,),
+        "low": _NUMBER,
+        "high": _NUMBER,
+        "rate": _NUMBER,
+        "value": _NUMBER,
+    },
+    "bindings": {"python": (str,), "period": _NUMBER, "delay": _NUMBER},
+    "faults": {"kind": (str,), "from": _NUMBER, "until": _NUMBER, "by": _NUMBER},
+    "requirements": {
+        "no_collision": (bool,),
+        "clearance": _NUMBER,
+        "reach": (dict,),
+        "exclusive": (list,),
+        "coverage": _NUMBER,
+    },
+    "requirements.reach": {"at": (list,), "radius": _NUMBER, "within": _NUMBER},
+}
+CHOICES = {
+    ("", "up"): ("y", "z"),
+    ("devices", "kind"): (
+        "sonar",
+        "lidar",
+        "bumper",
+        "odometry",
+        "marks",
+        "joystick",
+        "platform",
+        "joint",
+        "gripper",
+    ),
+    ("faults", "kind"): ("silent", "late", "stuck", "throwing", "babbling"),
+    ("devices", "function"): (*MOTION_FUNCTIONS, GRASP),
+}
+_NAMED = ("devices", "bindings", "faults")
+_NESTED = ("world", "robot", "requirements")
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A checked scenario; tables are as in the file, lengths in mm, times in s unless said."""
+
+    path: Path
+    span: Span
+    seed: int = 0
+    duration: float = 60.0
+    up: str = "y"
+    command_timeout: float = 500.0
+    world: Mapping[str, Any] = field(default_factory=dict)
+    robot: Mapping[str, Any] = field(default_factory=dict)
+    devices: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    bindings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    faults: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    requirements: Mapping[str, Any] = field(default_factory=dict)
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Read and check a scenario file.
+
+    Raises:
+        MarsError: it cannot be read, is no TOML, or has wrong keys or values; all of them.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
+        raise MarsError([_problem(point(str(path), 1, 1), f"`{path}`: {reason}")]) from None
+    return read_scenario(text, path)
+
+
+def read_scenario(text: str, path: Path) -> Scenario:
+    """Check the text of a scenario; `path` is what places show and bindings are relative to.
+
+    Raises:
+        MarsError: it is no TOML, or has wrong keys or values; all of them.
+    """
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (1, 1)
+        message = str(error).split(" (at")[0]
+        raise MarsError([_problem(point(str(path), line, column), message)]) from None
+    problems = list(_Check(text, str(path)).scenario(tables))
+    if problems:
+        raise MarsError(problems)
+    return Scenario(path, point(str(path), 1, 1), **tables)
+
+
+def _problem(span: Span, message: str, help_text: str | None = None) -> Diagnostic:
+    return Diagnostic("scenario", "error", message, span, (), help_text)
+
+
+class _Check:
+    """Compares tables with the schema; places are found by looking for the key."""
+
+    def __init__(self, text: str, path: str) -> None:
+        self.lines, self.path = text.splitlines(), path
+
+    def scenario(self, tables: Mapping[str, Any]) -> Iterator[Diagnostic]:
+        yield from self.table("", tables, ())
+        for name in _NESTED:
+            table = tables.get(name)
+            if isinstance(table, dict):
+                yield from self.table(name, table, (name,))
+                yield from self.inner(name, table)
+        for name in _NAMED:
+            table = tables.get(name)
+            for module, entry in table.items() if isinstance(table, dict) else ():
+                if isinstance(entry, dict):
+                    yield from self.table(name, entry, (name, module))
+                else:
+                    yield _problem(self.find(module, (name,)), f"`{module}` is no table")
+        for name in ("robot", "duration"):
+            if name not in tables:
+                yield _problem(point(self.path, 1, 1), f"the scenario has no `{name}`")
+        if isinstance(tables.get("robot"), dict) and "module" not in tables["robot"]:
+            yield _problem(self.find("robot", ()), "the robot has no `module`")
+
+    def inner(self, name: str, table: Mapping[str, Any]) -> Iterator[Diagnostic]:
+        for key, value in table.items():
+            schema = f"{name}.{key}"
+            if schema not in SCHEMA:
+                continue
+            for entry in value if isinstance(value, list) else [value]:
+                if isinstance(entry, dict):
+                    yield from self.table(schema, entry, (name, key))
+
+    def table(
+        self, schema: str, table: Mapping[str, Any], under: tuple[str, ...]
+    ) -> Iterator[Diagnostic]:
+        known = SCHEMA[schema]
+        for key, value in table.items():
+            span = self.find(key, under)
+            if key not in known:
+                near = difflib.get_close_matches(key, known, 1)
+                hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(known)}"
+                yield _problem(span, f"`{key}` is no key here", hint)
+            elif not isinstance(value, known[key]) or (
+                isinstance(value, bool) and bool not in known[key]
+            ):
+                words = " or ".join(kind.__name__ for kind in known[key])
+                yield _problem(span, f"`{key}` is no {words}")
+            elif (schema, key) in CHOICES and value not in CHOICES[schema, key]:
+                choices = CHOICES[schema, key]
+                near = difflib.get_close_matches(str(value), choices, 1)
+                hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(choices)}"
+                yield _problem(span, f"`{value}` is no `{key}`", hint)
+            elif key in ("duration", "period", "radius", "beams", "rays", "reach") and (
+                isinstance(value, int | float) and not 0 < value < 1e9
+            ):
+                yield _problem(span, f"`{key}` is not positive")
+
+    def find(self, key: str, under: tuple[str, ...]) -> Span:
+        """Return where a key stands: the first line that has it, from its table's header on."""
+        header = re.compile(r"\s*\[+\s*" + r"\s*\.\s*".join(map(re.escape, under)) + r"\b")
+        written = re.compile(rf"(?<![\w-])[\"']?{re.escape(key)}[\"']?\s*(?==|\]|\.)")
+        start = 0
+        if under:
+            found = (i for i, line in enumerate(self.lines) if header.match(line))
+            start = next(found, 0)
+        for number, line in enumerate(self.lines[start:], start + 1):
+            match = written.search(line)
+            if match:
+                return point(self.path, number, match.start() + 1)
+        return point(self.path, start + 1, 1)

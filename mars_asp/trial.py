@@ -1,0 +1,258 @@
+"""A specification in a scenario: world, robot, devices and executor, put together and run."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import cos, hypot, inf, radians, sin
+from random import Random
+from typing import Any
+
+from mars_asp.bindings import Clock, bind_functions, faulty
+from mars_asp.execute import Behaviour, Executor
+from mars_asp.execute.link import Observer
+from mars_asp.execute.plan import Plan
+from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.model import Configuration, Module
+from mars_asp.scenario import Scenario
+from mars_asp.sim import (
+    Body,
+    Circle,
+    Joint,
+    Mark,
+    Pose,
+    World,
+    bumper,
+    joystick,
+    lidar,
+    marks,
+    odometry,
+    sonar,
+)
+from mars_asp.sim.devices import Place, mounted
+
+_DEFAULT_PERIOD = 100.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A run: `executor` and `body` hold what happened; `limits` are rates by module."""
+
+    scenario: Scenario
+    executor: Executor
+    body: Body
+    limits: Mapping[str, Mapping[str, float]]
+
+    def run_until(self, seconds: float) -> None:
+        """Run events and motion up to a time."""
+        self.executor.step_until(round(seconds * SECOND))
+        self.body.advance(seconds)
+
+    @property
+    def control_time(self) -> dict[str, float]:
+        """Return for how many seconds each module's command was in force at the robot."""
+        times: defaultdict[str, float] = defaultdict(float)
+        for since, until, origin, _ in self._commands(self.scenario.robot["module"]):
+            if origin:
+                times[origin] += until - since
+        return dict(sorted(times.items()))
+
+    def together(self, first: str, second: str) -> float:
+        """Return for how many seconds two functions of the robot ran at once."""
+        return sum(
+            until - since
+            for since, until, _, command in self._commands(self.scenario.robot["module"])
+            if command.get(first) and command.get(second)
+        )
+
+    def _commands(self, module: str) -> Iterator[tuple[float, float, str, dict[str, float]]]:
+        effector = self.executor.effectors.get(module)
+        if effector is None:
+            return
+        end: tuple[int, str, dict[str, float]] = (self.executor.schedule.now, "", {})
+        for (since, origin, command), (until, _, _) in pairwise([*effector.applied, end]):
+            yield since / SECOND, until / SECOND, origin, command
+
+    @property
+    def reached(self) -> float | None:
+        """Return when the robot was first at the place it was to reach."""
+        asked = self.scenario.requirements["reach"]
+        x, y = asked["at"]
+        for at, pose in self.body.track:
+            near = hypot(pose.forward - x, pose.side - y) <= asked.get("radius", 200.0)
+            if near and at <= asked.get("within", inf):
+                return at
+        return None
+
+    @property
+    def coverage(self) -> float:
+        """Return which share of squares of the robot's width it has been in, within the walls."""
+        segments, size = self.body.world.segments, 2 * self.body.radius
+        if not len(segments):
+            return 0.0
+        low = segments.reshape(-1, 2).min(axis=0)
+        across = segments.reshape(-1, 2).max(axis=0) - low
+        been = {
+            (int((p.forward - low[0]) // size), int((p.side - low[1]) // size))
+            for _, p in self.body.track
+        }
+        return float(len(been) / max(1.0, (across[0] // size) * (across[1] // size)))
+
+
+def stage_trial(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    scenario: Scenario,
+    observe: Observer | None = None,
+) -> Trial:
+    """Put a run together; nothing has happened yet.
+
+    Raises:
+        MarsError: what is unbound or cannot be used, all at once.
+    """
+    every = {**modules, **{module.name: module for module in specification.declared}}
+    limits = _limits(every, scenario)
+    robot = scenario.robot
+    body = Body(
+        make_world(scenario),
+        Pose(*map(float, robot.get("start", (0, 0, 0)))),
+        float(robot.get("radius", 200.0)),
+        scenario.up,
+        limits.get(robot["module"], {}),
+    )
+    running: list[Executor] = []
+
+    def clock() -> float:
+        return running[0].schedule.now / SECOND if running else 0.0
+
+    plan = Plan(specification, modules, {})
+    behaviours = bind_functions(every, scenario, plan.names, clock)
+    behaviours |= _devices(plan, scenario, body, clock)
+    timeout = round(scenario.command_timeout * MILLISECOND)
+    running.append(Executor(specification, modules, behaviours, timeout, observe))
+    return Trial(scenario, running[0], body, limits)
+
+
+def with_seed(scenario: Scenario, seed: int) -> Scenario:
+    """Return the scenario with another seed, hence other noise and another scattered world."""
+    return replace(scenario, seed=seed)
+
+
+def make_world(scenario: Scenario) -> World:
+    """Build the world; scattered circles are drawn from the seed."""
+    world = scenario.world
+    circles = [Circle((x, y), r) for x, y, r in world.get("circles", ())]
+    circles += [
+        Circle(tuple(m["from"]), m["radius"], tuple(m["to"]), m["speed"])
+        for m in world.get("moving", ())
+    ]
+    if "scatter" in world:
+        circles += list(_scattered(world["scatter"], scenario))
+    seen = [Mark(tuple(m["at"]), m["colour"]) for m in world.get("marks", ())]
+    return World(_points(world.get("walls")), _points(world.get("polygons")), circles, seen)
+
+
+def _points(lines: Any) -> list[list[tuple[float, float]]]:
+    return [[(float(x), float(y)) for x, y in line] for line in lines or ()]
+
+
+def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
+    """Yield circles that leave `free` mm around the start, the last `moving` of them moving."""
+    random = Random(f"{scenario.seed}/world")
+    x, y, *_ = scenario.robot.get("start", (0, 0, 0))
+    within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
+    count, low_high = scatter.get("count", 10), scatter.get("radius", (100.0, 300.0))
+    made = 0
+    while made < count:
+        radius = random.uniform(*low_high)
+        at = random.uniform(-within, within), random.uniform(-within, within)
+        if hypot(at[0] - x, at[1] - y) - radius < free:
+            continue
+        made += 1
+        if made > count - scatter.get("moving", 0):
+            way = radians(random.uniform(0, 360))
+            target = at[0] + 2000 * cos(way), at[1] + 2000 * sin(way)
+            yield Circle(at, radius, target, scatter.get("speed", 100.0))
+        else:
+            yield Circle(at, radius)
+
+
+def _limits(modules: Mapping[str, Module], scenario: Scenario) -> dict[str, dict[str, float]]:
+    limits = {
+        name: {f.name: float(f.rate) for f in module.functions if f.rate is not None}
+        for name, module in modules.items()
+    }
+    stated = scenario.robot.get("limits", {})
+    limits.setdefault(scenario.robot["module"], {}).update(stated)
+    return limits
+
+
+def _devices(plan: Plan, scenario: Scenario, body: Body, clock: Clock) -> dict[str, Behaviour]:
+    joints = {
+        name: Joint(
+            table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y"),
+            *(float(table.get(key, default)) for key, default in _JOINT),
+        )
+        for name, table in scenario.devices.items()
+        if table.get("kind") in ("joint", "gripper")
+    }
+    found: dict[str, Behaviour] = {
+        name: Behaviour(lambda command, joint=joint: joint.obey(command, clock()))
+        for name, joint in joints.items()
+    }
+    platform = scenario.robot["module"]
+    found[platform] = Behaviour(lambda command: body.obey(command, clock()))
+    for name, table in scenario.devices.items():
+        if name in found or table.get("kind") == "platform":
+            continue
+        place = mounted(body, _way(plan, name, scenario, joints))
+        read = _sensor(table, body, place, Random(f"{scenario.seed}/{name}"))
+        period = round(table.get("period", _DEFAULT_PERIOD) * MILLISECOND)
+        behaviour = Behaviour(lambda read=read: read(clock()), period)
+        found[name] = faulty(behaviour, scenario, name, clock)
+    return found
+
+
+_JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
+
+
+def _sensor(
+    table: Mapping[str, Any], body: Body, place: Place, noise: Random
+) -> Callable[[float], Any]:
+    def stated(*keys: str) -> dict[str, Any]:
+        return {key: table[key] for key in keys if key in table}
+
+    kind = table.get("kind")
+    if kind == "sonar":
+        return sonar(body, place, noise, **stated("beams", "cone", "rays", "reach", "sigma"))
+    if kind == "lidar":
+        return lidar(body, place, noise, **stated("beams", "view", "reach", "sigma"))
+    if kind == "marks":
+        return marks(body, place, **stated("view", "reach"))
+    if kind == "odometry":
+        return odometry(body, noise, **stated("sigma"))
+    if kind == "joystick":
+        return joystick([tuple(entry) for entry in table.get("script", ())])
+    return bumper(body)
+
+
+def _way(
+    plan: Plan, name: str, scenario: Scenario, joints: Mapping[str, Joint]
+) -> list[tuple[float, float, float, Joint | None]]:
+    """Return the mounts from the robot out to a device, as the plane sees them.
+
+    A turn about the up axis counts; tilts and the vertices of modules are left out.
+    """
+    chain = plan.chain(name)
+    if scenario.robot["module"] in chain:
+        chain = chain[: chain.index(scenario.robot["module"]) + 1]
+    ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
+    way = []
+    for mounting in reversed(chain[:-1]):
+        across = plan.mounts[mounting].transformation
+        translation = across.translation if across else (0, 0, 0)
+        turns = across.rotations if across else ()
+        turn = sum(float(angle) for axis, angle in turns if axis.lower() == scenario.up)
+        joint = joints.get(mounting)
+        way.append((float(translation[ahead]), float(translation[aside]), turn, joint))
+    return way
