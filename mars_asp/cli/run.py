@@ -1,0 +1,223 @@
+"""Execute a specification on the simulator and judge the run."""
+
+import argparse
+import json
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
+from mars_asp.cli.report import report
+from mars_asp.visible import visible, write_whole
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from mars_asp.execute import Link
+    from mars_asp.judge import Requirement
+    from mars_asp.model import Configuration
+    from mars_asp.project import Project
+    from mars_asp.trial import Trial
+
+#: Simulated seconds between two looks at the run.
+_GLANCE = 0.5
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    add_file(parser)
+    parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
+    parser.add_argument("--seed", type=int, help="instead of the scenario's")
+    parser.add_argument("--duration", metavar="SECONDS", type=float, help="of simulated time")
+    parser.add_argument("--plot", metavar="OUT.svg", help="draw the way and who held control")
+    parser.add_argument("--record", metavar="OUT.jsonl", help="write every event, one a line")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run it; 1 where a requirement was violated."""
+    from mars_asp.judge import judge
+    from mars_asp.scenario import load_scenario
+    from mars_asp.trial import stage_trial
+
+    project = read_project(arguments)
+    scenario = load_scenario(Path(arguments.scenario))
+    if arguments.seed is not None:
+        scenario = replace(scenario, seed=arguments.seed)
+    if arguments.duration is not None:
+        scenario = replace(scenario, duration=arguments.duration)
+    specification = _specification(project, arguments)
+    if specification is None:
+        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+        return 1
+    record: list[str] = []
+    observe = _recorder(record) if arguments.record else None
+    trial = stage_trial(specification, project.modules, scenario, observe)
+    _carry_out(trial, arguments)
+    verdicts = judge(trial)
+    if arguments.record:
+        write_whole(arguments.record, "".join(f"{line}\n" for line in record))
+    if arguments.plot:
+        from mars_asp.plot import plot_run
+
+        write_whole(arguments.plot, plot_run(trial))
+    if arguments.format == "json":
+        print(json.dumps(run_json(trial, verdicts)))
+    else:
+        _print_run(trial, verdicts, arguments)
+    return int(not all(verdict.holds for verdict in verdicts))
+
+
+def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
+    """Return the file's specification, or the minimal one of its configuration."""
+    if project.configuration.kind == "specification":
+        return project.configuration
+    from mars_asp.analysis import diagnostic
+    from mars_asp.resolve import synthesise
+
+    rulebook = rulebook_for(arguments)
+    analysis = analyse_project(project, rulebook)
+    report((diagnostic(c) for c in analysis.consequences if c.severity != "note"), arguments)
+    found = synthesise(
+        project.configuration, project.modules, analysis, rulebook, arguments.time_limit, None
+    )
+    return None if found is None else found.specification.configuration
+
+
+def _recorder(lines: list[str]) -> Any:
+    def observe(at: int, what: str, where: str, value: object) -> None:
+        event = {"ns": at, "event": what, "where": where, "value": value}
+        lines.append(json.dumps(event, default=repr))
+
+    return observe
+
+
+def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
+    """Run to the end, with a live line where a person is watching."""
+    duration, started = trial.scenario.duration, time.monotonic()
+    live = sys.stderr.isatty() and not arguments.quiet
+    at = 0.0
+    while at < duration:
+        at = min(duration, at + _GLANCE)
+        trial.run_until(at)
+        if live:
+            print(f"\r\033[2K{_line(trial, time.monotonic() - started)}", end="", file=sys.stderr)
+    if live:
+        print(file=sys.stderr)
+
+
+def _line(trial: "Trial", wall: float) -> str:
+    effector = trial.executor.effectors.get(trial.scenario.robot["module"])
+    holder = effector.message.origin if effector and effector.message else ""
+    dropped = sum(link.dropped.total() for link in trial.executor.links)
+    seconds = trial.body.seconds
+    return visible(
+        f"{seconds:6.1f} s  {seconds / max(wall, 1e-9):5.0f}x  control: {holder or 'nobody':<12} "
+        f"least clearance {trial.body.clearance:6.0f} mm  dropped {dropped}"
+    )
+
+
+def run_json(trial: "Trial", verdicts: "tuple[Requirement, ...]") -> dict[str, object]:
+    """Return a run with the keys of the command line's contract."""
+    body, executor = trial.body, trial.executor
+    clearance = body.clearance
+    return {
+        "verdict": "pass" if all(verdict.holds for verdict in verdicts) else "fail",
+        "requirements": [
+            {"name": v.name, "holds": v.holds, "message": v.message} for v in verdicts
+        ],
+        "seconds": trial.scenario.duration,
+        "seed": trial.scenario.seed,
+        "events": executor.schedule.events,
+        "messages": sum(link.delivered for link in executor.links),
+        "collisions": body.collisions,
+        "min_clearance_mm": round(clearance, 3) if clearance < float("inf") else None,
+        "control_time": {name: round(t, 6) for name, t in trial.control_time.items()},
+        "driven_mm": round(body.driven, 3),
+        "turn_while_driving_s": round(body.both, 6),
+        "links": [_link_json(trial, link) for link in executor.links],
+        "control": [
+            {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
+            for arbiter in executor.arbiters.values()
+            for h in arbiter.holdings
+        ],
+    }
+
+
+def _link_json(trial: "Trial", link: "Link") -> dict[str, object]:
+    asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
+    return {
+        "source": link.source,
+        "client": link.client,
+        "asked_hz": None if asked is None else float(asked),
+        "got_hz": round(link.delivered / trial.scenario.duration, 6),
+        "oldest_ms": link.oldest / 1e6,
+        "delivered": link.delivered,
+        "dropped": dict(link.dropped),
+        "stale": link.stale,
+        "faulty": link.faulty,
+    }
+
+
+def _print_run(
+    trial: "Trial", verdicts: "tuple[Requirement, ...]", arguments: argparse.Namespace
+) -> None:
+    from rich.console import Console
+    from rich.text import Text
+
+    colour = {"always": True, "never": False}.get(arguments.color)
+    console = Console(emoji=False, highlight=False, force_terminal=colour, no_color=colour is False)
+    for table in (_links(trial), _controllers(trial)):
+        if table.row_count and not arguments.quiet:
+            console.print(table)
+    for verdict in verdicts:
+        word = "holds   " if verdict.holds else "VIOLATED"
+        console.print(Text(visible(f"{word} {verdict.name}  {verdict.message}".rstrip())))
+    body = trial.body
+    console.print(
+        Text(
+            f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: {body.collisions} "
+            f"collisions, least clearance {body.clearance:.0f} mm, {body.driven:.0f} mm driven, "
+            f"{body.both:.2f} s turning while driving"
+        )
+    )
+
+
+def _links(trial: "Trial") -> "Table":
+    rows = (
+        (
+            f"{link['source']} -> {link['client']}",
+            "" if link["asked_hz"] is None else f"{link['asked_hz']:g}",
+            f"{link['got_hz']:.2f}",
+            f"{link['oldest_ms']:g}",
+            ", ".join(f"{count} {why}" for why, count in sorted(link["dropped"].items())),
+        )
+        for link in (_link_json(trial, each) for each in trial.executor.links)
+    )
+    return _table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
+
+
+def _controllers(trial: "Trial") -> "Table":
+    suppressed: dict[str, int] = {}
+    for arbiter in trial.executor.arbiters.values():
+        for name, count in getattr(arbiter, "suppressed", {}).items():
+            suppressed[name] = suppressed.get(name, 0) + count
+    times, duration = trial.control_time, trial.scenario.duration
+    rows = (
+        (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed.get(name, 0)))
+        for name in sorted({*times, *suppressed})
+    )
+    return _table(("controller", "in control", "suppressed"), rows)
+
+
+def _table(heads: tuple[str, ...], rows: Any) -> "Table":
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False)
+    for number, head in enumerate(heads):
+        table.add_column(head, justify="right" if 0 < number < 4 else "left")
+    for row in rows:
+        table.add_row(*(Text(visible(cell)) for cell in row))
+    return table
