@@ -19,6 +19,7 @@ VERBS = {
     "analyse": "the consequences of a configuration",
     "synthesise": "the minimal specification that resolves them",
     "explain": "why each consequence and node is there, down to lines",
+    "run": "execute a specification on the simulator and judge the run",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "rules": "list, show or check the rule base",
     "test": "run rule cases: facts and expected answer sets",

@@ -5,6 +5,7 @@ import json
 import sys
 import time
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,10 +88,21 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
 
 def _recorder(lines: list[str]) -> Any:
     def observe(at: int, what: str, where: str, value: object) -> None:
-        event = {"ns": at, "event": what, "where": where, "value": value}
-        lines.append(json.dumps(event, default=repr))
+        event = {"ns": at, "event": what, "where": where, "value": _plain(value)}
+        lines.append(json.dumps(event, default=repr, allow_nan=False))
 
     return observe
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: what is not finite becomes null."""
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(part) for key, part in value.items()}
+    return value
 
 
 def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
@@ -145,7 +157,7 @@ def run_json(trial: "Trial", verdicts: "tuple[Requirement, ...]") -> dict[str, o
     }
 
 
-def _link_json(trial: "Trial", link: "Link") -> dict[str, object]:
+def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
     asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
     return {
         "source": link.source,
@@ -201,7 +213,7 @@ def _links(trial: "Trial") -> "Table":
 def _controllers(trial: "Trial") -> "Table":
     suppressed: dict[str, int] = {}
     for arbiter in trial.executor.arbiters.values():
-        for name, count in getattr(arbiter, "suppressed", {}).items():
+        for name, count in _suppressed(arbiter).items():
             suppressed[name] = suppressed.get(name, 0) + count
     times, duration = trial.control_time, trial.scenario.duration
     rows = (
@@ -221,3 +233,9 @@ def _table(heads: tuple[str, ...], rows: Any) -> "Table":
     for row in rows:
         table.add_row(*(Text(visible(cell)) for cell in row))
     return table
+
+
+def _suppressed(arbiter: object) -> "dict[str, int]":
+    from mars_asp.execute.arbitration import HierarchicalArbitration
+
+    return arbiter.suppressed if isinstance(arbiter, HierarchicalArbitration) else {}

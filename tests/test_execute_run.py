@@ -1,0 +1,210 @@
+"""Scenarios, requirements and the verb `run`."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mars_asp.atom import Atom, Fact, Term
+from mars_asp.cli import run_command
+from mars_asp.diagnostic import MarsError
+from mars_asp.judge import ALWAYS, ON_REQUEST, judge, judge_facts, run_rulebook
+from mars_asp.language import parse_text
+from mars_asp.plot import plot_run
+from mars_asp.rulebook import load_rulebook
+from mars_asp.scenario import read_scenario
+from mars_asp.trial import Trial, stage_trial
+from tests.documents import ROOT
+from tests.execute_builders import HERE
+
+LEVEL0 = ROOT / "examples" / "level0"
+BASE = 'duration = 3\n[robot]\nmodule = "P"\n'
+DRIVE = "@specification\n@modules P, C\nP is_controlled_by C\n"
+HAND = '[devices.C]\nkind = "joystick"\nscript = [[0, "Trans_Z", 200]]\n'
+
+
+def trial(text: str, specification: str = DRIVE, folder: Path = Path()) -> Trial:
+    scenario = read_scenario(text, folder / "s.toml")
+    made = stage_trial(parse_text(specification, "x.mars").configuration, {}, scenario)
+    made.run_until(scenario.duration)
+    return made
+
+
+def verdicts(made: Trial) -> dict[str, bool]:
+    return {verdict.name: verdict.holds for verdict in judge(made)}
+
+
+def test_a_joystick_drives_a_platform() -> None:
+    made = trial(BASE + "[bindings.C]\nperiod = 100\n" + HAND)
+    assert made.body.driven == pytest.approx(600)
+    assert made.control_time == {"C": pytest.approx(3)}
+
+
+WALL = "\n[world]\nwalls = [[[500, -900], [500, 900], [-900, 900]]]\n"
+
+
+@pytest.mark.parametrize(
+    ("asked", "name", "holds"),
+    [
+        ("no_collision = true", "no_collision", False),
+        ("clearance = 10", "clearance", False),
+        ("reach = { at = [300, 0], radius = 10 }", "reach", True),
+        ("reach = { at = [300, 0], radius = 10, within = 0.5 }", "reach", False),
+        ('exclusive = [["Trans_Z", "Rotn_Y"]]', "exclusive", True),
+        ("coverage = 0.9", "coverage", False),
+    ],
+)
+def test_requirements_on_request(asked: str, name: str, holds: bool) -> None:
+    made = trial(f"{BASE}{HAND}{WALL}[requirements]\n{asked}\n")
+    assert verdicts(made)[name] is holds
+
+
+def test_commands_beyond_a_limit_are_reported_without_being_asked() -> None:
+    made = trial(f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}")
+    assert verdicts(made)["commands within limits"] is False
+    assert made.body.driven == pytest.approx(300)
+
+
+def test_two_controllers_without_an_arbiter_are_reported_without_being_asked() -> None:
+    both = DRIVE.replace("P, C", "P, C, D") + "P is_controlled_by D\n"
+    made = trial(BASE + HAND + HAND.replace(".C]", ".D]"), both)
+    assert verdicts(made)["one controller at a time"] is False
+
+
+FACTS = {
+    "undelivered_service": [("promised", 1, "S", "C", 10), ("delivered", 1, 8)],
+    "priority_breach": [
+        ("ranked", "A", "L", 0),
+        ("ranked", "A", "H", 1),
+        ("held", "A", "L", 100, 200),
+        ("in_force", "A", "H", 150, 300),
+    ],
+}
+NEARLY = {
+    "undelivered_service": [("promised", 1, "S", "C", 10), ("delivered", 1, 9)],
+    "priority_breach": [
+        ("ranked", "A", "L", 0),
+        ("ranked", "A", "H", 1),
+        ("held", "A", "L", 100, 200),
+        ("in_force", "A", "H", 200, 300),
+    ],
+}
+
+
+def _judged(rows: list[tuple[Any, ...]]) -> dict[str, tuple[bool, str]]:
+    facts = [Fact(Atom(name, tuple(_term(x) for x in rest)), HERE) for name, *rest in rows]
+    return {v.name: (v.holds, v.message) for v in judge_facts(facts, (), run_rulebook(), HERE)}
+
+
+def _term(value: Any) -> Term:
+    assert isinstance(value, int | str)
+    return value
+
+
+@pytest.mark.parametrize("kind", FACTS)
+def test_rules_find_what_the_executor_should_never_do(kind: str) -> None:
+    name = next(name for name, value in ALWAYS.items() if value == kind)
+    holds, message = _judged(FACTS[kind])[name]
+    assert not holds
+    assert "`" in message
+    assert _judged(NEARLY[kind])[name] == (True, "")
+
+
+def test_an_overlap_is_found_whichever_began_first() -> None:
+    rows = [row for row in FACTS["priority_breach"] if row[0] != "in_force"]
+    found = _judged([*rows, ("in_force", "A", "H", 50, 101)])
+    assert found["priorities respected"][0] is False
+
+
+def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
+    book = load_rulebook(stages=("run",), strict=True)
+    kinds = {
+        str(rule.ast.head.atom.symbol.arguments[0])
+        for rule in book.rules
+        if rule.stage == "run" and rule.text.startswith("consequence(")
+    }
+    assert kinds == {*ALWAYS.values(), *ON_REQUEST.values()}
+
+
+def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
+    with pytest.raises(MarsError) as raised:
+        read_scenario('sed = 1\nduration = "x"\n[robot]\nmodul = "P"\n', Path("s.toml"))
+    found = [(d.span.line, d.message, d.help) for d in raised.value.diagnostics]
+    assert (1, "`sed` is no key here", "did you mean `seed`?") in found
+    assert (2, "`duration` is no int or float", None) in found
+    assert (4, "`modul` is no key here", "did you mean `module`?") in found
+
+
+def test_broken_toml_is_placed() -> None:
+    with pytest.raises(MarsError) as raised:
+        read_scenario("seed = 1\nduration = = 2\n", Path("s.toml"))
+    assert raised.value.diagnostics[0].span.line == 2
+
+
+def test_unbound_modules_are_reported_together_before_the_run() -> None:
+    with pytest.raises(MarsError) as raised:
+        trial(BASE, DRIVE.replace("P, C", "P, C, D") + "P is_controlled_by D\n")
+    assert sorted(d.message.split("`")[1] for d in raised.value.diagnostics) == ["C", "D"]
+
+
+FAULTS = [
+    ('kind = "silent", from = 1, until = 2', 21, 0),
+    ('kind = "throwing", from = 1, until = 2', 21, 10),
+    ('kind = "stuck", from = 1, until = 2', 31, 0),
+    ('kind = "babbling", by = 10', 301, 0),
+    ('kind = "late", by = 50', 30, 0),
+]
+
+
+@pytest.mark.parametrize(("fault", "delivered", "failed"), FAULTS)
+def test_injected_faults(fault: str, delivered: int, failed: int) -> None:
+    made = trial(f"{BASE}{HAND}[faults]\nC = {{ {fault} }}\n")
+    link = made.executor.links[0]
+    assert (link.delivered, link.dropped["failed"]) == (delivered, failed)
+
+
+def test_module_state_does_not_leak_from_one_run_into_the_next(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text(
+        "count = [0]\ndef go():\n    count[0] += 1\n    return 'Trans_Z', count[0]\n"
+    )
+    text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+    driven = {trial(text, folder=tmp_path).body.driven for _ in range(2)}
+    assert len(driven) == 1
+
+
+def _run(*words: str) -> int:
+    return run_command(
+        ["run", str(LEVEL0 / "config.mars"), "--scenario", str(LEVEL0 / "scenario.toml"), *words]
+    )
+
+
+def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    traces = []
+    for name in ("a", "b"):
+        out, svg = tmp_path / f"{name}.jsonl", tmp_path / f"{name}.svg"
+        words = ["--duration", "5", "--format", "json", "--record", str(out), "--plot", str(svg)]
+        status = _run(*words)
+        result = json.loads(capfd.readouterr().out)
+        assert (status, result["verdict"], result["collisions"]) == (0, "pass", 0)
+        assert set(result["control_time"]) <= {"Turn", "Forward", "Collide"}
+        traces.append(out.read_bytes() + svg.read_bytes())
+    assert traces[0] == traces[1]
+    assert len(traces[0]) > 10_000
+
+
+def test_a_violated_requirement_is_status_1(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = (LEVEL0 / "scenario.toml").read_text() + "clearance = 3000\n"
+    text = text.replace('"sources/', f'"{LEVEL0.as_posix()}/sources/')
+    (tmp_path / "s.toml").write_text(text)
+    words = ["run", str(LEVEL0 / "config.mars"), "--scenario", str(tmp_path / "s.toml")]
+    assert run_command([*words, "--duration", "1"]) == 1
+    assert "VIOLATED clearance" in capfd.readouterr().out
+
+
+def test_a_plot_names_who_held_control() -> None:
+    assert ">C</text>" in plot_run(trial(BASE + HAND + WALL))
