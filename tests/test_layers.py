@@ -29,6 +29,13 @@ LAYERS = [
     "trace",
     "project",
     "explain",
+    "sim",
+    "execute",
+    "scenario",
+    "bindings",
+    "trial",
+    "judge",
+    "plot",
     "cli",
 ]
 
