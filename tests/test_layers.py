@@ -17,6 +17,7 @@ LAYERS = [
     "facts",
     "frames",
     "physical",
+    "urdf",
     "gate",
     "rulebook",
     "rule_cases",
