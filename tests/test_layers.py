@@ -11,6 +11,7 @@ LAYERS = [
     "atom",
     "model",
     "modes",
+    "tuples",
     "walks",
     "annotations",
     "language",

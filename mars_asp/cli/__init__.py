@@ -16,6 +16,7 @@ from mars_asp import __version__
 
 VERBS = {
     "check": "parse, extract and analyse; print diagnostics only",
+    "extract": "the modules found in annotated sources",
     "analyse": "the consequences of a configuration",
     "synthesise": "the minimal specification that resolves them",
     "explain": "why each consequence and node is there, down to lines",

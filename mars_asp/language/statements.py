@@ -9,7 +9,6 @@ from lark import Token, Transformer
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
-from mars_asp.language.tuples import read_transformation
 from mars_asp.model import (
     Architecture,
     Configuration,
@@ -23,6 +22,7 @@ from mars_asp.model import (
 )
 from mars_asp.modes import ModeProblem, parse_mode, parse_number
 from mars_asp.source import Span
+from mars_asp.tuples import read_transformation
 
 #: The name of a statement's rule and what stands in it: tokens, absences, statements within.
 Raw: TypeAlias = tuple[str, list["Token | Raw | None"]]

@@ -1,0 +1,106 @@
+"""A declaration and its overrides as the service that an annotation says it is."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from mars_asp.annotations.declarations import Declaration, Parameter
+from mars_asp.annotations.types import ARITHMETIC, BUILTIN, NOT_INPUTS, representation
+
+_STATUS = re.compile(
+    r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Overrides:
+    """What `@Output` and `@Input` say, as written; `inputs` are for all, `named` for one each."""
+
+    output: str | None = None
+    inputs: tuple[str, ...] | None = None
+    named: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Representations of a declaration; a `remark` says what is noteworthy, with its code."""
+
+    output: str | None
+    inputs: tuple[str | None, ...]
+    remarks: tuple[tuple[str, str, str], ...]
+
+
+def read_signature(declaration: Declaration, overrides: Overrides, delivers: bool) -> Signature:
+    """Return a declaration's representations; `delivers` is whether it needs an output."""
+    parameters = list(declaration.parameters)
+    remarks: list[tuple[str, str, str]] = []
+    output: str | None
+    if overrides.output is not None:
+        output, parameters = _overridden(overrides.output, parameters)
+    else:
+        output = None if declaration.output is None else representation(declaration.output)
+        beside = output is not None and (output in ARITHMETIC or _STATUS.fullmatch(output))
+        if output == "" or (beside and any(p.out for p in parameters)):
+            if delivers:
+                remarks.append(_no_output(declaration, parameters))
+            output = None
+        elif output is None and delivers:
+            remarks.append(
+                (
+                    "MARS205",
+                    f"the output of `{declaration.name}` is unknown",
+                    "say what it delivers: `@Output TYPE`",
+                )
+            )
+        elif output in BUILTIN and delivers:
+            remarks.append(_builtin(output or ""))
+    inputs = tuple(_inputs(parameters, overrides))
+    return Signature(output or None, inputs, tuple(remarks))
+
+
+def _overridden(
+    written: str, parameters: Sequence[Parameter]
+) -> tuple[str | None, list[Parameter]]:
+    """Read `@Output`: a parameter's name, `none` or a type."""
+    rest = [parameter for parameter in parameters if parameter.name != written]
+    if len(rest) < len(parameters):
+        named = next(parameter for parameter in parameters if parameter.name == written)
+        return (None if named.type is None else representation(named.type)), rest
+    return (None if written == "none" else representation(written)), list(parameters)
+
+
+def _no_output(declaration: Declaration, parameters: Sequence[Parameter]) -> tuple[str, str, str]:
+    line = next((p.name for p in parameters if p.out and p.name), "TYPE")
+    return (
+        "MARS206",
+        f"`{declaration.name}` returns `{declaration.output}`, which is no output",
+        f"say what it delivers: `@Output {line}`",
+    )
+
+
+def _builtin(name: str) -> tuple[str, str, str]:
+    return (
+        "MARS207",
+        f"the built-in `{name}` is used as a representation",
+        "a type of its own says more",
+    )
+
+
+def _inputs(parameters: Sequence[Parameter], overrides: Overrides) -> Iterator[str | None]:
+    if overrides.inputs is not None:
+        for written in overrides.inputs:
+            if written != "none":
+                yield representation(written) or None
+        return
+    for parameter in parameters:
+        written = overrides.named.get(parameter.name or "", parameter.type or "")
+        if written == "none":
+            continue
+        if not written:
+            yield None
+            continue
+        name = representation(written)
+        if name is None:
+            yield None
+        elif name and name.rsplit("::", 1)[-1] not in NOT_INPUTS:
+            yield name

@@ -1,0 +1,372 @@
+"""Types as they are written in seven languages, as representation names.
+
+The thirteen rules of the language reference, section 9: qualifiers, references and wrappers fall
+away, sequences become `T[]`, callbacks are `function`; what cannot be known is `None`.
+"""
+
+import re
+
+_TOKEN = re.compile(r"'[a-z_]\w*|\.\.\.|::|->|<-|&&|[A-Za-z_$~]\w*|\d[\w.]*|\"[^\"]*\"|\S")
+_FALLS_AWAY = frozenset(
+    (
+        "const volatile typename struct class enum union static inline virtual explicit "
+        "constexpr consteval constinit friend extern register thread_local mutable "
+        "restrict __restrict __restrict__ _Noreturn noexcept public protected private "
+        "abstract final synchronized native default strictfp mut dyn ref unsafe signed in "
+        "out"
+    ).split()
+)
+_INTEGER_WORDS = frozenset({"unsigned", "long", "short", "int", "char", "double", "signed"})
+_WRAPPERS = frozenset(
+    (
+        "shared_ptr unique_ptr weak_ptr optional expected future shared_future "
+        "reference_wrapper Box Rc Arc Option Result Optional Future CompletableFuture "
+        "Supplier Awaitable Coroutine Annotated Cow Final ClassVar Required NotRequired "
+        "not_null observer_ptr intrusive_ptr Pin"
+    ).split()
+)
+_STREAMS = frozenset(
+    (
+        "Iterator Iterable AsyncIterator AsyncIterable Generator AsyncGenerator Stream "
+        "Publisher Flux Mono Observable Flowable Receiver Sender Channel channel "
+        "generator Flow IntoIterator BlockingQueue Queue Subscription Chan Flow"
+    ).split()
+)
+_SEQUENCES = frozenset(
+    (
+        "vector list set deque span array forward_list multiset unordered_set valarray "
+        "initializer_list Vec VecDeque LinkedList HashSet BTreeSet List Set ArrayList "
+        "Collection Sequence MutableSequence FrozenSet frozenset Deque tuple_list"
+    ).split()
+)
+_MAPS = frozenset(
+    (
+        "map unordered_map multimap flat_map dict Dict Map HashMap BTreeMap TreeMap "
+        "LinkedHashMap ConcurrentHashMap Mapping MutableMapping OrderedDict defaultdict"
+    ).split()
+)
+_CALLBACKS = frozenset(
+    (
+        "function move_only_function Callable Fn FnMut FnOnce fn func Function BiFunction "
+        "Consumer BiConsumer Predicate Runnable UnaryOperator BinaryOperator lambda"
+    ).split()
+)
+_UNKNOWN = frozenset({"auto", "var", "Any", "object", "Object", "interface{}", "any"})
+_NOTHING = frozenset({"void", "None", "NoneType", "Void", "!", "()", "error"})
+_ROS_FOLDERS = frozenset({"msg", "srv", "action"})
+_POINTERS = ("SharedPtr", "ConstSharedPtr", "UniquePtr", "WeakPtr", "Ptr", "ConstPtr")
+NOT_INPUTS = frozenset(
+    (
+        "function Time TimePoint time_point Duration duration milliseconds seconds "
+        "microseconds nanoseconds minutes hours Instant SystemTime LocalDateTime datetime "
+        "timedelta Timestamp timespec timeval time_t Context CancellationToken"
+    ).split()
+)
+BUILTIN = frozenset(
+    (
+        "bool boolean Boolean char byte short int long float double size_t ssize_t str "
+        "String string unsigned usize isize u8 u16 u32 u64 u128 i8 i16 i32 i64 i128 f32 "
+        "f64 int8 int16 int32 int64 uint8 uint16 uint32 uint64 uint float32 float64 rune "
+        "complex bytes Integer Long Float Double int8_t int16_t int32_t int64_t uint8_t "
+        "uint16_t uint32_t uint64_t std::string"
+    ).split()
+)
+ARITHMETIC = BUILTIN - {"str", "String", "string", "std::string", "bytes", "char"}
+_MOST_TOKENS = 2000
+_MOST_DEPTH = 40
+
+
+class _UnreadableError(Exception):
+    """The text is no type."""
+
+
+def representation(text: str) -> str | None:
+    """Return a type's representation name; `None` where it is unknown, `""` where it is nothing."""
+    tokens = _TOKEN.findall(re.sub(r"\[\[.*?\]\]", " ", text))
+    if not tokens or len(tokens) > _MOST_TOKENS:
+        return None
+    try:
+        reader = _Reader(tokens)
+        name = reader.union()
+        if reader.peek():
+            return None
+    except _UnreadableError:
+        return None
+    return name
+
+
+class _Reader:
+    """Reads one type by recursive descent, at most `_MOST_DEPTH` deep."""
+
+    def __init__(self, tokens: list[str]) -> None:
+        self.tokens = tokens
+        self.at = 0
+        self.depth = 0
+
+    def peek(self, ahead: int = 0) -> str:
+        index = self.at + ahead
+        return self.tokens[index] if index < len(self.tokens) else ""
+
+    def take(self) -> str:
+        token = self.peek()
+        self.at += 1
+        return token
+
+    def accept(self, *words: str) -> bool:
+        if self.peek() in words:
+            self.at += 1
+            return True
+        return False
+
+    def union(self) -> str | None:
+        """Read `A | None`; other unions have no one representation."""
+        self.depth += 1
+        if self.depth > _MOST_DEPTH:
+            raise _UnreadableError
+        parts = [self.term()]
+        while self.accept("|"):
+            parts.append(self.term())
+        self.depth -= 1
+        real = [part for part in parts if part != ""]
+        if len(real) > 1:
+            return None
+        return real[0] if real else ""
+
+    def term(self) -> str | None:
+        self.skip_qualifiers()
+        if self.peek().startswith('"'):
+            return representation(self.take().strip('"'))
+        if self.peek() == "[":
+            return self.bracketed()
+        if self.peek() == "(":
+            return self.parenthesised()
+        if self.accept("<-"):
+            return self.term()
+        if self.peek() == "!":
+            self.take()
+            return ""
+        name = self.named()
+        return self.suffixes(name)
+
+    def skip_qualifiers(self) -> None:
+        while True:
+            token = self.peek()
+            if (
+                token in ("&", "&&", "*", "mut")
+                or token.startswith("'")
+                or (token in _FALLS_AWAY and self.peek(1))
+                or (token in ("impl", "chan") and self.peek(1))
+            ):
+                self.at += 1
+            else:
+                return
+
+    def bracketed(self) -> str | None:
+        """Read `[]T`, `[N]T` (Go) or `[T]`, `[T; N]` (Rust)."""
+        self.take()
+        if self.accept("]"):
+            return _sequence(self.term())
+        start = self.at
+        inner = self.union() if not self.peek()[0].isdigit() else (self.take(), None)[1]
+        if self.accept(";"):
+            while self.peek() and self.peek() != "]":
+                self.take()
+        if not self.accept("]"):
+            raise _UnreadableError
+        following = self.peek()
+        if following and (following[0].isalpha() or following[0] in "_*[") and start != self.at:
+            return _sequence(self.term())
+        return _sequence(inner)
+
+    def parenthesised(self) -> str | None:
+        self.take()
+        parts: list[str | None] = []
+        while self.peek() and self.peek() != ")":
+            parts.append(self.union())
+            self.accept(",")
+        if not self.accept(")"):
+            raise _UnreadableError
+        real = [part for part in parts if part != ""]
+        if not real:
+            return ""
+        if len(real) == 1:
+            return self.suffixes(real[0])
+        return None if None in real else f"({','.join(str(part) for part in real)})"
+
+    def named(self) -> str | None:
+        words: list[str] = []
+        arguments: list[str | None] | None = None
+        while True:
+            token = self.take()
+            if not re.match(r"[A-Za-z_$~]", token):
+                raise _UnreadableError
+            if token in _INTEGER_WORDS and not words:
+                return self.integer(token)
+            words.append(token)
+            if token in ("func", "fn", "Fn", "FnMut", "FnOnce") and self.peek() == "(":
+                self.skip_group("(", ")")
+                if self.accept("->") or (token == "func" and self.peek() not in ("", ",", ")")):
+                    self.union()
+                return "function"
+            if token == "map" and self.peek() == "[":
+                return self.go_map()
+            if token == "interface" and self.peek() == "{":
+                self.skip_group("{", "}")
+                return None
+            opening = self.peek()
+            if opening == "::" and self.peek(1) == "<":
+                self.take()
+                opening = "<"
+            if opening == "<" or (opening == "[" and self.generic_bracket()):
+                arguments = self.arguments(">" if opening == "<" else "]")
+            if self.peek() in ("::", ".", "/", "$") and self.peek(1):
+                self.take()
+                if self.peek() in _POINTERS and not self.peek(1):
+                    self.take()
+                    break
+                if arguments is not None:
+                    words[-1] += _listed(arguments)
+                    arguments = None
+                continue
+            break
+        return _applied(words, arguments)
+
+    def generic_bracket(self) -> bool:
+        """Say whether a `[` opens arguments; otherwise it is an array's."""
+        following = self.peek(1)
+        return bool(following) and following != "]" and not following[0].isdigit()
+
+    def integer(self, first: str) -> str:
+        words = [first]
+        while self.peek() in _INTEGER_WORDS or self.peek() in ("const", "volatile"):
+            word = self.take()
+            if word in _INTEGER_WORDS:
+                words.append(word)
+        kept = [word for word in words if word != "signed"]
+        if not {"char", "double"} & set(kept) and (len(kept) > 1 or "unsigned" not in kept):
+            sized = [word for word in kept if word in ("long", "short")]
+            kept = (["unsigned"] if "unsigned" in kept else []) + (sized or ["int"])
+        elif kept == ["unsigned"]:
+            kept = ["unsigned", "int"]
+        if "char" in kept or "double" in kept:
+            order = {"unsigned": 0, "long": 1}
+            kept.sort(key=lambda word: order.get(word, 2))
+        return " ".join(kept) or "int"
+
+    def go_map(self) -> str | None:
+        self.take()
+        key = self.union()
+        if not self.accept("]"):
+            raise _UnreadableError
+        value = self.term()
+        return None if key is None or value is None else f"map<{key},{value}>"
+
+    def arguments(self, closing: str) -> list[str | None]:
+        self.take()
+        found: list[str | None] = []
+        while self.peek() and self.peek() != closing:
+            if self.peek()[0].isdigit():
+                found.append(self.take())
+            elif self.peek() == "[":
+                self.skip_group("[", "]")
+                found.append("")
+            elif self.peek() == "...":
+                self.take()
+            elif self.peek() == "?":
+                self.take()
+                found.append(self.union() if self.accept("extends", "super") else None)
+            elif self.peek(1) == "=":
+                # Output=T of a Rust trait.
+                self.at += 2
+                found.append(self.union())
+            elif self.peek()[0] in "'\"" and found:
+                self.take()
+            else:
+                found.append(self.union())
+                if self.peek() == "(":
+                    self.skip_group("(", ")")
+                    found[-1] = "function"
+                if self.peek() == "=":
+                    self.take()
+                    found[-1] = self.union()
+            while self.peek() and self.peek() not in (",", closing):
+                if self.peek() in ("<", "(", "["):
+                    raise _UnreadableError
+                self.take()
+            self.accept(",")
+        if not self.accept(closing):
+            raise _UnreadableError
+        return found
+
+    def skip_group(self, opening: str, closing: str) -> None:
+        depth = 0
+        while self.peek():
+            token = self.take()
+            depth += (token == opening) - (token == closing)
+            if not depth:
+                return
+        raise _UnreadableError
+
+    def suffixes(self, name: str | None) -> str | None:
+        pointer = False
+        while True:
+            token = self.peek()
+            if token in ("&", "&&", "*", "?", "!") or token.startswith("'"):
+                pointer = pointer or token == "*"
+                self.take()
+            elif token in _FALLS_AWAY or token in ("mut",):
+                self.take()
+            elif token == "+":
+                # Bounds of a Rust trait object say nothing about what it is.
+                self.take()
+                self.term()
+            elif token == "...":
+                self.take()
+                name = _sequence(name)
+            elif token == "[":
+                self.skip_group("[", "]")
+                name = _sequence(name)
+            else:
+                break
+        return None if pointer and name == "" else name
+
+
+def _sequence(name: str | None) -> str | None:
+    return None if name is None else f"{name}[]" if name else ""
+
+
+def _listed(arguments: list[str | None]) -> str:
+    return f"<{','.join(argument or '?' for argument in arguments)}>"
+
+
+def _applied(words: list[str], arguments: list[str | None] | None) -> str | None:
+    """Return a name with its arguments, wrappers seen through."""
+    last = words[-1]
+    kept = [word for word in words[:-1] if word not in _ROS_FOLDERS] + [last]
+    name = "::".join(kept)
+    first = arguments[0] if arguments else None
+    if last in _CALLBACKS and (arguments is not None or len(words) > 1 or last != "function"):
+        return "function"
+    if name in _UNKNOWN:
+        return None
+    if name in _NOTHING:
+        return ""
+    if arguments is None:
+        if (
+            last in ("list", "tuple", "dict", "set", "List", "Dict", "Map", "Set")
+            and len(words) == 1
+        ):
+            return name
+        return name
+    if last == "Coroutine" and len(arguments) == 3:
+        return arguments[2]
+    if last in _WRAPPERS or last in _STREAMS:
+        return first
+    if last in _MAPS and len(arguments) >= 2:
+        key, value = arguments[:2]
+        return None if key is None or value is None else f"map<{key},{value}>"
+    if last in {"tuple", "Tuple"}:
+        return None if None in arguments else f"({','.join(str(a) for a in arguments)})"
+    if last in _SEQUENCES:
+        return _sequence(first)
+    return None if None in arguments else name + _listed(arguments)

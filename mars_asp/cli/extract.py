@@ -1,0 +1,100 @@
+"""Print the modules found in annotated sources."""
+
+import argparse
+import glob
+import json
+import sys
+from collections.abc import Iterator
+from decimal import Decimal
+from pathlib import Path
+
+from mars_asp.annotations import Extraction, extract
+from mars_asp.cli.report import report
+from mars_asp.facts import module_classes
+from mars_asp.model import Function, Module, Service
+from mars_asp.visible import visible
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    parser.add_argument("paths", nargs="+", metavar="PATH", help="files, folders or globs")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the modules; 1 where an annotation is wrong, 2 where a path is missing."""
+    paths: list[Path] = []
+    for word in (*arguments.paths, *arguments.sources):
+        matches = [word] if Path(word).exists() else sorted(glob.glob(word, recursive=True))  # noqa: PTH207
+        if not matches:
+            print(f"mars-asp: `{visible(word)}` names no file or folder", file=sys.stderr)
+            return 2
+        paths += map(Path, matches)
+    found = extract(paths)
+    report(found.diagnostics, arguments)
+    if arguments.format == "json":
+        json.dump(extraction_json(found), sys.stdout)
+        print()
+    else:
+        for module in found.modules:
+            for line in _text(module):
+                print(visible(line))
+    return int(any(d.severity == "error" for d in found.diagnostics))
+
+
+def extraction_json(found: Extraction) -> dict[str, object]:
+    """Return an extraction with the keys of the command line's contract."""
+    return {"modules": [_module_json(module) for module in found.modules]}
+
+
+def _module_json(module: Module) -> dict[str, object]:
+    return {
+        "name": module.name,
+        "path": module.span.path,
+        "line": module.span.line,
+        "class": list(module_classes(module)),
+        "services": [_service_json(service) for service in module.services],
+        "functions": [_function_json(function) for function in module.functions],
+    }
+
+
+def _service_json(service: Service) -> dict[str, object]:
+    return {
+        "kind": service.kind,
+        "line": service.span.line,
+        "column": service.span.column,
+        "function": service.function,
+        "output": service.output,
+        "inputs": list(service.inputs),
+        "modes": [mode.text or mode.name for mode in service.modes],
+        "hz": _number(service.hz),
+    }
+
+
+def _function_json(function: Function) -> dict[str, object]:
+    return {
+        "function": function.name,
+        "min": _number(function.min),
+        "max": _number(function.max),
+        "rate": _number(function.rate),
+    }
+
+
+def _number(value: Decimal | None) -> int | float | None:
+    if value is None:
+        return None
+    return int(value) if value == int(value) else float(value)
+
+
+def _text(module: Module) -> Iterator[str]:
+    classes = ", ".join(module_classes(module)) or "no class"
+    yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
+    for service in module.services:
+        modes = ", ".join(mode.text or mode.name for mode in service.modes)
+        rate = "" if service.hz is None else f" {_number(service.hz)}"
+        inputs = ", ".join(name or "?" for name in service.inputs)
+        signature = f"{service.function}({inputs}) -> {service.output or '?'}"
+        yield f"  {service.kind} {modes}{rate}: {signature}"
+    for function in module.functions:
+        bounds = (function.min, function.max, function.rate)
+        shown = " ".join("_" if value is None else str(_number(value)) for value in bounds)
+        yield f"  {function.name} {shown}"
