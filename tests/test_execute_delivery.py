@@ -43,6 +43,10 @@ def split(
 def test_ticks_of_50_and_10_hertz_coincide_in_every_shared_instant() -> None:
     assert all(tick_time(5 * k, Fraction(50)) == tick_time(k, Fraction(10)) for k in range(1000))
     assert tick_time(1, Fraction(3)) == 333_333_333
+    rates = [Fraction(n, d) for n in (1, 7, 32, 999) for d in (1, 3, 10**7)]
+    assert all(
+        tick_time(k, hz) == round(Fraction(k * SECOND) / hz) for hz in rates for k in range(50)
+    )
     assert tick_time(3 * 10**6, Fraction(3)) == 10**6 * SECOND
 
 

@@ -185,14 +185,16 @@ def _print_run(
             console.print(table)
     for verdict in verdicts:
         word = "holds   " if verdict.holds else "VIOLATED"
-        console.print(Text(visible(f"{word} {verdict.name}  {verdict.message}".rstrip())))
+        line = visible(f"{word} {verdict.name}  {verdict.message}".rstrip())
+        console.print(Text(line), soft_wrap=True)
     body = trial.body
     console.print(
         Text(
             f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: {body.collisions} "
             f"collisions, least clearance {body.clearance:.0f} mm, {body.driven:.0f} mm driven, "
             f"{body.both:.2f} s turning while driving"
-        )
+        ),
+        soft_wrap=True,
     )
 
 

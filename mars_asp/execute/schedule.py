@@ -12,12 +12,14 @@ SENSORS, DATA, CONTROL = 0, 1, 2
 
 def tick_time(k: int, hz: Fraction) -> int:
     """Return the instant, in ns, of tick `k` of a rate in Hertz: round(k * 1e9 / hz), exactly."""
-    return round(Fraction(k * SECOND) / hz)
+    # What `round(Fraction(...))` does, in whole numbers: ten times as fast.
+    whole, rest = divmod(k * SECOND * hz.denominator, hz.numerator)
+    return whole + (2 * rest > hz.numerator or (2 * rest == hz.numerator and whole % 2))
 
 
 def last_tick(time: int, hz: Fraction) -> int:
     """Return the greatest k with `tick_time(k, hz) <= time`; -1 before the first."""
-    k = int(time * hz / SECOND) + 1
+    k = time * hz.numerator // (SECOND * hz.denominator) + 1
     while tick_time(k, hz) > time:
         k -= 1
     return k

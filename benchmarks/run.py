@@ -1,0 +1,69 @@
+"""How fast a run is, as ratios measured in one run: `python benchmarks/run.py`."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from case_study import specified
+
+from mars_asp.execute import Behaviour, Executor
+from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.language import parse_text
+from mars_asp.model import Configuration
+from mars_asp.scenario import load_scenario
+from mars_asp.trial import stage_trial
+
+LEVEL0 = Path("examples/level0")
+
+
+def best_of_three(action: Callable[[], object]) -> float:
+    times = []
+    for _ in range(3):
+        started = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - started)
+    return min(times)
+
+
+def level0(specification: Configuration, obstacles: int) -> float:
+    """Return simulated seconds per second; the density of obstacles is the same for all."""
+    scenario = load_scenario(LEVEL0 / "scenario.toml")
+    within = 1000.0 * (obstacles / 2) ** 0.5
+    scatter = {"count": obstacles, "radius": [100, 300], "within": within, "free": 600}
+    crowded = replace(scenario, world={"scatter": scatter})
+    trials = [stage_trial(specification, {}, crowded) for _ in range(3)]
+    return 60.0 / best_of_three(lambda: trials.pop().run_until(60.0))
+
+
+def activations() -> float:
+    """Return activations a second of 50 sensors at 50 Hz, each with one algorithm."""
+    names = [(f"S{k}", f"D{k}") for k in range(50)]
+    lines = [f"{client} uses_data_from {source}" for source, client in names]
+    modules = ", ".join(name for pair in names for name in pair)
+    text = "\n".join(["@specification", f"@modules {modules}", *lines])
+    configuration = parse_text(text, "bench.mars").configuration
+    behaviours = {s: Behaviour(lambda: 0, 20 * MILLISECOND) for s, _ in names}
+    behaviours |= {d: Behaviour(lambda x: None) for _, d in names}
+    executors = [Executor(configuration, {}, behaviours) for _ in range(3)]
+    events: list[int] = []
+
+    def run() -> None:
+        executor = executors.pop()
+        executor.step_until(20 * SECOND)
+        events.append(executor.schedule.events)
+
+    seconds = best_of_three(run)
+    return events[0] / seconds
+
+
+def main() -> None:
+    specification = specified((LEVEL0 / "config.mars").read_text())
+    few, many = level0(specification, 200), level0(specification, 2000)
+    print(f"level 0, 24 beams at 10 Hz, 200 obstacles: {few:.0f} times real time (goal: 300)")
+    print(f"the same with 2,000 obstacles: {many / few:.2f} of that (goal: 0.5)")
+    print(f"100 modules at 50 Hz: {activations() / 1e6:.2f} M activations a second (goal: 1)")
+
+
+if __name__ == "__main__":
+    main()
