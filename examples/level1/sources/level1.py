@@ -35,7 +35,7 @@ def wander() -> tuple[str, float]:
 # @module_name Avoid
 # @ControlOut
 def avoid(force: Force) -> tuple[str, float]:
-    """Wander, perturbed by the force: turn until its sum with the way ahead points ahead."""
+    """Drive ahead, perturbed by the force: turn until the sum of both points ahead."""
     ahead = 2 + force.strength * cos(radians(force.bearing))
     aside = force.strength * sin(radians(force.bearing))
     bearing = degrees(atan2(aside, ahead))
