@@ -11,6 +11,7 @@ from mars_asp.frames import Matrix
 from mars_asp.model import Configuration, Mount
 from mars_asp.physical import frames
 from mars_asp.urdf import export_urdf, import_urdf
+from tests.documents import run
 from tests.robots import HERE, module, random_placement, robot
 
 PAN = """<robot name="pan">
@@ -117,3 +118,9 @@ def test_what_is_refused(text: str) -> None:
 def test_urdf_has_one_root() -> None:
     with pytest.raises(MarsError, match="2 roots"):
         export_urdf(robot([Mount("A", "B", HERE), Mount("C", "D", HERE)], ()), {})
+
+
+def test_the_verb_exports_an_example() -> None:
+    exported = run("mars-asp export urdf examples/gripper-arm/config.mars")
+    found = poses(import_urdf(exported, "arm.urdf"))
+    assert found["Gripper"].tolist() == [[0, 0, 1, 350], [0, 1, 0, 250], [-1, 0, 0, 150]]

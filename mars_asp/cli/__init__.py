@@ -22,6 +22,7 @@ VERBS = {
     "explain": "why each consequence and node is there, down to lines",
     "run": "execute a specification on the simulator and judge the run",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
+    "export": "write the mount tree as `urdf`",
     "rules": "list, show or check the rule base",
     "test": "run rule cases: facts and expected answer sets",
 }

@@ -1,0 +1,20 @@
+"""Write the mount tree of a configuration in another format."""
+
+import argparse
+
+from mars_asp.cli.reason import add_file, read_project
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    parser.add_argument("to", metavar="FORMAT", choices=("urdf",), help="`urdf`")
+    add_file(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the mount tree."""
+    project = read_project(arguments)
+    from mars_asp.urdf import export_urdf
+
+    print(export_urdf(project.configuration, project.modules), end="")
+    return 0
