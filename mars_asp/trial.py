@@ -9,11 +9,12 @@ from random import Random
 from typing import Any
 
 from mars_asp.bindings import Clock, bind_functions, faulty
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.execute import Behaviour, Executor
 from mars_asp.execute.link import Observer
 from mars_asp.execute.plan import Plan
 from mars_asp.execute.schedule import MILLISECOND, SECOND
-from mars_asp.model import Configuration, Module
+from mars_asp.model import GRASP, MOTION_FUNCTIONS, Configuration, Module
 from mars_asp.scenario import Scenario
 from mars_asp.sim import (
     Body,
@@ -110,6 +111,30 @@ def stage_trial(
     Raises:
         MarsError: what is unbound or cannot be used, all at once.
     """
+    try:
+        _check_requirements(scenario)
+        return _stage(specification, modules, scenario, observe)
+    except (TypeError, ValueError, KeyError, AttributeError) as error:
+        # The schema knows keys and kinds of values, not what stands inside of lists.
+        message = f"a value of the scenario has not the form it should have: {error}"
+        raise MarsError([Diagnostic("scenario", "error", message, scenario.span)]) from None
+
+
+def _check_requirements(scenario: Scenario) -> None:
+    if "reach" in scenario.requirements:
+        x, y = scenario.requirements["reach"]["at"]
+        Pose(float(x), float(y), 0.0)
+    for first, second in scenario.requirements.get("exclusive", ()):
+        if not {first, second} <= {*MOTION_FUNCTIONS, GRASP}:
+            raise ValueError(f"`exclusive` names functions, not {first!r} and {second!r}")
+
+
+def _stage(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    scenario: Scenario,
+    observe: Observer | None,
+) -> Trial:
     every = {**modules, **{module.name: module for module in specification.declared}}
     limits = _limits(every, scenario)
     robot = scenario.robot
@@ -162,8 +187,11 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
     x, y, *_ = scenario.robot.get("start", (0, 0, 0))
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
     count, low_high = scatter.get("count", 10), scatter.get("radius", (100.0, 300.0))
-    made = 0
+    made = tries = 0
     while made < count:
+        tries += 1
+        if tries > 1000 * (count + 1):
+            raise ValueError(f"`scatter` finds no place for {count} circles: lower `free`")
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
         if hypot(at[0] - x, at[1] - y) - radius < free:

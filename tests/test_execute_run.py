@@ -136,6 +136,24 @@ def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
     assert (4, "`modul` is no key here", "did you mean `module`?") in found
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "[world]\ncircles = [[1, 2]]",
+        "[world]\nwalls = [[1, 2]]",
+        "[world]\nmoving = [{ from = [0, 0] }]",
+        "[world]\nscatter = { count = 3, within = 10, free = 900 }",
+        "[requirements]\nreach = { radius = 3 }",
+        '[requirements]\nexclusive = ["Trans_Z"]',
+        '[requirements]\nexclusive = [["Trans_Z", "Turn"]]',
+    ],
+)
+def test_values_of_a_wrong_form_are_reported(wrong: str) -> None:
+    with pytest.raises(MarsError) as raised:
+        trial(f"{BASE}{HAND}{wrong}\n")
+    assert raised.value.diagnostics[0].code == "scenario"
+
+
 def test_broken_toml_is_placed() -> None:
     with pytest.raises(MarsError) as raised:
         read_scenario("seed = 1\nduration = = 2\n", Path("s.toml"))

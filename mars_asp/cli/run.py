@@ -9,6 +9,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mars_asp.cli import _positive
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.visible import visible, write_whole
@@ -31,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_file(parser)
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
-    parser.add_argument("--duration", metavar="SECONDS", type=float, help="of simulated time")
+    parser.add_argument("--duration", metavar="SECONDS", type=_positive, help="simulated time")
     parser.add_argument("--plot", metavar="OUT.svg", help="draw the way and who held control")
     parser.add_argument("--record", metavar="OUT.jsonl", help="write every event, one a line")
 
