@@ -226,3 +226,22 @@ def test_a_violated_requirement_is_status_1(
 
 def test_a_plot_names_who_held_control() -> None:
     assert ">C</text>" in plot_run(trial(BASE + HAND + WALL))
+
+
+def test_annotated_functions_run_without_another_line_of_glue(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = (LEVEL0 / "scenario.toml").read_text()
+    bare = text[: text.index("[bindings]")] + text[text.index("[requirements]") :]
+    (tmp_path / "s.toml").write_text(bare)
+    words = ["run", str(LEVEL0 / "config.mars"), "--duration", "3", "--format", "json"]
+    told = []
+    for scenario, sources in (
+        (LEVEL0 / "scenario.toml", []),
+        (tmp_path / "s.toml", ["--sources", str(LEVEL0 / "sources")]),
+    ):
+        assert run_command([*words, "--scenario", str(scenario), *sources]) == 0
+        result = json.loads(capfd.readouterr().out)
+        told.append((result["events"], result["driven_mm"], result["control_time"]))
+    assert told[0] == told[1]
+    assert told[0][0] > 100
