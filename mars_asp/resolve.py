@@ -18,6 +18,7 @@ _READ = (
     ("at", 3),
     ("edge", 4),
     ("lowers", 3),
+    ("makes_for", 4),
     ("states_need", 3),
     ("own", 2),
     ("control_splitter", 1),

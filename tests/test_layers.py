@@ -30,6 +30,7 @@ LAYERS = [
     "resolve",
     "trace",
     "project",
+    "verify",
     "explain",
     "sim",
     "execute",

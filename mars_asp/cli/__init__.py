@@ -21,6 +21,7 @@ VERBS = {
     "synthesise": "the minimal specification that resolves them",
     "explain": "why each consequence and node is there, down to lines",
     "run": "execute a specification on the simulator and judge the run",
+    "verify": "does a specification realise a configuration, and is it minimal",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "export": "write the mount tree as `urdf`",
     "rules": "list, show or check the rule base",

@@ -14,6 +14,7 @@ from mars_asp.language.print import print_number
 from mars_asp.model import Control, Data, Module, Mount
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
+from mars_asp.verify import verify
 from mars_asp.visible import write_whole
 
 
@@ -26,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the specification; 1 where something is an error, 3 where no time was left."""
     project = read_project(arguments)
-    rulebook = rulebook_for(arguments)
+    rulebook = rulebook_for(arguments, ("resolve", "verify"))
     analysis = analyse_project(project, rulebook)
     findings = [c for c in analysis.consequences if c.severity != "note"]
     report(map(diagnostic, findings), arguments)
@@ -46,6 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
+    violations = verify(found.specification.configuration, project, rulebook)
+    if violations:
+        print(f"mars-asp: a fault of ours, please report it: {violations[0]}", file=sys.stderr)
+        return 2
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:

@@ -39,6 +39,7 @@ class DataLines:
         for source, start, end, annotation in draft.rows("edge", 4):
             self._edges.setdefault((source.string, start), []).append((end, annotation))
         self._lowered = {(s.string, t): f.number for s, t, f in draft.rows("lowers", 3)}
+        self._made = {(s.string, t): (d, f) for s, t, d, f in draft.rows("makes_for", 4)}
         self._needs = {n.number: (d, f) for n, d, f in draft.rows("states_need", 3)}
         self._own = {s.string: p.string for s, p in draft.rows("own", 2)}
         self._done: set[str] = set()
@@ -110,6 +111,9 @@ class DataLines:
         rate = self._lowered.get((source, output.point))
         mode = None if rate is None else Mode(PERIODIC, text=PERIODIC)
         hz = None if rate is None else Decimal(rate) / 1000
+        if (source, output.point) in self._made:
+            term, made_rate = self._made[source, output.point]
+            mode, hz = mode_of(term), _hertz(made_rate)
         draft.lines.append(Data(name, output.feeder, draft.span, mode, hz))
         return name
 

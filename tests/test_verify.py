@@ -1,0 +1,119 @@
+"""Rules of their own accept every synthesis and refuse every change of one."""
+
+import json
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+
+from mars_asp.language import parse_text, print_configuration
+from mars_asp.model import Configuration, Control, Data
+from mars_asp.project import Project
+from mars_asp.resolve import synthesise
+from mars_asp.rulebook import load_rulebook
+from mars_asp.verify import verify
+from tests.documents import run
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+REPRESENTATIONS = ("P", "Q", "R", "S")
+SERVICES = ("", "", " NotifyAtFrequency 10", " NotifyAtFrequency 5", " RequestWhenReady")
+CONDITIONS = (*SERVICES, " NotifyOnMax(80)", " NotifyWhenReady")
+OFFERS = (
+    "NotifyAtFrequency 25",
+    "NotifyWhenReady",
+    "NotifyWhenReady, RequestWhenReady",
+    "RequestWhenReady, NotifyAtFrequency 20",
+)
+
+
+def block(name: str, *lines: str) -> str:
+    return "\n".join(["@module_start", f"@module_name {name}", *lines, "@module_end"])
+
+
+def described(seed: int) -> str:
+    """Return a random configuration with described modules, as text."""
+    rng = random.Random(seed)
+    kind = rng.choice(["", " hierarchical"])
+    clients = [f"C{index}" for index in range(rng.randint(1, 4))]
+    wheels = [f"W{index}" for index in range(rng.randint(0, 3))]
+    drivers = [f"D{index}" for index in range(3)]
+    names = ["Eye", *clients, *wheels, *drivers]
+    lines = []
+    for client in clients:
+        lines.append(f"{client} uses_data_from Eye{rng.choice(CONDITIONS)}")
+    for wheel in wheels:
+        chosen = rng.sample(drivers, rng.randint(1, 3))
+        for rank, driver in enumerate(chosen):
+            hold = rng.choice(["", "", "", " hold 50"])
+            lines.append(f"{wheel} is_controlled_by {driver} {rank * rng.randint(1, 2)}{hold}")
+    blocks = [block("Eye", f"@Sense {rng.choice(OFFERS)}", "P look();")]
+    for client in clients:
+        taken = rng.sample(REPRESENTATIONS, rng.choice([1, 1, 2]))
+        blocks.append(block(client, "@DataIn", f"void take({', '.join(f'{t} x' for t in taken)});"))
+    for index in range(rng.randint(0, 4)):
+        given, made = rng.sample(REPRESENTATIONS, 2)
+        cost = rng.randint(1, 3)
+        blocks.append(block(f"K{index}", f"@Converts {cost}", f"{made} turn({given} x);"))
+    header = f"@configuration{kind}\n@modules {', '.join(names)}"
+    return "\n".join([header, *lines, *blocks])
+
+
+def synthesised(text: str) -> tuple[Project, Configuration] | None:
+    from mars_asp.analysis import analyse
+    from mars_asp.project import project_facts
+
+    project = Project(parse_text(text, "c.mars").configuration, {}, ())
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+    found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    if found is None:
+        return None
+    printed = print_configuration(found.specification.configuration)
+    return project, parse_text(printed, "s.mars").configuration
+
+
+def mutations(specification: Configuration, rng: random.Random) -> Iterator[Configuration]:
+    """Yield specifications with a line dropped, redirected or its priority swapped."""
+    lines = specification.relationships
+    names = [name.text for name in specification.modules]
+    for index, line in enumerate(lines):
+        yield replace(specification, relationships=(*lines[:index], *lines[index + 1 :]))
+        if isinstance(line, Data):
+            other = rng.choice([n for n in names if n not in (line.source, line.client)])
+            changed: Data | Control = replace(line, source=other)
+        elif isinstance(line, Control):
+            other = rng.choice([n for n in names if n not in (line.controller, line.controlled)])
+            changed = replace(line, controller=other)
+        yield replace(specification, relationships=(*lines[:index], changed, *lines[index + 1 :]))
+
+
+SEEDS = range(120)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_synthesis_is_accepted(seed: int) -> None:
+    found = synthesised(described(seed))
+    if found is None:
+        # Only what no splitter makes of a request is beyond resolving here.
+        assert "NotifyOnMax" in described(seed) or "NotifyWhenReady" in described(seed)
+        return
+    project, specification = found
+    assert verify(specification, project, RULEBOOK) == ()
+
+
+@pytest.mark.parametrize("seed", SEEDS[:40])
+def test_a_changed_synthesis_is_refused(seed: int) -> None:
+    found = synthesised(described(seed))
+    if found is None:
+        return
+    project, specification = found
+    for changed in mutations(specification, random.Random(seed)):
+        assert verify(changed, project, RULEBOOK), print_configuration(changed)
+
+
+def test_a_broken_priority_names_its_clause() -> None:
+    done = json.loads(
+        run("mars-asp verify --format json tests/swapped.mars examples/level0/config.mars")
+    )
+    assert not done["realises"]
+    assert {violation["clause"] for violation in done["violations"]} == {4}
