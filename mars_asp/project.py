@@ -68,7 +68,7 @@ def project_facts(project: Project) -> tuple[Fact, ...]:
         MarsError: numbers that do not fit.
     """
     facts = configuration_facts(project.configuration, project.modules)
-    if not has_mounts(project):
+    if not has_mounts(project) or not _has_functions(project):
         return facts
     from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
 
@@ -78,6 +78,12 @@ def project_facts(project: Project) -> tuple[Fact, ...]:
 def has_mounts(project: Project) -> bool:
     """Say whether a project mounts anything; only then is numpy worth loading."""
     return any(isinstance(r, Mount) for r in project.configuration.relationships)
+
+
+def _has_functions(project: Project) -> bool:
+    """Say whether any module has a native function, without which nothing is inherited."""
+    described = (*project.modules.values(), *project.configuration.declared)
+    return any(module.functions for module in described)
 
 
 def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> list[Path]:

@@ -112,8 +112,8 @@ class DataLines:
         mode = None if rate is None else Mode(PERIODIC, text=PERIODIC)
         hz = None if rate is None else Decimal(rate) / 1000
         if (source, output.point) in self._made:
-            term, made_rate = self._made[source, output.point]
-            mode, hz = mode_of(term), _hertz(made_rate)
+            made, made_rate = self._made[source, output.point]
+            mode, hz = mode_of(made), _hertz(made_rate)
         draft.lines.append(Data(name, output.feeder, draft.span, mode, hz))
         return name
 

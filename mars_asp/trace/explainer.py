@@ -13,6 +13,7 @@ import clingo
 from mars_asp.analysis import fill
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.source import Span
+from mars_asp.trace.demand import first_arguments, reachable_rules
 from mars_asp.trace.rewrite import Rewriter, Signature
 from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
 
@@ -52,7 +53,6 @@ class Explainer:
         self._opened = opened
         self._rewriter = Rewriter(opened)
         self._question = 0
-        self._prepared = False
 
     def why(self, atoms: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
         """Return the trace of each atom that is true.
@@ -64,18 +64,21 @@ class Explainer:
         firings = self._read()
         return _proofs(asked, firings, self._given, self._rules, self._rewriter.unsupported)
 
-    def _ask(self, atoms: Iterable[clingo.Symbol]) -> None:
-        if not self._prepared:
-            self._prepared = True
+    def _ask(self, atoms: Sequence[clingo.Symbol]) -> None:
+        if not self._question:
             self._copy_open()
-            self._control.add("_explain", ["k"], self._rewriter.text(self._rules))
         self._question += 1
+        firsts = ((a.name, str(a.arguments[0]) if a.arguments else "") for a in atoms)
+        numbers = reachable_rules(self._rules, first_arguments(firsts))
+        # A part of its own for each question: it holds only the rules that can matter.
+        part = f"_explain{self._question}"
+        self._control.add(part, ["k"], self._rewriter.text(self._rules, numbers))
         number = clingo.Number(self._question)
         with self._control.backend() as backend:
             for atom in atoms:
                 asked = clingo.Function(f"_ask_{atom.name}", [number, *atom.arguments])
                 backend.add_rule([backend.add_atom(asked)])
-        self._control.ground([("_explain", [number])])
+        self._control.ground([(part, [number])])
 
     def _copy_open(self) -> None:
         with self._control.backend() as backend:

@@ -11,7 +11,7 @@ The terms of the firing atom are evaluated by clingo itself, so arithmetic needs
 """
 
 import re
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -32,11 +32,11 @@ class Rewriter:
     #: For rules with a construct that cannot be traced: its name, by rule number.
     unsupported: dict[int, str] = field(default_factory=dict)
 
-    def text(self, rules: Sequence[Rule]) -> str:
-        """Return the explanation rules of all rules."""
+    def text(self, rules: Sequence[Rule], numbers: Iterable[int]) -> str:
+        """Return the explanation rules of the rules with these numbers."""
         lines: list[str] = []
-        for number, rule in enumerate(rules):
-            for statement in rule.ast.unpool():
+        for number in numbers:
+            for statement in rules[number].ast.unpool():
                 lines += self._rule(number, statement)
         return "\n".join(lines)
 
