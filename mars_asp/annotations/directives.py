@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mars_asp.annotations.comments import CommentLine, Lexed
 from mars_asp.model import GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
@@ -52,13 +53,19 @@ def directives(source: Lexed) -> Iterator[Directive | Misspelt]:
             if meant is not None:
                 yield Misspelt(match[1], meant, comment.offset)
             continue
-        rest, end = match[2], comment.offset + len(comment.text)
-        while rest.split(" -- ")[0].rstrip().endswith(",") and _continues(source, comments, index):
-            rest = f"{rest} {comments[index].text}"
+        # Pieces are joined once: a comment may go on for very many lines.
+        pieces, end = [match[2]], comment.offset + len(comment.text)
+        while _is_open(pieces[-1]) and _continues(source, comments, index):
+            pieces.append(comments[index].text)
             end = comments[index].offset + len(comments[index].text)
             index += 1
+        rest = " ".join(pieces)
         rest = re.split(r"(?:^|\s)--(?:\s|$)", rest, maxsplit=1)[0].rstrip()
         yield Directive(word, match[1], rest, comment.offset, comment.offset + match.start(2), end)
+
+
+def _is_open(piece: str) -> bool:
+    return piece.split(" -- ", maxsplit=1)[0].rstrip().endswith(",")
 
 
 def _continues(source: Lexed, comments: Sequence[CommentLine], index: int) -> bool:
@@ -69,6 +76,7 @@ def _continues(source: Lexed, comments: Sequence[CommentLine], index: int) -> bo
     return source.position(comments[index].offset)[0] == line + 1
 
 
+@lru_cache(maxsize=1024)
 def nearest(word: str) -> str | None:
     """Return our word within two edits of another one."""
     if len(word) > _MOST_MISSPELT:

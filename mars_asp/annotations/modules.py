@@ -266,7 +266,7 @@ class _Reader:
         modes: list[Mode] = []
         hz: Decimal | None = None
         offset = 0
-        for part in re.split(r",(?![^()]*\))", directive.rest):
+        for part in _parts(directive.rest):
             begin = directive.rest_offset + offset + len(part) - len(part.lstrip())
             offset += len(part) + 1
             words = re.fullmatch(r"\s*([A-Za-z_]\w*\s*(?:\([^()]*\))?)\s*(.*)", part)
