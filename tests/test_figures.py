@@ -73,3 +73,10 @@ def test_a_specification_read_back_has_nothing_to_resolve(example: str) -> None:
     assert specification.read_text() == run(f"mars-asp synthesise examples/{example}/config.mars")
     found = json.loads(run(f"mars-asp analyse --format json {specification}"))
     assert found["consequences"] == []
+
+
+@pytest.mark.parametrize("example", [*FIGURES, "level0"])
+def test_a_specification_is_its_own_specification(example: str) -> None:
+    printed = run(f"mars-asp synthesise tests/specifications/{example}.mars")
+    again = (ROOT / "tests" / "specifications" / f"{example}.mars").read_text()
+    assert tokens(printed) == tokens(again)

@@ -49,7 +49,9 @@ def run(arguments: argparse.Namespace) -> int:
         return 1
     violations = verify(found.specification.configuration, project, rulebook)
     if violations:
-        print(f"mars-asp: a fault of ours, please report it: {violations[0]}", file=sys.stderr)
+        print(
+            f"mars-asp: a fault of ours, please report it: {violations[0].message}", file=sys.stderr
+        )
         return 2
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
