@@ -165,3 +165,29 @@ def test_any_text_is_read_or_refused(language: str) -> None:
         modules, problems = read_modules(lex("a", language, text))
         assert all(module.name for module in modules)
         assert all(problem.span.line > 0 for problem in problems)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("module_start", "module_strat"),
+        ("module_name", "module_nmae"),
+        ("module_end", "module_ned"),
+    ],
+)
+def test_a_misspelt_boundary_is_told_once(tmp_path: Path, right: str, wrong: str) -> None:
+    path = tmp_path / "a.cpp"
+    path.write_text(LAYOUTS["line"].format(f="X f();").replace(right, wrong))
+    found = extract([path])
+    assert [problem.code for problem in found.diagnostics] == ["MARS109"]
+    assert [module.name for module in found.modules] == ["A"]
+
+
+@pytest.mark.parametrize("cost", ["\u00b2", "1" * 5000, "0", "x"])
+def test_a_wrong_cost_is_an_error_and_no_traceback(tmp_path: Path, cost: str) -> None:
+    path = tmp_path / "a.cpp"
+    text = (
+        LAYOUTS["line"].format(f="X f(Y y);").replace("Sense RequestWhenReady", f"Converts {cost}")
+    )
+    path.write_text(text, encoding="utf-8")
+    assert [problem.code for problem in extract([path]).diagnostics] == ["MARS115"]

@@ -35,6 +35,7 @@ class Misspelt:
     written: str
     meant: str
     offset: int
+    corrected: Directive
 
 
 def directives(source: Lexed) -> Iterator[Directive | Misspelt]:
@@ -51,7 +52,11 @@ def directives(source: Lexed) -> Iterator[Directive | Misspelt]:
         if word is None:
             meant = nearest(match[1])
             if meant is not None:
-                yield Misspelt(match[1], meant, comment.offset)
+                end = comment.offset + len(comment.text)
+                rest = match[2].split(" -- ")[0].rstrip()
+                begin = comment.offset + match.start(2)
+                meant_one = Directive(meant, meant, rest, comment.offset, begin, end)
+                yield Misspelt(match[1], meant, comment.offset, meant_one)
             continue
         # Pieces are joined once: a comment may go on for very many lines.
         pieces, end = [match[2]], comment.offset + len(comment.text)

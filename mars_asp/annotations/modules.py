@@ -96,7 +96,10 @@ class _Reader:
                     f"`@{directive.written}` is no annotation",
                     f"did you mean `@{directive.meant}`?",
                 )
-            return
+            if directive.meant not in BOUNDARIES:
+                return
+            # Read as if spelt right, so that one mistake is told once.
+            directive = directive.corrected
         wrong_case = directive.written != directive.word
         if wrong_case and self.start is None and directive.word not in BOUNDARIES:
             return
@@ -249,7 +252,7 @@ class _Reader:
                     return None
             return Service(kind, span, commands=commands)
         if kind == "Converts":
-            if rest and not (rest.isdigit() and 0 < int(rest) < 2**31):
+            if rest and not (re.fullmatch(r"[0-9]{1,10}", rest) and 0 < int(rest) < 2**31):
                 self.note_in(directive, rest, "MARS115", f"`{rest}` is no cost")
                 return None
             return Service(kind, span, cost=int(rest) if rest else 1)

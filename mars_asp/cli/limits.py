@@ -38,6 +38,9 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
         status = 141
     except KeyboardInterrupt:
         status = 130
+    except Exception as error:  # whatever it is, the child must not end without a word
+        print(f"mars-asp: a fault of ours, please report it: {error!r:.300}", file=sys.stderr)
+        sys.stderr.flush()
     finally:
         os._exit(status)
 
