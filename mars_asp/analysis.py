@@ -14,7 +14,7 @@ import clingo
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
-from mars_asp.rulebook import Rule, Rulebook, head_signatures
+from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
 
@@ -62,7 +62,7 @@ def analyse(facts: Iterable[Fact], rulebook: Rulebook, configuration: Span) -> A
         MarsError: clingo refuses the rules.
     """
     facts = tuple(facts)
-    speakers = [rule for rule in rulebook.rules if _CONSEQUENCE in head_signatures(rule.ast)]
+    speakers = [rule for rule in rulebook.rules if _speaks(rule)]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     grounding = Grounding(f"{rulebook.text('base')}\n{said}", facts_text(facts))
     places = {fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"}
@@ -124,6 +124,11 @@ def fill(text: str | None, values: Mapping[str, clingo.Symbol]) -> str | None:
 def shown(symbol: clingo.Symbol) -> str:
     """Return a term as a message shows it: a string without its quotes."""
     return symbol.string if symbol.type == clingo.SymbolType.String else str(symbol)
+
+
+def _speaks(rule: Rule) -> bool:
+    name = _CONSEQUENCE[0]
+    return name in rule.text and _CONSEQUENCE in rule.heads
 
 
 def _saying(number: int, rule: Rule) -> str:

@@ -16,7 +16,7 @@ from mars_asp.atom import Atom, Fact, Term
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
-from mars_asp.rulebook import Rulebook, head_signatures
+from mars_asp.rulebook import Rulebook
 from mars_asp.source import Span, point
 from mars_asp.synthesis import Node
 from mars_asp.trace import Explainer, Trace
@@ -76,10 +76,7 @@ def explainer_for(
         return Explainer(rulebook, control, given)
     taken = synthesis.resolution.taken
     derived = {
-        signature
-        for rule in rulebook.rules
-        if rule.stage == "resolve"
-        for signature in head_signatures(rule.ast)
+        signature for rule in rulebook.rules if rule.stage == "resolve" for signature in rule.heads
     }
     opened = {
         (name, arity)

@@ -6,7 +6,7 @@ from decimal import Decimal
 
 from clingo import Symbol
 
-from mars_asp.annotations import canonical_names
+from mars_asp.annotations.representations import canonical_names
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import (

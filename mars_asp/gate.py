@@ -16,6 +16,7 @@ MOST_STATEMENT = 64 * 1024
 MOST_NESTING = 200
 MOST_OPERATORS = 4096
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
+_BRACKET = re.compile(r"[()\[\]{}]")
 _OPERATOR = re.compile(r"[-+*/\\&?^|]|\.\.")
 
 
@@ -61,8 +62,8 @@ def check_text(text: str, shown: str) -> None:
     for number, line_text in enumerate(text.split("\n"), 1):
         statement += len(line_text)
         operators += len(_OPERATOR.findall(line_text))
-        for character in line_text:
-            nesting += (character in "([{") - (character in ")]}")
+        for bracket in _BRACKET.findall(line_text):
+            nesting += 1 if bracket in "([{" else -1
             if nesting > MOST_NESTING:
                 raise _refusal(shown, number, 1, "nested too deep", f"at most {MOST_NESTING} deep")
         if "." in line_text:

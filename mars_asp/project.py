@@ -45,7 +45,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     modules: dict[str, Module] = {}
     diagnostics = parsed.warnings
     if paths:
-        from mars_asp.annotations import extract  # noqa: PLC0415 -- only where there are sources
+        from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
         extraction = extract(paths)
         diagnostics += extraction.diagnostics

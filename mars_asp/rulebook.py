@@ -24,7 +24,7 @@ _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _HOLE = re.compile(r"\{([^{}]*)\}")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rule:
     """One rule as it is written, with its metadata and its syntax tree."""
 
@@ -35,6 +35,11 @@ class Rule:
     text: str
     ast: ast.AST
     stage: str
+
+    @cached_property
+    def heads(self) -> frozenset[tuple[str, int]]:
+        """Return the predicates that the head can derive, as (name, arity)."""
+        return frozenset(_head_signatures(self.ast))
 
     @property
     def is_choice(self) -> bool:
@@ -103,8 +108,7 @@ def load_rulebook(
     return Rulebook(tuple(rules), tuple(texts))
 
 
-def head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
-    """Yield the predicates that a rule's head can derive, as (name, arity)."""
+def _head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
     head = statement.head
     if head.ast_type == ast.ASTType.Literal:
         yield from _signature(head)
@@ -336,9 +340,9 @@ def _repeated(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
 
 
 def _reserved(rules: Iterable[Rule], own: Iterable[Rule]) -> Iterator[Diagnostic]:
-    built_in = {signature for rule in own for signature in head_signatures(rule.ast)}
+    built_in = {signature for rule in own for signature in rule.heads}
     for rule in rules:
-        for name, arity in head_signatures(rule.ast):
+        for name, arity in sorted(rule.heads):
             if (name, arity) in built_in - EXTENSIBLE:
                 yield Diagnostic(
                     "rule-reserved",

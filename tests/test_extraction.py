@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.annotations import extract
 from mars_asp.annotations.comments import LANGUAGES, lex
+from mars_asp.annotations.files import extract
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.types import representation
 from mars_asp.cli.extract import extraction_json

@@ -3,8 +3,6 @@
 import re
 from dataclasses import dataclass
 
-from mars_asp.annotations.comments import CommentLine, Lexed, lex
-from mars_asp.annotations.modules import read_modules
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model import Module
 
@@ -26,6 +24,10 @@ def read_blocks(path: str, text: str) -> Blocks:
     """Read every module block of a `.mars` text."""
     if _START.search(text) is None:
         return Blocks((), (), ())
+    # Only a file with blocks pays for the reading of declarations.
+    from mars_asp.annotations.comments import CommentLine, Lexed, lex  # noqa: PLC0415
+    from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
+
     lines = _block_lines(text)
     kept = text.split("\n")
     inside = {number for first, last in lines for number in range(first, last + 1)}

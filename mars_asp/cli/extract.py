@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
-from mars_asp.annotations import Extraction, extract
+from mars_asp.annotations.files import Extraction, extract
 from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
 from mars_asp.model import Function, Module, Service

@@ -5,6 +5,7 @@ contains both. Where the system cannot fork, the verb runs here and only solving
 """
 
 import argparse
+import gc
 import os
 import signal
 import sys
@@ -25,6 +26,8 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
         return run_plain(run, arguments)
     sys.stdout.flush()
     sys.stderr.flush()
+    # What both have in common is not written to, and so not copied, by a collection in the child.
+    gc.freeze()
     child = os.fork()
     if child:
         return _wait(child, arguments)

@@ -1,6 +1,9 @@
 """`.mars` text to plain values, with every syntax error of a file in one run."""
 
+import importlib.util
+import os
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,7 +12,7 @@ from typing import cast
 
 from lark import Lark, UnexpectedInput
 
-from mars_asp.annotations import read_blocks
+from mars_asp.annotations.blocks import read_blocks
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
@@ -145,7 +148,19 @@ def _parser() -> Lark:
         parser="lalr",
         transformer=Statements(),
         maybe_placeholders=True,
+        cache=_tables(),
     )
+
+
+def _tables() -> str | bool:
+    """Return where the grammar's tables are kept: with Python's own compiled files.
+
+    Lark makes them anew when the grammar, its own version or Python's has changed.
+    """
+    compiled = Path(importlib.util.cache_from_source(__file__))
+    tables = compiled.with_name(f"grammar.{sys.implementation.cache_tag}.tables")
+    writable = not sys.dont_write_bytecode and os.access(compiled.parent, os.W_OK)
+    return str(tables) if writable or tables.is_file() else False
 
 
 def _unreadable(shown: str, reason: str) -> Diagnostic:

@@ -1,30 +1,47 @@
 """Which rules a question can reach, read from their texts.
 
 Names of predicates and of function terms are not told apart, so a few rules too many may be
-found, never one too few.
+found, never one too few. A rule with a premise of which no atom holds cannot have fired.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import lru_cache
+from typing import NamedTuple
 
 from mars_asp.rulebook import Rule
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 _COMMENT = re.compile(r"%[^\n]*")
 _NAME = re.compile(r"[a-z_][\w']*")
+_SIGN = re.compile(r"[(){}\[\],;:]")
+_ATOM = re.compile(r"\s*([a-z_][\w']*)\s*(?:\([^=<>!]*\))?[\s.]*")
 _FIRST = re.compile(r"\s*([a-z_]\w*)\(\s*([a-z]\w*)\s*,")
 
 
-def reachable_rules(rules: Sequence[Rule], asked: Mapping[str, frozenset[str]]) -> tuple[int, ...]:
+class _Names(NamedTuple):
+    """The names in a rule: of its head, of all it reads, and of its premises."""
+
+    head: frozenset[str]
+    read: frozenset[str]
+    premises: frozenset[str]
+
+
+def reachable_rules(
+    rules: Sequence[Rule], asked: Mapping[str, frozenset[str]], present: Set[str]
+) -> tuple[int, ...]:
     """Return the numbers of the rules behind atoms, by their predicates' names.
 
     `asked` maps each name to the texts of the atoms' first arguments: a rule whose head begins
-    with a constant that is none of them says nothing about the question.
+    with a constant that is none of them says nothing about the question. `present` are the names
+    of the predicates that have any atom.
     """
     by_head: dict[str, list[int]] = {}
     for number, rule in enumerate(rules):
-        for name in _parts(rule.text)[0]:
+        names = _names_of(rule.text)
+        if not names.premises <= present:
+            continue
+        for name in names.head:
             by_head.setdefault(name, []).append(number)
     found: set[int] = set()
     demanded = set()
@@ -39,7 +56,7 @@ def reachable_rules(rules: Sequence[Rule], asked: Mapping[str, frozenset[str]]) 
         if number in found:
             continue
         found.add(number)
-        for name in _parts(rules[number].text)[1]:
+        for name in _names_of(rules[number].text).read:
             if name not in demanded:
                 demanded.add(name)
                 waiting += by_head.get(name, ())
@@ -47,12 +64,34 @@ def reachable_rules(rules: Sequence[Rule], asked: Mapping[str, frozenset[str]]) 
 
 
 @lru_cache(maxsize=4096)
-def _parts(text: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the names in a rule's head, and in its body and the conditions of its head."""
-    bare = _COMMENT.sub("", _STRING.sub("", text))
+def _names_of(text: str) -> _Names:
+    bare = _COMMENT.sub("", _STRING.sub('""', text))
     head, _, body = bare.partition(":-")
     # What a choice offers and the conditions of its elements are not told apart.
-    return _names(head), _names(body) | (_names(head) if "{" in head else frozenset())
+    read = _names(body) | (_names(head) if "{" in head else frozenset())
+    return _Names(_names(head), read, frozenset(_premises(body)))
+
+
+def _premises(body: str) -> Iterator[str]:
+    """Yield the names of the positive literals that stand by themselves in a body."""
+    depth = start = 0
+    conditional = False
+    for sign in _SIGN.finditer(f"{body};"):
+        if sign[0] in "({[":
+            depth += 1
+        elif sign[0] in ")}]":
+            depth -= 1
+        elif depth:
+            continue
+        elif sign[0] == ":":
+            conditional = True
+        else:
+            atom = None if conditional else _ATOM.fullmatch(body[start : sign.start()])
+            if atom is not None:
+                yield atom[1]
+            # A comma behind a `:` goes on with its condition.
+            conditional = conditional and sign[0] == ","
+            start = sign.end()
 
 
 def _names(text: str) -> frozenset[str]:

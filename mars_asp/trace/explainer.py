@@ -69,7 +69,7 @@ class Explainer:
             self._copy_open()
         self._question += 1
         firsts = ((a.name, str(a.arguments[0]) if a.arguments else "") for a in atoms)
-        numbers = reachable_rules(self._rules, first_arguments(firsts))
+        numbers = reachable_rules(self._rules, first_arguments(firsts), self._present())
         # A part of its own for each question: it holds only the rules that can matter.
         part = f"_explain{self._question}"
         self._control.add(part, ["k"], self._rewriter.text(self._rules, numbers))
@@ -79,6 +79,18 @@ class Explainer:
                 asked = clingo.Function(f"_ask_{atom.name}", [number, *atom.arguments])
                 backend.add_rule([backend.add_atom(asked)])
         self._control.ground([(part, [number])])
+
+    def _present(self) -> frozenset[str]:
+        """Return the names of the predicates that have a true atom."""
+        atoms = self._control.symbolic_atoms
+        copied = {(f"_t_{name}", arity): name for name, arity in self._opened}
+        found = set()
+        for name, arity, positive in atoms.signatures:
+            if (name, arity) not in self._opened and any(
+                True for _ in atoms.by_signature(name, arity, positive)
+            ):
+                found.add(copied.get((name, arity), name))
+        return frozenset(found)
 
     def _copy_open(self) -> None:
         with self._control.backend() as backend:
