@@ -16,7 +16,7 @@ import clingo
 from mars_asp.gate import gate_text
 from mars_asp.rulebook import Rulebook
 
-STAGES = ("resolve",)
+STAGES = ("resolve", "verify", "run")
 _EXPECTED = re.compile(r"^%=(.*)$", re.MULTILINE)
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 _BY_DEFAULT = (("consequence", 4),)
@@ -66,10 +66,18 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     text = gate_text(path, str(path))
     expected = tuple(sorted(tuple(sorted(_atoms(match[1]))) for match in _EXPECTED.finditer(text)))
     shown = [(name, int(arity)) for name, arity in _SHOW.findall(text)] or list(_BY_DEFAULT)
-    facts = _SHOW.sub("", text)
     stages = ["base", *(stage for stage in STAGES if stage in path.parts)]
-    program = "\n".join([facts, *(rulebook.text(stage) for stage in stages)])
+    program = "\n".join([_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)])
     return Outcome(path, expected, _answers(program, shown))
+
+
+def case_facts(path: Path) -> str:
+    """Return the facts of a case, without what it shows.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    return _SHOW.sub("", gate_text(path, str(path)))
 
 
 def _answers(program: str, shown: Sequence[tuple[str, int]]) -> tuple[tuple[str, ...], ...]:
