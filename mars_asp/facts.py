@@ -170,6 +170,8 @@ class _Compiler:
                     self.add(span, "priority", number, priority)
                 if relationship.hold_ms is not None:
                     self.add(span, "hold", number, self.whole(relationship.hold_ms, "ms", span))
+                if relationship.allocation is not None:
+                    self.add(span, "allocation", number, Atom(relationship.allocation))
             case Mount(mounting, mounted):
                 at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
                 self.add(span, "is_mounted_on", number, mounting, at, mounted, on)
@@ -288,8 +290,8 @@ def _content(relationship: Relationship) -> tuple[object, ...]:
         case Data(client, source, span, mode, hz):
             words = (str(mode_term(mode)) if mode else "", hz or Decimal(0))
             return (0, client, source, *words, span)
-        case Control(controlled, controller, span, priority, hold):
-            return (1, controlled, controller, priority or 0, hold or 0, span)
+        case Control(controlled, controller, span, priority, hold, allocation):
+            return (1, controlled, controller, priority or 0, hold or 0, allocation or "", span)
         case Mount(mounting, mounted, span, at, on):
             return (2, mounting, mounted, at or 0, on or 0, span)
 

@@ -124,15 +124,22 @@ class Mount:
     transformation: Transformation | None = None
 
 
+Allocation: TypeAlias = Literal["root", "split"]
+
+
 @dataclass(frozen=True, slots=True)
 class Control:
-    """`controlled is_controlled_by controller priority hold`, one for each controller."""
+    """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
+
+    `allocation` says who of several carries out an inherited function; `None` is the nearest.
+    """
 
     controlled: str
     controller: str
     span: Span
     priority: int | None = None
     hold_ms: int | None = None
+    allocation: Allocation | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -217,3 +217,41 @@ def test_an_inheritance_node_maps_into_the_providers_frames_and_the_nearest_take
     )
     assert head.got == [(0, {"Rotn_Y": 5})]
     assert base.got == [(100, {"Trans_X": -8})]
+
+
+@pytest.mark.parametrize(
+    ("allocation", "at_head", "at_base"),
+    [
+        ("", [(0, {"Rotn_Y": 6})], []),
+        (" allocation root", [], [(0, {"Rotn_Y": 6})]),
+        (" allocation split", [(0, {"Rotn_Y": 3})], [(0, {"Rotn_Y": 3})]),
+    ],
+)
+def test_an_inheritance_node_allocates_as_its_input_says(
+    allocation: str, at_head: list[object], at_base: list[object]
+) -> None:
+    """The base hears another controller, too, so its arbiter stands between."""
+    head, base = Inbox(), Inbox()
+    executed(
+        f"Camera is_mounted_on Head\nHead is_mounted_on Base\n"
+        f"InheritanceNode1 is_controlled_by A{allocation}\nHead is_controlled_by InheritanceNode1\n"
+        "Base is_controlled_by ArbitrationNode\n"
+        "ArbitrationNode is_controlled_by InheritanceNode1 1\n"
+        "ArbitrationNode is_controlled_by B 0",
+        [
+            control_out("A"),
+            control_out("B"),
+            effector("Head", "Rotn_Y"),
+            effector("Base", "Rotn_Y", "Trans_X"),
+        ],
+        {
+            "A": Behaviour(iter([("Rotn_Y", 6)]).__next__, ms(100)),
+            "B": Behaviour(lambda: None, ms(100)),
+            "Head": head,
+            "Base": base,
+        },
+        0.1,
+        "specification hierarchical",
+    )
+    assert head.got == at_head
+    assert base.got == at_base

@@ -35,6 +35,7 @@ TOGETHER = (
     "participant(module_conflict, M, cycle, I, M')",
     "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",
+    "hears(R, B, inherited(M))",
     "offers(S, I, mode(N, X), none)",
 )
 
@@ -50,3 +51,17 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     ]
     assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
+
+
+#: What several files add to: consequences and their places, verdicts, nodes, what is minimised.
+COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line"}
+
+
+def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
+    """Two files that mean different things by one name would mix them up unnoticed."""
+    files: dict[tuple[str, int], set[str]] = {}
+    for rule in rulebook.rules:
+        for name, arity in rule.heads:
+            if name not in COMMON:
+                files.setdefault((name, arity), set()).add(rule.span.path)
+    assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}

@@ -59,6 +59,41 @@ def described(seed: int) -> str:
     return "\n".join([header, *lines, *blocks])
 
 
+def carried(seed: int) -> str:
+    """Return a random robot whose carried modules are commanded in what they inherit, as text."""
+    rng = random.Random(seed)
+    kind = rng.choice(["flat", "hierarchical"])
+    functions = ("Rotn_X", "Rotn_Y", "Trans_Z")
+    movers = ["Base", "Neck", "Head"]
+    tools = [f"T{index}" for index in range(rng.randint(1, 3))]
+    drivers = [f"D{index}" for index in range(rng.randint(1, 3))]
+    lines = ["Neck is_mounted_on Base", "Head is_mounted_on Neck"]
+    lines += [f"{tool} is_mounted_on {rng.choice(movers)}" for tool in tools]
+    for module in (*tools, *movers):
+        for rank, driver in enumerate(rng.sample(drivers, rng.randint(0, len(drivers)))):
+            hold = rng.choice(["", "", " hold 50"])
+            allocation = rng.choice(["", "", " allocation root", " allocation split"])
+            lines.append(f"{module} is_controlled_by {driver} {rank}{hold}{allocation}")
+    blocks = [
+        block(
+            name,
+            *(f"@{f} -90 90 45\nvoid {f.lower()}(double r);" for f in rng.sample(functions, n)),
+        )
+        for name in movers
+        for n in [rng.randint(1, 2)]
+    ]
+    for tool in tools:
+        if rng.random() < 0.7:
+            blocks.append(block(tool, "@Grasp 0 80", "void grasp(double width);"))
+        else:
+            blocks.append(block(tool, "@Sense NotifyWhenReady", "P look();"))
+    for driver in drivers:
+        said = rng.sample(functions, rng.randint(0, 2))
+        blocks.append(block(driver, f"@ControlOut {', '.join(said)}", "Command go();"))
+    header = f"@configuration {kind}\n@modules {', '.join((*movers, *tools, *drivers))}"
+    return "\n".join([header, *lines, *blocks])
+
+
 def synthesised(text: str) -> tuple[Project, Configuration] | None:
     from mars_asp.analysis import analyse
     from mars_asp.project import project_facts
@@ -84,6 +119,8 @@ def mutations(specification: Configuration, rng: random.Random) -> Iterator[Conf
         elif isinstance(line, Control):
             other = rng.choice([n for n in names if n not in (line.controller, line.controlled)])
             changed = replace(line, controller=other)
+        else:
+            continue
         yield replace(specification, relationships=(*lines[:index], changed, *lines[index + 1 :]))
 
 
@@ -107,6 +144,16 @@ def test_a_changed_synthesis_is_refused(seed: int) -> None:
     if found is None:
         return
     project, specification = found
+    for changed in mutations(specification, random.Random(seed)):
+        assert verify(changed, project, RULEBOOK), print_configuration(changed)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_commands_for_what_is_inherited_are_passed_on(seed: int) -> None:
+    found = synthesised(carried(seed))
+    assert found is not None
+    project, specification = found
+    assert verify(specification, project, RULEBOOK) == ()
     for changed in mutations(specification, random.Random(seed)):
         assert verify(changed, project, RULEBOOK), print_configuration(changed)
 

@@ -127,7 +127,7 @@ class Executor:
         if kind == "data_transformer":
             return DataTransformer(self._converter(name), plan.data_out[name])
         if kind == "inheritance_node":
-            return InheritanceNode(plan.providers(name))
+            return InheritanceNode(plan.providers(name), plan.allocation(name))
         return ControlSplitter(plan.control_out[name])
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:

@@ -42,6 +42,7 @@ class Link:
     hz: Fraction | None = None
     priority: int = 0
     hold: int | None = None
+    allocation: str | None = None
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0

@@ -58,27 +58,39 @@ class InheritanceNode:
     """Maps a command into the frames of the effectors that provide its functions.
 
     `providers` are, nearest first, an output, its rotation and the functions it has. Among
-    similar providers the nearest takes a function; a stop reaches them all.
+    similar providers the nearest takes a function, with the allocation `root` the farthest, with
+    `split` each an equal share; a stop reaches them all.
     """
 
-    def __init__(self, providers: Sequence[tuple[Link, Rotation, frozenset[str]]]) -> None:
+    def __init__(
+        self,
+        providers: Sequence[tuple[Link, Rotation, frozenset[str]]],
+        allocation: str | None = None,
+    ) -> None:
         self.providers = providers
+        self.taking = {None: slice(1), "root": slice(-1, None), "split": slice(None)}[allocation]
 
     def receive(self, message: Message) -> None:
         """Send each provider what falls to it."""
-        left: dict[str, float] = dict(message.value)
-        for link, rotation, functions in self.providers:
-            command: dict[str, float] = {}
-            for function in list(left):
-                mapped = map_function(function, left[function], rotation)
-                if mapped.keys() <= functions:
-                    del left[function]
-                    for name, rate in mapped.items():
-                        command[name] = command.get(name, 0.0) + rate
+        commands: list[dict[str, float]] = [{} for _ in self.providers]
+        lacking = []
+        for function, rate in message.value.items():
+            able = [
+                (command, mapped)
+                for command, (_, rotation, functions) in zip(commands, self.providers, strict=True)
+                if (mapped := map_function(function, rate, rotation)).keys() <= functions
+            ]
+            taking = able[self.taking]
+            for command, mapped in taking:
+                for name, part in mapped.items():
+                    command[name] = command.get(name, 0.0) + part / len(taking)
+            if not able:
+                lacking.append(function)
+        for command, (link, _, _) in zip(commands, self.providers, strict=True):
             if command or not message.value:
                 link.send(message._replace(value=command))
-        if left:
-            names = ", ".join(sorted(left))
+        if lacking:
+            names = ", ".join(sorted(lacking))
             for link, _, _ in self.providers[:1]:
                 link.fail(LookupError(f"nothing provides {names}"))
 

@@ -63,6 +63,7 @@ class Plan:
             link = Link("control", relationship.controller, relationship.controlled)
             link.priority = relationship.priority or 0
             link.hold = None if hold is None else hold * MILLISECOND
+            link.allocation = relationship.allocation
             into, out = self.control_in, self.control_out
         self.links.append(link)
         into[link.client].append(link)
@@ -196,7 +197,11 @@ class Plan:
 
         The commanded module is the one farthest out whose mounts pass through every provider.
         """
-        links = {link.client: link for link in self.control_out[node]}
+        links = {
+            effector: link
+            for link in self.control_out[node]
+            for effector in self._effectors(link.client)
+        }
         chains = [self.chain(name) for name in self.names]
         through = [chain for chain in chains if links.keys() <= set(chain)]
         chain = max(through, key=len, default=list(links))
@@ -207,6 +212,23 @@ class Plan:
                 names = frozenset(function.name for function in functions)
                 found.append((links[name], self._rotation(chain, name), names))
         return found
+
+    def allocation(self, node: str) -> str | None:
+        """Return which of similar providers an InheritanceNode takes, `None` the nearest."""
+        stated = (link.allocation for link in self.control_in[node])
+        return next((allocation for allocation in stated if allocation is not None), None)
+
+    def _effectors(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
+        """Return the modules that commands to a name end in, behind arbiters and splitters."""
+        if name in seen:
+            return []
+        if self.kind(name) not in ("arbitration_node", "control_splitter"):
+            return [name]
+        return [
+            effector
+            for link in self.control_out[name]
+            for effector in self._effectors(link.client, seen | {name})
+        ]
 
     def _rotation(self, chain: list[str], base: str) -> Rotation:
         rotation = _IDENTITY

@@ -17,7 +17,7 @@ KEYWORDS = (
     "is_controlled_by",
     "uses_data_from",
 )
-_WORDS = ("flat", "hierarchical", "period", "hold")
+_WORDS = ("flat", "hierarchical", "period", "hold", "allocation", "root", "split")
 _SHOWN = {
     "NAME": "a module name",
     "INTEGER": "a whole number",
@@ -36,6 +36,8 @@ _SHOWN = {
     "IS_CONTROLLED_BY": "`is_controlled_by`",
     "USES_DATA_FROM": "`uses_data_from`",
     "HOLD": "`hold`",
+    "ALLOCATION": "`allocation`",
+    "PROVIDER": "`root` or `split`",
     "PERIOD": "`period`",
     "MODULES": "`@modules`",
     "SOURCES": "`@sources`",

@@ -23,12 +23,14 @@ def print_relationship(relationship: Relationship) -> str:
                 words.append(mode.text or mode.name)
             if hz is not None:
                 words.append(print_number(hz))
-        case Control(controlled, controller, _, priority, hold):
+        case Control(controlled, controller, _, priority, hold, allocation):
             words = [controlled, "is_controlled_by", controller]
             if priority is not None:
                 words.append(str(priority))
             if hold is not None:
                 words += ["hold", str(hold)]
+            if allocation is not None:
+                words += ["allocation", allocation]
         case Mount(mounting, mounted, _, at, on, transformation):
             words = [mounting, *_number(at), "is_mounted_on", mounted, *_number(on)]
             if transformation is not None:

@@ -3,13 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from lark import Token, Transformer
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
 from mars_asp.model import (
+    Allocation,
     Architecture,
     Configuration,
     Control,
@@ -168,9 +169,9 @@ class Builder:
         assert isinstance(controlled, Token)
         for order, controller in enumerate(controllers):
             assert isinstance(controller, tuple)
-            name, priority, hold = controller[1]
+            name, priority, hold, allocation = controller[1]
             assert isinstance(name, Token)
-            last = next(t for t in (hold, priority, name) if isinstance(t, Token))
+            last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Token))
             begin = controlled if len(controllers) == 1 else name
             rank = self._whole(priority, "a priority")
             if len(controllers) > 1:
@@ -188,6 +189,7 @@ class Builder:
                     self._span(begin, last),
                     rank,
                     self._whole(hold, "a hold in milliseconds", 1),
+                    None if allocation is None else cast("Allocation", str(allocation)),
                 )
             )
 

@@ -1,8 +1,9 @@
 """The control lines of a specification, at the place of the first relationship they replace."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
-from clingo import Function, String, Symbol
+from clingo import Function, String, Symbol, SymbolType
 
 from mars_asp.model import Control
 from mars_asp.synthesis.draft import Draft
@@ -12,14 +13,15 @@ Signal: TypeAlias = Symbol
 
 
 class _Feed(NamedTuple):
-    """One receiver of a signal: a module's name or an arbiter's run, and whose line it is.
+    """One receiver of a signal and whose line it is.
 
-    `number` is the relationship that gives priority and hold, where there is one.
+    `receiver` is a module's name, inherited(Module) or an arbiter's signal; `number` the
+    relationship that gives priority and hold, where there is one.
     """
 
     place: int
     signal: Signal
-    receiver: str | Symbol
+    receiver: Symbol
     number: int | None
 
 
@@ -31,37 +33,46 @@ class ControlLines:
         self._draft = draft
         self._splitters = {signal for (signal,) in draft.rows("control_splitter", 1)}
         self._arbiters = {Function("run", [run]): run for (run,) in draft.rows("arbiter", 1)}
-        self._into: dict[str | Symbol, list[_Feed]] = {}
+        self._full = {module: signal for module, signal in draft.rows("full", 2)}
+        self._into: dict[Symbol, list[_Feed]] = {}
         self._out_of: dict[Signal, list[_Feed]] = {}
-        self._index_modules()
-        for run, _, _, number in draft.rows("arbitrates", 4):
-            self._join(Function("run", [run]), number.number, None)
-        for run, inner, number in draft.rows("stands_for", 3):
-            self._join(Function("run", [run]), number.number, Function("run", [inner]))
+        self._providers: dict[Symbol, list[Symbol]] = {}
+        self._index()
+        self._allocation = {
+            Function("inherited", [module]): self._stated(number.number).allocation
+            for number, module in draft.rows("leads", 2)
+        }
         self._written: set[_Feed] = set()
-        self._opened: set[Signal] = set()
+        self._opened: set[Symbol] = set()
 
-    def _index_modules(self) -> None:
+    def _index(self) -> None:
         draft = self._draft
-        signals = {module.string: signal for module, signal in draft.rows("full", 2)}
-        # What repeats an earlier relationship says nothing new.
-        repeated = {number.number for number, _ in draft.rows("repeats_command", 2)}
-        for number, place in sorted(draft.place.items(), key=lambda item: item[1]):
-            control = draft.relationships[number]
-            if not isinstance(control, Control) or number in repeated:
-                continue
-            module = control.controlled
-            signal = signals.get(module)
+        moved = {(number.number, module) for number, module in draft.rows("moved_hold", 2)}
+        heard: dict[tuple[int, Symbol], Symbol] = {}
+        for number, module, controller in sorted(draft.rows("hears", 3), key=self._by_row):
+            place = draft.place[number.number]
+            heard[number.number, module] = controller
+            if _is_inherited(controller):
+                self._providers.setdefault(controller, []).append(module)
+            signal = self._full.get(module)
             if signal in self._arbiters:
                 if module not in self._into:
                     self._add(_Feed(place, signal, module, None))
-            else:
-                self._add(_Feed(place, _base(control.controller), module, number))
+                continue
+            # What an arbiter of its provider states, the line into an InheritanceNode does not.
+            silent = _is_inherited(controller) or (number.number, module) in moved
+            stated = None if silent else number.number
+            self._add(_Feed(place, _base(controller), module, stated))
+        for run, module, _, number in draft.rows("arbitrates", 4):
+            signal = _base(heard[number.number, module])
+            self._join(Function("run", [run]), number.number, signal)
+        for run, inner, number in draft.rows("stands_for", 3):
+            self._join(Function("run", [run]), number.number, Function("run", [inner]))
 
-    def _join(self, run: Signal, number: int, inner: Signal | None) -> None:
-        control = self._draft.relationships[number]
-        assert isinstance(control, Control)
-        signal = inner or _base(control.controller)
+    def _by_row(self, row: Sequence[Symbol]) -> tuple[int, Symbol]:
+        return self._draft.place[row[0].number], row[1]
+
+    def _join(self, run: Signal, number: int, signal: Signal) -> None:
         self._add(_Feed(self._draft.place[number], signal, run, number))
 
     def _add(self, feed: _Feed) -> None:
@@ -69,8 +80,17 @@ class ControlLines:
         self._out_of.setdefault(feed.signal, []).append(feed)
 
     def write(self, control: Control) -> None:
-        """Write the lines into a relationship's module, and all that leads there."""
-        stack = sorted(self._into.pop(control.controlled, ()), reverse=True, key=_by_place)
+        """Write the lines into a relationship's module, and all that leads there.
+
+        Where an InheritanceNode stands for the module, its providers' lines follow its input.
+        """
+        module = String(control.controlled)
+        inherited = Function("inherited", [module])
+        for receiver in (module, inherited, *self._providers.get(inherited, ())):
+            self._write_into(receiver)
+
+    def _write_into(self, receiver: Symbol) -> None:
+        stack = sorted(self._into.pop(receiver, ()), reverse=True, key=_by_place)
         while stack:
             feed = stack.pop()
             if feed.signal in self._splitters:
@@ -103,14 +123,39 @@ class ControlLines:
             if feed.signal in self._splitters
             else self._producer(feed.signal)
         )
-        receiver = feed.receiver if isinstance(feed.receiver, str) else self._arbiter(feed.receiver)
+        receiver = self._name(feed.receiver)
         priority = hold = None
         if feed.number is not None:
-            stated = draft.relationships[feed.number]
-            assert isinstance(stated, Control)
+            stated = self._stated(feed.number)
             priority = stated.priority
-            hold = None if feed.signal in self._arbiters else stated.hold_ms
-        draft.lines.append(Control(receiver, feeder, draft.span, priority, hold))
+            hold = None if self._is_arbitrated(feed.signal) else stated.hold_ms
+        allocation = self._allocation.get(feed.receiver)
+        draft.lines.append(Control(receiver, feeder, draft.span, priority, hold, allocation))
+
+    def _stated(self, number: int) -> Control:
+        stated = self._draft.relationships[number]
+        assert isinstance(stated, Control)
+        return stated
+
+    def _is_arbitrated(self, signal: Signal) -> bool:
+        """Say whether an arbiter speaks in a signal: then its inputs have the holds."""
+        if signal in self._arbiters:
+            return True
+        return self._full.get(signal.arguments[0]) in self._arbiters and _is_inherited(
+            signal.arguments[0]
+        )
+
+    def _name(self, receiver: Symbol) -> str:
+        if receiver in self._arbiters:
+            return self._arbiter(receiver)
+        return self._module(receiver)
+
+    def _module(self, module: Symbol) -> str:
+        """Return the name of a module, or of the node that stands for what it inherits."""
+        if _is_inherited(module):
+            term = f"inheritance_node({module.arguments[0]})"
+            return self._draft.node("inheritance_node", term)
+        return module.string
 
     def _arbiter(self, signal: Signal) -> str:
         return self._draft.node("arbitration_node", f"arbiter({self._arbiters[signal]})")
@@ -118,12 +163,16 @@ class ControlLines:
     def _producer(self, signal: Signal) -> str:
         if signal in self._arbiters:
             return self._arbiter(signal)
-        return signal.arguments[0].string
+        return self._module(signal.arguments[0])
 
 
 def _by_place(feed: _Feed) -> int:
     return feed.place
 
 
-def _base(controller: str) -> Signal:
-    return Function("base", [String(controller)])
+def _base(controller: Symbol) -> Signal:
+    return Function("base", [controller])
+
+
+def _is_inherited(module: Symbol) -> bool:
+    return module.type == SymbolType.Function
