@@ -2,6 +2,8 @@
 
 import ast
 
+import pytest
+
 from tests.documents import ROOT
 
 LAYERS = [
@@ -41,6 +43,52 @@ LAYERS = [
     "plot",
     "cli",
 ]
+
+#: The layers of packages that are large enough to have some of their own.
+INNER = {
+    "annotations": [
+        "comments",
+        "directives",
+        "type_words",
+        "types",
+        "declarations",
+        "services",
+        "modules",
+        "files",
+        "blocks",
+        "representations",
+    ],
+    "annotations/declarations": [
+        "declaration",
+        "tokens",
+        "c_types",
+        "c_parameters",
+        "c",
+        "java",
+        "rust",
+        "go",
+        "matlab",
+        "python",
+        "read",
+    ],
+}
+
+
+@pytest.mark.parametrize("package", INNER)
+def test_imports_inside_a_package_point_one_way(package: str) -> None:
+    layers, wrong = INNER[package], []
+    prefix = f"mars_asp.{package.replace('/', '.')}."
+    for path in sorted((ROOT / "mars_asp" / package).rglob("*.py")):
+        layer = path.relative_to(ROOT / "mars_asp" / package).with_suffix("").parts[0]
+        if layer.startswith("__"):
+            continue
+        assert layer in layers, f"{layer} has no place in the list of layers of {package}"
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(prefix):
+                imported = (node.module or "").removeprefix(prefix).split(".")[0]
+                if layers.index(imported) > layers.index(layer):
+                    wrong.append(f"{path.relative_to(ROOT)} imports {node.module}")
+    assert wrong == []
 
 
 def test_imports_point_one_way() -> None:

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from mars_asp.annotations.declarations import Declaration, Parameter
-from mars_asp.annotations.types import ARITHMETIC, BUILTIN, NOT_INPUTS, representation
+from mars_asp.annotations.type_words import ARITHMETIC, BUILTIN, NOT_INPUTS
+from mars_asp.annotations.types import representation
 
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"

@@ -6,72 +6,21 @@ away, sequences become `T[]`, callbacks are `function`; what cannot be known is 
 
 import re
 
+from mars_asp.annotations.type_words import (
+    CALLBACKS,
+    FALLS_AWAY,
+    INTEGER_WORDS,
+    MAPS,
+    NOTHING,
+    POINTERS,
+    ROS_FOLDERS,
+    SEQUENCES,
+    STREAMS,
+    UNKNOWN,
+    WRAPPERS,
+)
+
 _TOKEN = re.compile(r"'[a-z_]\w*|\.\.\.|::|->|<-|&&|[A-Za-z_$~]\w*|\d[\w.]*|\"[^\"]*\"|\S")
-_FALLS_AWAY = frozenset(
-    (
-        "const volatile typename struct class enum union static inline virtual explicit "
-        "constexpr consteval constinit friend extern register thread_local mutable "
-        "restrict __restrict __restrict__ _Noreturn noexcept public protected private "
-        "abstract final synchronized native default strictfp mut dyn ref unsafe signed in "
-        "out"
-    ).split()
-)
-_INTEGER_WORDS = frozenset({"unsigned", "long", "short", "int", "char", "double", "signed"})
-_WRAPPERS = frozenset(
-    (
-        "shared_ptr unique_ptr weak_ptr optional expected future shared_future "
-        "reference_wrapper Box Rc Arc Option Result Optional Future CompletableFuture "
-        "Supplier Awaitable Coroutine Annotated Cow Final ClassVar Required NotRequired "
-        "not_null observer_ptr intrusive_ptr Pin"
-    ).split()
-)
-_STREAMS = frozenset(
-    (
-        "Iterator Iterable AsyncIterator AsyncIterable Generator AsyncGenerator Stream "
-        "Publisher Flux Mono Observable Flowable Receiver Sender Channel channel "
-        "generator Flow IntoIterator BlockingQueue Queue Subscription Chan Flow"
-    ).split()
-)
-_SEQUENCES = frozenset(
-    (
-        "vector list set deque span array forward_list multiset unordered_set valarray "
-        "initializer_list Vec VecDeque LinkedList HashSet BTreeSet List Set ArrayList "
-        "Collection Sequence MutableSequence FrozenSet frozenset Deque tuple_list"
-    ).split()
-)
-_MAPS = frozenset(
-    (
-        "map unordered_map multimap flat_map dict Dict Map HashMap BTreeMap TreeMap "
-        "LinkedHashMap ConcurrentHashMap Mapping MutableMapping OrderedDict defaultdict"
-    ).split()
-)
-_CALLBACKS = frozenset(
-    (
-        "function move_only_function Callable Fn FnMut FnOnce fn func Function BiFunction "
-        "Consumer BiConsumer Predicate Runnable UnaryOperator BinaryOperator lambda"
-    ).split()
-)
-_UNKNOWN = frozenset({"auto", "var", "Any", "object", "Object", "interface{}", "any"})
-_NOTHING = frozenset({"void", "None", "NoneType", "Void", "!", "()", "error"})
-_ROS_FOLDERS = frozenset({"msg", "srv", "action"})
-_POINTERS = ("SharedPtr", "ConstSharedPtr", "UniquePtr", "WeakPtr", "Ptr", "ConstPtr")
-NOT_INPUTS = frozenset(
-    (
-        "function Time TimePoint time_point Duration duration milliseconds seconds "
-        "microseconds nanoseconds minutes hours Instant SystemTime LocalDateTime datetime "
-        "timedelta Timestamp timespec timeval time_t Context CancellationToken"
-    ).split()
-)
-BUILTIN = frozenset(
-    (
-        "bool boolean Boolean char byte short int long float double size_t ssize_t str "
-        "String string unsigned usize isize u8 u16 u32 u64 u128 i8 i16 i32 i64 i128 f32 "
-        "f64 int8 int16 int32 int64 uint8 uint16 uint32 uint64 uint float32 float64 rune "
-        "complex bytes Integer Long Float Double int8_t int16_t int32_t int64_t uint8_t "
-        "uint16_t uint32_t uint64_t std::string"
-    ).split()
-)
-ARITHMETIC = BUILTIN - {"str", "String", "string", "std::string", "bytes", "char"}
 _MOST_TOKENS = 2000
 _MOST_DEPTH = 40
 
@@ -154,7 +103,7 @@ class _Reader:
             if (
                 token in ("&", "&&", "*", "mut")
                 or token.startswith("'")
-                or (token in _FALLS_AWAY and self.peek(1))
+                or (token in FALLS_AWAY and self.peek(1))
                 or (token in ("impl", "chan") and self.peek(1))
             ):
                 self.at += 1
@@ -200,7 +149,7 @@ class _Reader:
             token = self.take()
             if not re.match(r"[A-Za-z_$~]", token):
                 raise _UnreadableError
-            if token in _INTEGER_WORDS and not words:
+            if token in INTEGER_WORDS and not words:
                 return self.integer(token)
             words.append(token)
             if token in ("func", "fn", "Fn", "FnMut", "FnOnce") and self.peek() == "(":
@@ -221,7 +170,7 @@ class _Reader:
                 arguments = self.arguments(">" if opening == "<" else "]")
             if self.peek() in ("::", ".", "/", "$") and self.peek(1):
                 self.take()
-                if self.peek() in _POINTERS and not self.peek(1):
+                if self.peek() in POINTERS and not self.peek(1):
                     self.take()
                     break
                 if arguments is not None:
@@ -238,9 +187,9 @@ class _Reader:
 
     def integer(self, first: str) -> str:
         words = [first]
-        while self.peek() in _INTEGER_WORDS or self.peek() in ("const", "volatile"):
+        while self.peek() in INTEGER_WORDS or self.peek() in ("const", "volatile"):
             word = self.take()
-            if word in _INTEGER_WORDS:
+            if word in INTEGER_WORDS:
                 words.append(word)
         kept = [word for word in words if word != "signed"]
         if not {"char", "double"} & set(kept) and (len(kept) > 1 or "unsigned" not in kept):
@@ -314,7 +263,7 @@ class _Reader:
             if token in ("&", "&&", "*", "?", "!") or token.startswith("'"):
                 pointer = pointer or token == "*"
                 self.take()
-            elif token in _FALLS_AWAY or token in ("mut",):
+            elif token in FALLS_AWAY or token in ("mut",):
                 self.take()
             elif token == "+":
                 # Bounds of a Rust trait object say nothing about what it is.
@@ -342,14 +291,14 @@ def _listed(arguments: list[str | None]) -> str:
 def _applied(words: list[str], arguments: list[str | None] | None) -> str | None:
     """Return a name with its arguments, wrappers seen through."""
     last = words[-1]
-    kept = [word for word in words[:-1] if word not in _ROS_FOLDERS] + [last]
+    kept = [word for word in words[:-1] if word not in ROS_FOLDERS] + [last]
     name = "::".join(kept)
     first = arguments[0] if arguments else None
-    if last in _CALLBACKS and (arguments is not None or len(words) > 1 or last != "function"):
+    if last in CALLBACKS and (arguments is not None or len(words) > 1 or last != "function"):
         return "function"
-    if name in _UNKNOWN:
+    if name in UNKNOWN:
         return None
-    if name in _NOTHING:
+    if name in NOTHING:
         return ""
     if arguments is None:
         if (
@@ -360,13 +309,13 @@ def _applied(words: list[str], arguments: list[str | None] | None) -> str | None
         return name
     if last == "Coroutine" and len(arguments) == 3:
         return arguments[2]
-    if last in _WRAPPERS or last in _STREAMS:
+    if last in WRAPPERS or last in STREAMS:
         return first
-    if last in _MAPS and len(arguments) >= 2:
+    if last in MAPS and len(arguments) >= 2:
         key, value = arguments[:2]
         return None if key is None or value is None else f"map<{key},{value}>"
     if last in {"tuple", "Tuple"}:
         return None if None in arguments else f"({','.join(str(a) for a in arguments)})"
-    if last in _SEQUENCES:
+    if last in SEQUENCES:
         return _sequence(first)
     return None if None in arguments else name + _listed(arguments)

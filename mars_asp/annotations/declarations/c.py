@@ -1,0 +1,272 @@
+"""Function declarations of C and C++, found without knowing any type or macro."""
+
+from collections.abc import Sequence
+
+from mars_asp.annotations.declarations.c_parameters import (
+    are_parameters,
+    read_old_style,
+    read_parameter,
+)
+from mars_asp.annotations.declarations.c_types import (
+    ATTRIBUTES,
+    BUILTIN_WORDS,
+    SPECIFIERS,
+    behind_attribute,
+    is_macro,
+    type_text,
+    units,
+)
+from mars_asp.annotations.declarations.declaration import (
+    CALLBACK,
+    Declaration,
+    NoFunction,
+    Parameter,
+)
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    angle,
+    behind_angle,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+    texts,
+)
+
+_STATEMENTS = frozenset(
+    (
+        "return if else while for switch case throw new delete goto co_return co_await co_yield "
+        "using typedef do break continue try catch namespace static_assert _Static_assert "
+        "sizeof default asm concept import module export"
+    ).split()
+)
+_ACCESS = frozenset(("public", "private", "protected", "signals", "Q_SIGNALS"))
+#: What may stand behind the parameters.
+_BEHIND = frozenset(
+    "const noexcept override final volatile throw requires try mutable asm __asm__".split()
+)
+_SIGNS = frozenset(("::", "*", "&", "&&", "^"))
+
+
+def read_c(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+    """Read type, name and parameters behind templates, attributes, labels and macros."""
+    first = min(_behind_prefix(tokens), len(tokens) - 1)
+    none = NoFunction(tokens[first].offset, tokens[first].text)
+    head: list[Token] = []
+    at = first
+    while at < len(tokens):
+        text = tokens[at].text
+        behind = behind_attribute(tokens, at)
+        if behind > at:
+            at = behind
+        elif text in _STATEMENTS:
+            return none
+        elif text == "extern" and text_at(tokens, at + 1).startswith('"'):
+            at += 2
+        elif text == "explicit" and text_at(tokens, at + 1) == "(":
+            at = closing(tokens, at + 1)
+        elif text in ("decltype", "typeof", "__typeof__", "noexcept"):
+            head.append(Token("auto", tokens[at].offset))
+            at = closing(tokens, at + 1)
+        elif text == "operator":
+            return _operator(tokens, head, at) or none
+        elif text == "<" and head and is_word(head[-1].text):
+            end = angle(tokens, at)
+            if end is None:
+                return none
+            head += tokens[at:end]
+            at = end
+        elif text == "(":
+            end = closing(tokens, at)
+            if not _is_macro_call(tokens, head, end):
+                return _bracketed(tokens, head, at, tokens[first].offset) or none
+            head = head[:-1]
+            at = end
+        elif is_word(text) or text in _SIGNS:
+            head.append(tokens[at])
+            at += 1
+        else:
+            return none
+    return none
+
+
+def _behind_prefix(tokens: Sequence[Token]) -> int:
+    """Return the index behind attributes, templates and access labels."""
+    at = 0
+    while at < len(tokens):
+        text, following = text_at(tokens, at), text_at(tokens, at + 1)
+        behind = behind_attribute(tokens, at)
+        if behind > at:
+            at = behind
+        elif text == "template" and following == "<":
+            at = behind_angle(tokens, at + 1)
+        elif text == "requires":
+            at = _behind_requires(tokens, at + 1)
+        elif text in _ACCESS and following == ":":
+            at += 2
+        elif text in _ACCESS and text_at(tokens, at + 2) == ":":
+            at += 3
+        elif text == "extern" and following.startswith('"'):
+            at += 2
+        else:
+            break
+    return at
+
+
+def _behind_requires(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind a constraint: primaries joined by `&&` and `||`."""
+    while at < len(tokens):
+        if text_at(tokens, at) == "!":
+            at += 1
+        if text_at(tokens, at) == "(":
+            at = closing(tokens, at)
+        elif text_at(tokens, at) == "requires":
+            at = closing(tokens, at + 1) if text_at(tokens, at + 1) == "(" else at + 1
+            at = closing(tokens, at) if text_at(tokens, at) == "{" else at
+        else:
+            at += 1
+            while text_at(tokens, at) in ("::", "<"):
+                at = behind_angle(tokens, at) if tokens[at].text == "<" else at + 2
+            at = closing(tokens, at) if text_at(tokens, at) == "(" else at
+        if text_at(tokens, at) not in ("&&", "||"):
+            break
+        at += 1
+    return at
+
+
+def _is_macro_call(tokens: Sequence[Token], head: Sequence[Token], end: int) -> bool:
+    """Say whether brackets, closed before `end`, are those of a macro before the declaration."""
+    following = text_at(tokens, end)
+    goes_on = (is_word(following) and following not in _BEHIND) or following == "::"
+    if not head or not goes_on:
+        return False
+    return len(head) == 1 or is_macro(head[-1].text)
+
+
+def _bracketed(
+    tokens: Sequence[Token], head: Sequence[Token], at: int, offset: int
+) -> Declaration | None:
+    """Read on from the first bracket, which holds the parameters or a part of the declarator."""
+    end = closing(tokens, at)
+    inside = tokens[at + 1 : end - 1]
+    signs = set(texts(inside[:1])) & {"*", "&", "&&", "^"}
+    if text_at(tokens, end) == "(" and len(inside) == 1 and head and not is_macro(head[-1].text):
+        # A name in brackets of its own, which keeps a macro of this name from being used.
+        return _function(tokens, [*head, *inside], end, offset)
+    inner = next((index for index, token in enumerate(inside) if token.text == "("), None)
+    if not signs or inner is None:
+        return None if signs else _function(tokens, head, at, offset)
+    # A function that returns a pointer to a function or to an array.
+    kind = type_text(head)
+    function = _function(tokens, [*head, *inside[:inner]], at + 1 + inner, offset)
+    if function is None or kind is None or text_at(tokens, end) not in ("(", "["):
+        return None
+    output = CALLBACK if text_at(tokens, end) == "(" else f"{kind}[]"
+    return Declaration(function.name, output, function.parameters, offset, function.end)
+
+
+def _operator(tokens: Sequence[Token], head: Sequence[Token], at: int) -> Declaration | None:
+    """Read an operator; one that converts has its type behind the word."""
+    stop = at + 1
+    if text_at(tokens, stop) == "(":
+        stop += 2
+    while stop < len(tokens) and tokens[stop].text != "(":
+        stop = behind_angle(tokens, stop) if _opens_arguments(tokens, stop) else stop + 1
+    named = tokens[at + 1 : stop]
+    if not named or stop >= len(tokens):
+        return None
+    offset = head[0].offset if head else tokens[at].offset
+    converts = is_word(named[0].text) and named[0].text not in ("new", "delete", "co_await")
+    name = f"operator{' ' * is_word(named[0].text)}{joined(named)}"
+    while len(head) > 1 and head[-1].text == "::" and is_word(head[-2].text):
+        name = f"{head[-2].text}::{name}"
+        head = head[:-2]
+    output = type_text(named) if converts else type_text(head)
+    if output is None:
+        return None
+    return _with_parameters(tokens, stop, name, output, offset)
+
+
+def _opens_arguments(tokens: Sequence[Token], at: int) -> bool:
+    return (
+        tokens[at].text == "<"
+        and is_word(text_at(tokens, at - 1))
+        and (text_at(tokens, at - 1) != "operator")
+    )
+
+
+def _function(
+    tokens: Sequence[Token], head: Sequence[Token], at: int, offset: int
+) -> Declaration | None:
+    """Read from the bracket that opens the parameters; `head` stands before it."""
+    parts = units(head)
+    if not parts or parts[-1].kind != "name":
+        return None
+    name = _plain_name(head[parts[-1].begin : parts[-1].end])
+    before = head[: parts[-1].begin]
+    output = type_text(before)
+    if output is None or not name or name in SPECIFIERS | BUILTIN_WORDS | ATTRIBUTES:
+        return None
+    return _with_parameters(tokens, at, name, output, offset)
+
+
+def _plain_name(tokens: Sequence[Token]) -> str:
+    """Return a qualified name without the arguments of templates."""
+    name, at = "", 0
+    while at < len(tokens):
+        if tokens[at].text == "<":
+            at = behind_angle(tokens, at)
+        else:
+            name += tokens[at].text
+            at += 1
+    return name.removeprefix("::")
+
+
+def _with_parameters(
+    tokens: Sequence[Token], at: int, name: str, output: str, offset: int
+) -> Declaration | None:
+    end = closing(tokens, at)
+    groups = split(tokens[at + 1 : end - 1])
+    if not are_parameters(groups):
+        return None
+    parameters = _old_style(tokens, groups, end)
+    if parameters is None:
+        read = (read_parameter(group) for group in groups)
+        parameters = tuple(parameter for parameter in read if parameter is not None)
+        output = _trailing(tokens, end) or output
+    return Declaration(name, output, parameters, offset, tokens[end - 1].offset)
+
+
+def _trailing(tokens: Sequence[Token], at: int) -> str | None:
+    """Return the type behind `->`, where one stands behind the parameters."""
+    while at < len(tokens) and tokens[at].text not in (";", "{", "=", ":", "}", "->"):
+        at = closing(tokens, at) if tokens[at].text in ("(", "[") else at + 1
+    if text_at(tokens, at) != "->":
+        return None
+    start = at = at + 1
+    while at < len(tokens):
+        text = tokens[at].text
+        if text in (";", "{", "=", "}", *_BEHIND - {"const", "volatile"}):
+            break
+        if text in ("(", "["):
+            at = closing(tokens, at)
+        else:
+            at = behind_angle(tokens, at) if text == "<" else at + 1
+    return type_text(tokens[start:at])
+
+
+def _old_style(
+    tokens: Sequence[Token], groups: Sequence[Sequence[Token]], end: int
+) -> tuple[Parameter, ...] | None:
+    """Read Kernighan and Ritchie's form, in which types follow the brackets."""
+    names = [group[0].text for group in groups if len(group) == 1]
+    following = text_at(tokens, end)
+    if not names or len(names) < len(groups) or not is_word(following) or following in _BEHIND:
+        return None
+    stop = end
+    while stop < len(tokens) and tokens[stop].text not in ("{", "}", "="):
+        stop = closing(tokens, stop) if tokens[stop].text == "(" else stop + 1
+    if text_at(tokens, stop) != "{":
+        return None
+    return read_old_style(names, tokens[end:stop])

@@ -1,0 +1,159 @@
+"""Parameters in declarations of C and C++."""
+
+from collections.abc import Sequence
+
+from mars_asp.annotations.declarations.c_types import (
+    is_macro,
+    type_text,
+    units,
+    without_attributes,
+)
+from mars_asp.annotations.declarations.declaration import CALLBACK, Parameter
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    before,
+    behind_angle,
+    closing,
+    is_word,
+    split,
+    text_at,
+    texts,
+)
+
+#: Signs that stand in expressions and in no parameter, before a default.
+_OF_EXPRESSIONS = frozenset(".+-/!?|%;~")
+
+
+def are_parameters(groups: Sequence[Sequence[Token]]) -> bool:
+    """Say whether what stands between brackets can be parameters, and not a call's arguments."""
+    for group in groups:
+        words = _top_level(before(without_attributes(group), "="))
+        if not any(is_word(text) or text == "..." for text in words):
+            return False
+        if any(text in _OF_EXPRESSIONS or text[0] in '"0123456789' for text in words):
+            return False
+    return True
+
+
+def _top_level(tokens: Sequence[Token]) -> list[str]:
+    """Return the texts outside of all brackets."""
+    found: list[str] = []
+    at = 0
+    while at < len(tokens):
+        text = tokens[at].text
+        if text in ("(", "[", "{"):
+            at = closing(tokens, at)
+        elif text == "<":
+            at = behind_angle(tokens, at)
+        else:
+            found.append(text)
+            at += 1
+    return found
+
+
+def read_parameter(group: Sequence[Token]) -> Parameter | None:
+    """Read one parameter; `None` for `void`, `...` and C++'s explicit object."""
+    tokens = without_attributes(before(without_attributes(group), "="))
+    words = texts(tokens)
+    if words in (["void"], ["..."], []) or words[0] == "this":
+        return None
+    bracket = next((at for at, text in _with_angles(tokens) if text == "("), None)
+    if bracket is not None:
+        return _declarator(tokens, bracket)
+    tokens, arrays = without_arrays(tokens)
+    return _named(tokens, arrays)
+
+
+def _with_angles(tokens: Sequence[Token]) -> list[tuple[int, str]]:
+    """Return index and text of the tokens outside of template arguments."""
+    found: list[tuple[int, str]] = []
+    at = 0
+    while at < len(tokens):
+        text = tokens[at].text
+        found.append((at, text))
+        at = behind_angle(tokens, at) if text == "<" else at + 1
+    return found
+
+
+def _declarator(tokens: Sequence[Token], at: int) -> Parameter | None:
+    """Read a parameter with brackets: `T (*f)(...)`, `T (&a)[N]`, `T f(...)`, `MACRO(T x)`."""
+    end = closing(tokens, at)
+    inside = tokens[at + 1 : end - 1]
+    names = [part for part in units(tokens[:at]) if part.kind in ("name", "builtin", "placeholder")]
+    if len(names) == 1 and is_macro(tokens[names[0].begin].text) and end == len(tokens):
+        return read_parameter(inside)
+    signs = [token.text for token in inside]
+    if not set(signs) & {"*", "&", "&&", "^"}:
+        if len(inside) == len(names) == 1 and end == len(tokens):
+            return _named([*tokens[:at], inside[0]], "")
+        # A function as a parameter is a pointer to it.
+        return Parameter(tokens[at - 1].text if len(names) > 1 else None, CALLBACK)
+    inner, _ = without_arrays(inside)
+    name = inner[-1].text if inner and is_word(inner[-1].text) else None
+    if "(" in signs or text_at(tokens, end) == "(":
+        return Parameter(name, CALLBACK)
+    outer, arrays = without_arrays(tokens[end:])
+    kind = type_text(tokens[:at])
+    # A pointer to an array, or a reference, is the array; a pointer alone is what it points to.
+    extra = "[]" if len(inner) != len(inside) else ""
+    written = None if kind is None else f"{kind}{extra}{arrays}"
+    return Parameter(name, written, "const" not in texts([*tokens[:at], *outer]))
+
+
+def without_arrays(tokens: Sequence[Token]) -> tuple[list[Token], str]:
+    """Cut `[...]` off the end of a declarator; return them as `[]`."""
+    for at, token in enumerate(tokens):
+        if token.text == "[":
+            end, arrays = at, ""
+            while text_at(tokens, end) == "[":
+                end = closing(tokens, end)
+                arrays += "[]"
+            return [*tokens[:at], *tokens[end:]], arrays
+    return list(tokens), ""
+
+
+def _named(tokens: Sequence[Token], arrays: str) -> Parameter:
+    """Split a type from the name behind it."""
+    parts = [part for part in units(tokens) if part.kind != "specifier"]
+    kinds = [part for part in parts if part.kind != "sign"]
+    if len(kinds) > 2 and is_macro(tokens[kinds[-1].begin].text):
+        # A macro behind the name, such as `Scan s UNUSED`.
+        last = kinds.pop()
+        tokens = [*tokens[: last.begin], *tokens[last.end :]]
+        parts = [part for part in parts if part is not last]
+    name = None
+    final = parts[-1] if parts else None
+    if final is not None and final.kind == "name" and len(kinds) > 1:
+        if final.end - final.begin == 1:
+            name = tokens[final.begin].text
+            tokens = [*tokens[: final.begin], *tokens[final.end :]]
+    words = texts(tokens)
+    stars = [at for at, text in enumerate(words) if text in ("*", "&")]
+    out = bool(stars) and "const" not in words[: stars[-1]]
+    kind = type_text(tokens)
+    return Parameter(name, None if kind is None else kind + arrays, out)
+
+
+def read_old_style(names: Sequence[str], tokens: Sequence[Token]) -> tuple[Parameter, ...] | None:
+    """Read the declarations between `)` and `{` in Kernighan and Ritchie's form.
+
+    Returns `None` where they declare anything but the named parameters.
+    """
+    types: dict[str, Parameter] = {}
+    start = 0
+    for at, token in enumerate(tokens):
+        if token.text != ";":
+            continue
+        groups = split(tokens[start:at])
+        start = at + 1
+        if not groups:
+            continue
+        base = [t for t in groups[0] if is_word(t.text)][: -1 if len(groups[0]) > 1 else None]
+        for index, group in enumerate(groups):
+            parameter = read_parameter(group if not index else [*base, *group])
+            if parameter is None or parameter.name is None or parameter.name not in names:
+                return None
+            types[parameter.name] = parameter
+    if start < len(tokens) or not types:
+        return None
+    return tuple(types.get(name, Parameter(name, "int")) for name in names)

@@ -1,0 +1,133 @@
+"""Types in declarations of C and C++, freed of specifiers and macros."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    behind_angle,
+    closing,
+    is_word,
+    joined,
+    text_at,
+)
+
+SPECIFIERS = frozenset(
+    (
+        "static inline virtual explicit constexpr consteval constinit friend extern register "
+        "thread_local mutable typename const volatile struct class enum union restrict "
+        "__restrict __restrict__ _Noreturn _Thread_local _Atomic __extension__ __inline "
+        "__inline__ __forceinline __const __volatile__ __cdecl __stdcall __fastcall __thiscall "
+        "__vectorcall WINAPI APIENTRY CALLBACK PASCAL JNICALL JNIEXPORT template"
+    ).split()
+)
+BUILTIN_WORDS = frozenset(
+    "unsigned signed long short int char float double bool void _Bool _Complex __int128".split()
+)
+_PLACEHOLDERS = frozenset(("auto", "decltype"))
+#: Words that stand before brackets and belong to what they decorate.
+ATTRIBUTES = frozenset(
+    ("__attribute__", "__attribute", "__declspec", "alignas", "_Alignas", "__asm__", "asm")
+)
+_MACRO = re.compile(r"_*[A-Z][A-Z0-9_]*[A-Z0-9_]|_[A-Z][a-z]*_(?:[a-z]+_)*")
+
+
+def is_macro(text: str) -> bool:
+    """Say whether a word is written as macros are."""
+    return _MACRO.fullmatch(text) is not None
+
+
+def without_attributes(tokens: Sequence[Token]) -> list[Token]:
+    """Return tokens without `[[...]]`, `__attribute__((...))` and the like."""
+    kept: list[Token] = []
+    at = 0
+    while at < len(tokens):
+        behind = behind_attribute(tokens, at)
+        if behind == at:
+            kept.append(tokens[at])
+            behind += 1
+        at = behind
+    return kept
+
+
+def behind_attribute(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind the attribute that begins at `at`; `at` itself where none does."""
+    text, following = text_at(tokens, at), text_at(tokens, at + 1)
+    if text == "[" == following:
+        return closing(tokens, at)
+    if text in ATTRIBUTES and following == "(":
+        return closing(tokens, at + 1)
+    return at
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """One part of a type: a whole qualified name with its arguments, or a sign."""
+
+    begin: int
+    end: int
+    kind: str  # "name", "builtin", "placeholder", "specifier" or "sign"
+
+
+def units(tokens: Sequence[Token]) -> list[Unit]:
+    """Cut tokens into names, builtin words, specifiers and signs."""
+    found: list[Unit] = []
+    at = 0
+    while at < len(tokens):
+        begin, text = at, tokens[at].text
+        rooted = text == "::" and is_word(text_at(tokens, at + 1))
+        if not is_word(text) and not rooted:
+            at += 1
+            found.append(Unit(begin, at, "sign"))
+            continue
+        at += 1 + rooted
+        if text in SPECIFIERS:
+            found.append(Unit(begin, at, "specifier"))
+            continue
+        if text in BUILTIN_WORDS:
+            found.append(Unit(begin, at, "builtin"))
+            continue
+        if text in _PLACEHOLDERS:
+            at = closing(tokens, at) if text_at(tokens, at) == "(" else at
+            found.append(Unit(begin, at, "placeholder"))
+            continue
+        at = _behind_name(tokens, at)
+        found.append(Unit(begin, at, "name"))
+    return found
+
+
+def _behind_name(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind what goes on with a name: arguments and `::name`."""
+    while True:
+        if text_at(tokens, at) == "<":
+            at = behind_angle(tokens, at)
+        elif text_at(tokens, at) == "::":
+            at += 1
+            while text_at(tokens, at) == "template":
+                at += 1
+            if not is_word(text_at(tokens, at)):
+                return at
+            at += 1
+        else:
+            return at
+
+
+def type_text(tokens: Sequence[Token]) -> str | None:
+    """Return a type without specifiers and without the macros around it.
+
+    Of several names the last one is the type, unless it is written as macros are.
+    """
+    parts = units(tokens)
+    if any(part.kind == "placeholder" for part in parts):
+        return "auto"
+    signs = "".join(tokens[part.begin].text for part in parts if part.kind == "sign")
+    builtin = [tokens[part.begin].text for part in parts if part.kind == "builtin"]
+    if builtin:
+        return " ".join(builtin) + signs
+    names = [part for part in parts if part.kind == "name"]
+    plain = [part for part in names if not is_macro(tokens[part.begin].text)] or names
+    if not plain:
+        return None
+    chosen = tokens[plain[-1].begin : plain[-1].end]
+    return joined(chosen) + signs

@@ -1,0 +1,98 @@
+"""Function declarations of Go."""
+
+from collections.abc import Sequence
+
+from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+)
+
+
+def read_go(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+    """Read `func (receiver) name[...](parameters) results`."""
+    first = tokens[0]
+    none = NoFunction(first.offset, first.text)
+    if first.text != "func":
+        return none
+    at = closing(tokens, 1) if text_at(tokens, 1) == "(" else 1
+    name = text_at(tokens, at)
+    at += 1
+    if text_at(tokens, at) == "[":
+        at = closing(tokens, at)
+    if not is_word(name) or text_at(tokens, at) != "(":
+        return none
+    end = closing(tokens, at)
+    parameters = _parameters(tokens[at + 1 : end - 1])
+    types = [result.type or "" for result in _results(tokens, end, code)]
+    # An error beside a result says that there is none; it is not delivered.
+    types = [written for written in types if written != "error"]
+    output = "void" if not types else types[0] if len(types) == 1 else f"({', '.join(types)})"
+    return Declaration(name, output, parameters, first.offset, tokens[end - 1].offset)
+
+
+def _results(tokens: Sequence[Token], at: int, code: str) -> tuple[Parameter, ...]:
+    """Read what stands between the parameters and the body, on the line where those end."""
+    if at >= len(tokens) or "\n" in code[tokens[at - 1].offset : tokens[at].offset]:
+        return ()
+    if tokens[at].text == "(":
+        return _parameters(tokens[at + 1 : closing(tokens, at) - 1])
+    end = _behind_type(tokens, at)
+    return (Parameter(None, joined(tokens[at:end])),) if end > at else ()
+
+
+def _parameters(tokens: Sequence[Token]) -> tuple[Parameter, ...]:
+    """Give each parameter its type; in `a, b T` the last type holds for all before it."""
+    groups = split(tokens, angles=False)
+    named = any(_behind_type(group, 0) != len(group) for group in groups)
+    found: list[Parameter] = []
+    following: str | None = None
+    for group in reversed(groups):
+        if not named:
+            found.append(Parameter(None, _written(group)))
+        elif len(group) == 1:
+            found.append(Parameter(group[0].text, following))
+        else:
+            following = _written(group[1:])
+            found.append(Parameter(group[0].text, following))
+    return tuple(reversed(found))
+
+
+def _written(tokens: Sequence[Token]) -> str:
+    if tokens and tokens[0].text == "...":
+        return f"[]{joined(tokens[1:])}"
+    return joined(tokens)
+
+
+def _behind_type(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind the type that begins at `at`; `at` itself where none does."""
+    while True:
+        text, following = text_at(tokens, at), text_at(tokens, at + 1)
+        if text in ("*", "...") or (text == "<" and following == "-"):
+            at += 1 if text != "<" else 2
+        elif text == "chan":
+            at += 3 if (following, text_at(tokens, at + 2)) == ("<", "-") else 1
+        elif text == "[":
+            at = closing(tokens, at)
+        elif text == "map" and following == "[":
+            at = closing(tokens, at + 1)
+        else:
+            break
+    text, following = text_at(tokens, at), text_at(tokens, at + 1)
+    if text == "(":
+        return closing(tokens, at)
+    if text == "func" and following == "(":
+        at = closing(tokens, at + 1)
+        return closing(tokens, at) if text_at(tokens, at) == "(" else _behind_type(tokens, at)
+    if text in ("interface", "struct") and following == "{":
+        return closing(tokens, at + 1)
+    if not is_word(text):
+        return at
+    at += 1
+    while text_at(tokens, at) == "." and is_word(text_at(tokens, at + 1)):
+        at += 2
+    return closing(tokens, at) if text_at(tokens, at) == "[" else at

@@ -1,0 +1,124 @@
+"""Method declarations of Java."""
+
+from collections.abc import Sequence
+
+from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    behind_angle,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+    texts,
+)
+
+_MODIFIERS = frozenset(
+    (
+        "public protected private abstract static final synchronized native default strictfp "
+        "transient volatile"
+    ).split()
+)
+_STATEMENTS = frozenset(
+    (
+        "return if else while for switch case throw new do break continue try catch import package "
+        "class interface enum record assert yield"
+    ).split()
+)
+
+
+def read_java(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+    """Read `modifiers <T> type name(parameters)` behind annotations."""
+    first = _behind_annotations(tokens, 0)
+    token = tokens[min(first, len(tokens) - 1)]
+    none = NoFunction(token.offset, token.text)
+    at = _behind_modifiers(tokens, first)
+    if text_at(tokens, at) == "<":
+        at = _behind_modifiers(tokens, behind_angle(tokens, at))
+    if text_at(tokens, at) in _STATEMENTS:
+        return none
+    stop = _behind_type(tokens, at)
+    name = text_at(tokens, stop)
+    if stop == at or not is_word(name) or text_at(tokens, stop + 1) != "(":
+        return none
+    end = closing(tokens, stop + 1)
+    groups = split(tokens[stop + 2 : end - 1])
+    parameters = [_parameter(group) for group in groups]
+    if any(parameter is None for parameter in parameters):
+        return none
+    written = _written(tokens[at:stop]) + _arrays(tokens, end)
+    taken = tuple(p for p in parameters if p is not None and p.name != "this")
+    return Declaration(name, written, taken, token.offset, tokens[end - 1].offset)
+
+
+def _behind_annotations(tokens: Sequence[Token], at: int) -> int:
+    while text_at(tokens, at) == "@" and text_at(tokens, at + 1) != "interface":
+        at += 2
+        while text_at(tokens, at) == ".":
+            at += 2
+        if text_at(tokens, at) == "(":
+            at = closing(tokens, at)
+    return at
+
+
+def _behind_modifiers(tokens: Sequence[Token], at: int) -> int:
+    while True:
+        at = _behind_annotations(tokens, at)
+        if text_at(tokens, at) not in _MODIFIERS:
+            return at
+        at += 1
+
+
+def _behind_type(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind a type; `at` itself where none begins."""
+    if not is_word(text_at(tokens, at)):
+        return at
+    at += 1
+    while True:
+        text = text_at(tokens, at)
+        if text == "<":
+            at = behind_angle(tokens, at)
+        elif text == "." and (is_word(text_at(tokens, at + 1)) or text_at(tokens, at + 1) == "@"):
+            at = _behind_annotations(tokens, at + 1) + 1
+        elif text == "[":
+            at = closing(tokens, at)
+        elif text == "@" and text_at(tokens, _behind_annotations(tokens, at)) in ("[", "..."):
+            at = _behind_annotations(tokens, at)
+        else:
+            return at
+
+
+def _written(tokens: Sequence[Token]) -> str:
+    """Return a type without the annotations in it."""
+    kept: list[Token] = []
+    at = 0
+    while at < len(tokens):
+        behind = _behind_annotations(tokens, at)
+        kept += tokens[at : at + 1] if behind == at else ()
+        at = max(behind, at + (behind == at))
+    return joined(kept)
+
+
+def _arrays(tokens: Sequence[Token], at: int) -> str:
+    """Return the brackets that stand behind a name, as C has them."""
+    found = ""
+    while text_at(tokens, at) == "[":
+        at = closing(tokens, at)
+        found += "[]"
+    return found
+
+
+def _parameter(group: Sequence[Token]) -> Parameter | None:
+    at = _behind_modifiers(group, 0)
+    stop = _behind_type(group, at)
+    written = _written(group[at:stop])
+    if text_at(group, stop) == "...":
+        written += "[]"
+        stop += 1
+    name = text_at(group, stop)
+    if "this" in texts(group[stop:]):
+        return Parameter("this", written)
+    if not written or not is_word(name):
+        return None
+    return Parameter(name, written + _arrays(group, stop + 1))

@@ -1,0 +1,100 @@
+"""Function declarations of Python: the `def ...:` is cut out and read by Python's own parser."""
+
+import ast
+import re
+
+from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+
+_DEF = re.compile(r"(?:async\s+)?def\b\s*\w+\s*")
+_ANYTHING = re.compile(r"\w+|\S")
+_SOLID = re.compile(r"\S")
+
+
+def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoFunction:
+    """Read the function behind any decorators."""
+    at = begin
+    while at < end and code[at] == "@":
+        match = _SOLID.search(code, _line_end(code, at, end), end)
+        if match is None:
+            return NoFunction(begin, "@")
+        at = match.start()
+    found = _ANYTHING.match(code, at, end)
+    none = NoFunction(at, found[0] if found else "")
+    head = _DEF.match(code, at, end)
+    if head is None:
+        return none
+    opening = head.end()
+    if code.startswith("[", opening):
+        # Parameters of a generic function, which Python before 3.12 does not know.
+        opening = _behind(code, opening, end)
+    stop = _colon(code, opening, end)
+    snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
+    try:
+        function = ast.parse(snippet).body[0]
+    except (SyntaxError, ValueError, RecursionError, MemoryError, IndexError):
+        return none
+    if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
+        return none
+    output = None if function.returns is None else _type(function.returns)
+    return Declaration(function.name, output, _parameters(function.args), at, stop)
+
+
+def _parameters(arguments: ast.arguments) -> tuple[Parameter, ...]:
+    """List what a function takes; `*args` and `**kwargs` only where their types are stated."""
+    listed = [*arguments.posonlyargs, *arguments.args]
+    if listed and listed[0].arg in ("self", "cls") and listed[0].annotation is None:
+        listed = listed[1:]
+    parameters = [Parameter(a.arg, _hint(a)) for a in listed]
+    rest = arguments.vararg
+    if rest is not None and rest.annotation is not None:
+        parameters.append(Parameter(rest.arg, f"list[{_type(rest.annotation)}]"))
+    parameters += [Parameter(a.arg, _hint(a)) for a in arguments.kwonlyargs]
+    named = arguments.kwarg
+    if named is not None and named.annotation is not None:
+        parameters.append(Parameter(named.arg, f"dict[str, {_type(named.annotation)}]"))
+    return tuple(parameters)
+
+
+def _hint(argument: ast.arg) -> str | None:
+    return None if argument.annotation is None else _type(argument.annotation)
+
+
+def _type(node: ast.expr) -> str:
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    return ast.unparse(node).replace("'", '"')
+
+
+def _colon(code: str, at: int, end: int) -> int:
+    """Return where the `:` outside of all brackets stands."""
+    depth = 0
+    while at < end:
+        character = code[at]
+        depth += (character in "([{") - (character in ")]}")
+        if character == ":" and not depth:
+            return at
+        at += 1
+    return end
+
+
+def _behind(code: str, at: int, end: int) -> int:
+    """Return where the bracket at `at` has been closed."""
+    depth = 0
+    while at < end:
+        depth += (code[at] in "([{") - (code[at] in ")]}")
+        at += 1
+        if not depth:
+            break
+    return at
+
+
+def _line_end(code: str, at: int, end: int) -> int:
+    """Return where the line of code ends that `at` is in; brackets hold lines together."""
+    depth = 0
+    while at < end:
+        character = code[at]
+        depth += (character in "([{") - (character in ")]}")
+        if character == "\n" and depth <= 0:
+            return at
+        at += 1
+    return end

@@ -1,0 +1,88 @@
+"""Function declarations of Rust."""
+
+from collections.abc import Sequence
+
+from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    behind_angle,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+    texts,
+)
+
+_BEFORE = frozenset(("pub", "crate", "async", "unsafe", "const", "extern", "default", "safe"))
+
+
+def read_rust(tokens: Sequence[Token], code: str) -> Declaration | NoFunction:
+    """Read `fn name<...>(parameters) -> type` behind attributes and qualifiers."""
+    first = at = _behind_attributes(tokens, 0)
+    token = tokens[min(first, len(tokens) - 1)]
+    none = NoFunction(token.offset, token.text)
+    while text_at(tokens, at) != "fn":
+        text = text_at(tokens, at)
+        if text == "(" and text_at(tokens, at - 1) == "pub":
+            at = closing(tokens, at)
+        elif text in _BEFORE or text.startswith('"'):
+            at += 1
+        else:
+            return none
+    at += 1
+    if text_at(tokens, at) == "r" and text_at(tokens, at + 1) == "#":
+        at += 2
+    name = text_at(tokens, at)
+    at += 1
+    if text_at(tokens, at) == "<":
+        at = behind_angle(tokens, at)
+    if not is_word(name) or text_at(tokens, at) != "(":
+        return none
+    end = closing(tokens, at)
+    groups = split(tokens[at + 1 : end - 1])
+    parameters = tuple(p for group in groups if (p := _parameter(group)) is not None)
+    output = "void"
+    if text_at(tokens, end) == "->":
+        stop = end + 1
+        while stop < len(tokens) and tokens[stop].text not in ("{", ";", "where"):
+            if tokens[stop].text in ("(", "["):
+                stop = closing(tokens, stop)
+            else:
+                stop = behind_angle(tokens, stop) if tokens[stop].text == "<" else stop + 1
+        output = joined(tokens[end + 1 : stop])
+    return Declaration(name, output, parameters, token.offset, tokens[end - 1].offset)
+
+
+def _behind_attributes(tokens: Sequence[Token], at: int) -> int:
+    while text_at(tokens, at) == "#":
+        opening = at + 2 if text_at(tokens, at + 1) == "!" else at + 1
+        if text_at(tokens, opening) != "[":
+            break
+        at = closing(tokens, opening)
+    return at
+
+
+def _parameter(group: Sequence[Token]) -> Parameter | None:
+    """Read `pattern: type`; the receiver is no parameter."""
+    group = group[_behind_attributes(group, 0) :]
+    pattern, written = _at_colon(group)
+    words = texts(pattern)
+    if "self" in words or not written:
+        return None
+    if len(words) > 1 and words[0] in ("mut", "ref"):
+        words = words[-1:] if len(words) == 2 else words
+    name = words[0] if len(words) == 1 and is_word(words[0]) and words[0] != "_" else None
+    kind = texts(written)
+    return Parameter(name, joined(written), kind[:1] == ["&"] and "mut" in kind[:4])
+
+
+def _at_colon(group: Sequence[Token]) -> tuple[Sequence[Token], Sequence[Token]]:
+    """Split a parameter at the `:` outside of all brackets."""
+    index = 0
+    while index < len(group):
+        text = group[index].text
+        if text == ":":
+            return group[:index], group[index + 1 :]
+        index = closing(group, index) if text in ("(", "[", "{") else index + 1
+    return group, ()

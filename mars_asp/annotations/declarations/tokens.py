@@ -1,0 +1,138 @@
+"""Tokens of a declaration, and where a bracket that one of them opens is closed.
+
+Every search is bounded, so that the time stays linear whatever the text holds.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+_TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||[^\W\d]\w*|[$_]\w*|\d[\w.']*|\"[^\"]*\"|\S")
+_WORD = re.compile(r"[^\W\d]|[$_]")
+_OPENING = frozenset("([{")
+_CLOSING = frozenset(")]}")
+#: How many tokens the arguments of a template may have.
+_MOST_ARGUMENTS = 1000
+#: What may stand among the arguments of a template that is used in an expression.
+_OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'", "+"))
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """One token and the offset where it stands in the file."""
+
+    text: str
+    offset: int
+
+
+def tokenise(code: str, begin: int) -> list[Token]:
+    """Return the tokens of a stretch of code that begins at an offset of its file."""
+    return [Token(match[0], begin + match.start()) for match in _TOKEN.finditer(code)]
+
+
+def is_word(text: str) -> bool:
+    """Say whether a token is an identifier or a keyword."""
+    return _WORD.match(text) is not None
+
+
+def text_at(tokens: Sequence[Token], at: int) -> str:
+    """Return the text of a token, nothing behind the last one."""
+    return tokens[at].text if 0 <= at < len(tokens) else ""
+
+
+def texts(tokens: Sequence[Token]) -> list[str]:
+    """Return the texts of tokens."""
+    return [token.text for token in tokens]
+
+
+def joined(tokens: Sequence[Token]) -> str:
+    """Return tokens as one text, with blanks only where two words would run together."""
+    pieces: list[str] = []
+    for token in tokens:
+        if pieces and _is_wordlike(pieces[-1]) and _is_wordlike(token.text):
+            pieces.append(" ")
+        pieces.append(token.text)
+    return "".join(pieces)
+
+
+def _is_wordlike(text: str) -> bool:
+    return text[0].isalnum() or text[0] in "_$"
+
+
+def closing(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind the bracket that closes the one at `at`."""
+    depth = 0
+    for index in range(at, len(tokens)):
+        text = tokens[index].text
+        depth += (text in _OPENING) - (text in _CLOSING)
+        if depth <= 0:
+            return index + 1
+    return len(tokens)
+
+
+def angle(tokens: Sequence[Token], at: int, expression: bool = False) -> int | None:
+    """Return the index behind the `>` that closes the `<` at `at`; `None` where none does.
+
+    In an expression `<` may also compare; there, what stands between must look like types.
+    """
+    depth, index = 0, at
+    while index < min(len(tokens), at + _MOST_ARGUMENTS):
+        text = tokens[index].text
+        if text in _OPENING:
+            index = closing(tokens, index)
+            continue
+        if text == ";" or text in _CLOSING:
+            return None
+        if expression and not (text in _OF_TYPES or is_word(text) or text[0].isdigit()):
+            return None
+        depth += (text == "<") - (text == ">")
+        index += 1
+        if not depth:
+            return index
+    return None
+
+
+def behind_angle(tokens: Sequence[Token], at: int) -> int:
+    """Return the index behind the arguments that open at `at`, or behind `at` where none do."""
+    end = angle(tokens, at)
+    return at + 1 if end is None else end
+
+
+def split(tokens: Sequence[Token], angles: bool = True) -> list[list[Token]]:
+    """Split at the commas outside of all brackets; `angles` says whether `<` opens one."""
+    groups: list[list[Token]] = [[]]
+    index, value, compares = 0, False, False
+    while index < len(tokens):
+        text = tokens[index].text
+        end = index + 1
+        if text == ",":
+            groups.append([])
+            value = compares = False
+            index = end
+            continue
+        if text in _OPENING:
+            end = closing(tokens, index)
+        elif text == "<" and angles and not compares:
+            found = angle(tokens, index, expression=value)
+            compares = found is None
+            end = end if found is None else found
+        value = value or text == "="
+        groups[-1] += tokens[index:end]
+        index = end
+    return [group for group in groups if group]
+
+
+def before(tokens: Sequence[Token], sign: str) -> Sequence[Token]:
+    """Return what stands before a sign that is outside of all brackets."""
+    index = 0
+    while index < len(tokens):
+        text = tokens[index].text
+        if text == sign:
+            return tokens[:index]
+        if text in _OPENING:
+            index = closing(tokens, index)
+        elif text == "<":
+            index = behind_angle(tokens, index)
+        else:
+            index += 1
+    return tokens
