@@ -5,7 +5,6 @@
 ...     print(topic.title)
 """
 
-import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -17,7 +16,9 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
+from mars_asp.solve import Resolution
 from mars_asp.source import Span, point
+from mars_asp.spelling import nearest
 from mars_asp.synthesis import Node
 from mars_asp.trace import Explainer, Trace
 
@@ -60,30 +61,30 @@ def explain(
     asked += [(_node_title(node, synthesis), clingo.parse_term(node.term)) for node in nodes]
     if not asked and subject is not None:
         asked = [_asked_atom(subject, project, analysis, synthesis)]
-    explainer = explainer_for(rulebook, facts, analysis, synthesis)
+    resolution = None if synthesis is None else synthesis.resolution
+    explainer = explainer_for(rulebook, facts, analysis, resolution)
     traces = explainer.why(dict.fromkeys(atom for _, atom in asked))
     topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
     return Explanation(subject, topics, analysis, synthesis)
 
 
 def explainer_for(
-    rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, synthesis: Synthesis | None
+    rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, resolution: Resolution | None
 ) -> Explainer:
-    """Return an explainer of one analysis and its resolution."""
+    """Return an explainer of one analysis and of what later stages chose on top of it."""
     given: dict[clingo.Symbol, Span] = {symbol_of(fact.atom): fact.span for fact in facts}
     control = analysis.grounding.control
-    if synthesis is None:
+    if resolution is None:
         return Explainer(rulebook, control, given)
-    taken = synthesis.resolution.taken
     derived = {
-        signature for rule in rulebook.rules if rule.stage == "resolve" for signature in rule.heads
+        signature for rule in rulebook.rules if rule.stage != "base" for signature in rule.heads
     }
     opened = {
         (name, arity)
         for name, arity in derived
         if any(not is_fact for _, is_fact in analysis.grounding.atoms(name, arity))
     }
-    return Explainer(rulebook, control, given, taken, opened)
+    return Explainer(rulebook, control, given, resolution.taken, opened)
 
 
 def symbol_of(atom: Atom) -> clingo.Symbol:
@@ -161,10 +162,10 @@ def _asked_atom(
         known = [*names, *(c.kind for c in analysis.consequences)]
         if synthesis is not None:
             known += [node.name for node in synthesis.specification.nodes]
-        near = difflib.get_close_matches(subject, known, 1)
+        near = nearest(subject, known)
         message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
         help_text = (
-            f"did you mean `{near[0]}`?" if near else "`--why-not ATOM` says what an atom lacks"
+            f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
         )
     raise MarsError(
         (

@@ -1,6 +1,5 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
@@ -23,6 +22,7 @@ from mars_asp.model import (
 )
 from mars_asp.modes import parse_mode
 from mars_asp.source import Span
+from mars_asp.spelling import nearest
 from mars_asp.walks import shortest_closed_walks
 
 MOST = 2**31 - 1
@@ -249,7 +249,7 @@ class _Compiler:
         places = {name.text: name.span for name in self.configuration.modules}
         for strangers, candidates in pools:
             for stranger in sorted(strangers):
-                for near in difflib.get_close_matches(stranger, candidates, 1, 0.75):
+                if near := nearest(stranger, candidates, 0.75):
                     span = places.get(stranger, self.configuration.span)
                     self.add(span, "resembles", stranger, near)
 

@@ -1,11 +1,11 @@
 """Delivery modes and frequencies as they are written in annotations and in `.mars` files."""
 
-import difflib
 import re
 from dataclasses import dataclass
 from decimal import Decimal
 
 from mars_asp.model import DELIVERY_MODES, MODE_ARGUMENTS, Mode
+from mars_asp.spelling import nearest
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
 _MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
@@ -61,9 +61,9 @@ def parse_mode(text: str) -> Mode | ModeProblem:
 
 
 def _expected(name: str) -> str:
-    near = difflib.get_close_matches(name, DELIVERY_MODES, 1)
+    near = nearest(name, DELIVERY_MODES)
     if near:
-        return f"did you mean `{near[0]}`?"
+        return f"did you mean `{near}`?"
     return f"write one of {', '.join(DELIVERY_MODES)}"
 
 

@@ -3,7 +3,7 @@
 What is inherited, emergent or in conflict is for `rules/physical.lp` to say.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -27,15 +27,18 @@ _ZERO, _GENERIC = Atom("zero"), Atom("generic")
 _MILLION = 1_000_000
 
 
-def frame_facts(configuration: Configuration, modules: Mapping[str, Module]) -> tuple[Fact, ...]:
+def frame_facts(
+    configuration: Configuration, modules: Mapping[str, Module], moved: Iterable[str] = ()
+) -> tuple[Fact, ...]:
     """Return how native functions of carriers show in the frames of those they carry.
 
-    Told of sensors, end-effectors and whatever is controlled; see `rules/vocabulary.lp` for
-    the predicates. The place of each fact is the mount of the module that it is about.
+    Told of sensors, end-effectors, whatever is controlled, and the modules `moved`; see
+    `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of the module
+    that it is about.
     """
     mounts, known, heirs = _scene(configuration, modules)
     robot = build_robot(mounts, known)
-    heirs = {name for name in heirs if name in robot.carrier}
+    heirs = {name for name in (*heirs, *moved) if name in robot.carrier}
     if not heirs or not any(robot.joints.values()):
         return ()
     rest = take_posture(robot)

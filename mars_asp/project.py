@@ -1,7 +1,7 @@
 """A configuration together with the sources that describe its modules."""
 
 import glob
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,8 +61,10 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     return Project(configuration, modules, diagnostics)
 
 
-def project_facts(project: Project) -> tuple[Fact, ...]:
+def project_facts(project: Project, moved: Iterable[str] = ()) -> tuple[Fact, ...]:
     """Return the facts of a project.
+
+    How carriers move a module is told of sensors, end-effectors, what is controlled, and `moved`.
 
     Raises:
         MarsError: numbers that do not fit.
@@ -72,7 +74,7 @@ def project_facts(project: Project) -> tuple[Fact, ...]:
         return facts
     from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
 
-    return facts + frame_facts(project.configuration, project.modules)
+    return facts + frame_facts(project.configuration, project.modules, moved)
 
 
 def has_mounts(project: Project) -> bool:

@@ -4,7 +4,6 @@ Comments `%! key: text` directly above a rule give it an `id`, a `because` (its 
 `{Variable}` holes) and a `help`; `%*! predicate(Arguments) ... *%` documents a predicate.
 """
 
-import difflib
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from clingo import ast
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.gate import gate_text
 from mars_asp.source import Span, point
+from mars_asp.spelling import nearest
 
 KEYS = ("id", "because", "help")
 #: What a rule pack from elsewhere may derive besides predicates of its own.
@@ -218,8 +218,8 @@ def _note_metadata(
 ) -> None:
     key, value = match[1], match[2].strip()
     if key not in KEYS:
-        near = difflib.get_close_matches(key, KEYS, 1)
-        help_text = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(KEYS)}"
+        near = nearest(key, KEYS)
+        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(KEYS)}"
         problems.append(
             Diagnostic(
                 "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
@@ -273,13 +273,13 @@ def _wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
     bound = _variables(rule.ast)
     for hole in rule.holes:
         if hole not in bound:
-            near = difflib.get_close_matches(hole, sorted(bound), 1)
+            near = nearest(hole, bound)
             yield Diagnostic(
                 "rule-metadata",
                 "error",
                 f"`{{{hole}}}` in the message of `{rule.id}` is no variable of the rule's body",
                 rule.span,
-                help=f"did you mean `{{{near[0]}}}`?" if near else None,
+                help=f"did you mean `{{{near}}}`?" if near else None,
             )
 
 

@@ -1,6 +1,5 @@
 """Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
 
-import difflib
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -11,6 +10,7 @@ from typing import Any
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import GRASP, MOTION_FUNCTIONS
 from mars_asp.source import Span, point
+from mars_asp.spelling import nearest
 
 _NUMBER: tuple[type, ...] = (int, float)
 #: The keys of each table and the types of their values; `docs/scenarios.md` says what they mean.
@@ -190,8 +190,8 @@ class _Check:
         for key, value in table.items():
             span = self.find(key, under)
             if key not in known:
-                near = difflib.get_close_matches(key, known, 1)
-                hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(known)}"
+                near = nearest(key, known)
+                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(known)}"
                 yield _problem(span, f"`{key}` is no key here", hint)
             elif not isinstance(value, known[key]) or (
                 isinstance(value, bool) and bool not in known[key]
@@ -200,8 +200,8 @@ class _Check:
                 yield _problem(span, f"`{key}` is no {words}")
             elif (schema, key) in CHOICES and value not in CHOICES[schema, key]:
                 choices = CHOICES[schema, key]
-                near = difflib.get_close_matches(str(value), choices, 1)
-                hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(choices)}"
+                near = nearest(str(value), choices)
+                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
                 yield _problem(span, f"`{value}` is no `{key}`", hint)
             elif key in ("duration", "period", "radius", "beams", "rays", "reach") and (
                 isinstance(value, int | float) and not 0 < value < 1e9

@@ -5,7 +5,6 @@ returns the exit status and raises `MarsError` for what is wrong with the input.
 """
 
 import argparse
-import difflib
 import importlib
 import os
 import sys
@@ -13,6 +12,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from mars_asp import __version__
+from mars_asp.spelling import nearest
 
 VERBS = {
     "check": "parse, extract and analyse; print diagnostics only",
@@ -21,6 +21,7 @@ VERBS = {
     "synthesise": "the minimal specification that resolves them",
     "explain": "why each consequence and node is there, down to lines",
     "run": "execute a specification on the simulator and judge the run",
+    "can": "is the robot able to do something, or several things at one time",
     "verify": "does a specification realise a configuration, and is it minimal",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "export": "write the mount tree as `urdf`",
@@ -80,8 +81,8 @@ def _no_verb(words: Sequence[str]) -> int:
     parser.add_argument("verb", metavar="VERB", help="see below; `mars-asp VERB --help` for each")
     parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=argparse.SUPPRESS)
     verb = parser.parse_args(list(words)).verb
-    near = difflib.get_close_matches(verb, [*VERBS, *ALIASES], 1)
-    hint = f"did you mean `{near[0]}`?" if near else f"one of {', '.join(VERBS)}"
+    near = nearest(verb, (*VERBS, *ALIASES))
+    hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
     parser.error(f"there is no verb `{verb}`: {hint}")
 
 

@@ -8,6 +8,7 @@ from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
 from mars_asp.source import point
+from mars_asp.spelling import nearest
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -42,10 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _show(rulebook: Rulebook, name: str) -> None:
     rule = rulebook.by_id.get(name)
     if rule is None:
-        import difflib
-
-        near = difflib.get_close_matches(name, rulebook.by_id, 1)
-        hint = f"did you mean `{near[0]}`?" if near else "`mars-asp rules list` names them all"
+        near = nearest(name, rulebook.by_id)
+        hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
         where = point("rules", 1, 1)
         raise MarsError(
             (Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),)

@@ -1,12 +1,12 @@
 """What a statement that does not parse was expected to be."""
 
-import difflib
 import re
 
 from lark import UnexpectedInput
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
+from mars_asp.spelling import nearest
 
 KEYWORDS = (
     "@configuration",
@@ -79,9 +79,9 @@ def _hint(piece: str, found: str) -> str | None:
         vocabulary = (*KEYWORDS, *_WORDS) if word == found else KEYWORDS
         if word in vocabulary or len(word) < 3:
             continue
-        near = difflib.get_close_matches(word.lower(), vocabulary, 1, 0.75)
+        near = nearest(word.lower(), vocabulary, 0.75)
         if near:
-            return f"did you mean `{near[0]}`?"
+            return f"did you mean `{near}`?"
     if not piece.lstrip().startswith("@") and not any(word in words for word in KEYWORDS):
         return "a line relates modules by `is_mounted_on`, `is_controlled_by` or `uses_data_from`"
     return None

@@ -1,0 +1,66 @@
+"""Say whether a robot can do something, or several things at one time, and why."""
+
+import argparse
+import json
+import linecache
+import sys
+
+from mars_asp.capability import QUERY, Answer, capability
+from mars_asp.cli.reason import add_file, read_project, rulebook_for
+from mars_asp.cli.report import colours
+from mars_asp.cli.style import paint
+from mars_asp.source import Span
+from mars_asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.visible import visible
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    add_file(parser)
+    parser.add_argument(
+        "query", metavar="QUERY", help='such as "Rotn_Y of Camera while Trans_Z of Platform"'
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the answer; 1 where it is no."""
+    project = read_project(arguments)
+    answer = capability(project, rulebook_for(arguments, ("can",)), arguments.query)
+    if arguments.format == "json":
+        demands = [
+            {
+                "function": v.demand.function,
+                "module": v.demand.module,
+                "can": v.able,
+                "missing": list(v.missing),
+                "traces": [trace_json(trace) for trace in v.traces],
+            }
+            for v in answer.verdicts
+        ]
+        json.dump({"query": answer.query, "can": answer.able, "demands": demands}, sys.stdout)
+        print()
+    else:
+        _print_answer(answer, colours(arguments, sys.stdout))
+    return int(not answer.able)
+
+
+def _print_answer(answer: Answer, coloured: bool) -> None:
+    def line_at(span: Span) -> str:
+        if span.path == QUERY:
+            return answer.query
+        return linecache.getline(span.path, span.line).strip()
+
+    print(paint("yes" if answer.able else "no", "strong", coloured))
+    topics = [
+        (f"{v.demand.function} of {v.demand.module}: {'yes' if v.able else 'no'}", trace)
+        for v in answer.verdicts
+        for trace in v.traces
+    ]
+    for line in traces_text(topics, line_at, DEPTH):
+        title = not line.startswith(" ")
+        if title:
+            print()
+        print(paint(visible(line), "strong", coloured and title))
+    missing = dict.fromkeys(text for verdict in answer.verdicts for text in verdict.missing)
+    for index, text in enumerate(missing):
+        print(("" if index else "\n") + visible(f"help: {text}"))
