@@ -2,27 +2,17 @@
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 from mars_asp.execute.link import Link, Message
-from mars_asp.execute.schedule import DATA, Schedule, last_tick, tick_time
+from mars_asp.execute.schedule import Schedule
 from mars_asp.model import Mode
 
 WHEN_READY, AT_FREQUENCY, ON_REQUEST = "NotifyWhenReady", "NotifyAtFrequency", "RequestWhenReady"
 
 
-class Port(Protocol):
-    """Where messages enter a link."""
-
-    def offer(self, message: Message) -> None:
-        """Take a message; send it now, later or never."""
-
-
-class Forward:
-    """Sends each message."""
-
-    def __init__(self, link: Link) -> None:
-        self.offer = link.send
+#: Where messages enter a link: takes one, to send it now, later or never.
+Offer: TypeAlias = Callable[[Message], None]
 
 
 class Condition:
@@ -42,45 +32,33 @@ class Condition:
             self.link.send(message)
 
 
-class Lower:
-    """Lowers a rate exactly: the first message at or behind each deadline of the lower rate.
+class Grid:
+    """Sends the latest message at each deadline of a rate, also one that came in that instant.
 
-    A least gap between messages would make 8.3 of 25 -> 10 Hz; deadlines make 10.
+    With `again` a message that was sent before is repeated and counted as stale. A least gap
+    between messages would make 8.3 of 25 -> 10 Hz; deadlines make 10.
     """
 
-    def __init__(self, link: Link, hz: Fraction, schedule: Schedule) -> None:
-        self.link, self.hz, self.schedule, self.due = link, hz, schedule, 0
-
-    def offer(self, message: Message) -> None:
-        """Send the first message behind a deadline."""
-        now = self.schedule.now
-        if now < self.due:
-            self.link.dropped["lowered"] += 1
-            return
-        self.due = tick_time(last_tick(now, self.hz) + 1, self.hz)
-        self.link.send(message)
-
-
-class Repeat:
-    """Sends the latest message at each tick; what was sent before is counted as stale."""
-
-    def __init__(self, link: Link, hz: Fraction, schedule: Schedule) -> None:
-        self.link, self.fresh = link, False
+    def __init__(
+        self, link: Link, hz: Fraction, schedule: Schedule, rank: int, *, again: bool
+    ) -> None:
+        self.link, self.again, self.fresh = link, again, False
         self.latest: Message | None = None
-        start_clock(schedule, hz, DATA, self.tick)
+        schedule.every(hz, rank, self.tick)
 
     def offer(self, message: Message) -> None:
-        """Keep a message for the next tick."""
+        """Keep a message for the next deadline."""
         if self.fresh:
             self.link.dropped["lowered"] += 1
         self.latest, self.fresh = message, True
 
     def tick(self) -> None:
-        """Send the latest message, if there is one."""
-        if self.latest is not None:
-            self.link.stale += not self.fresh
-            self.fresh = False
-            self.link.send(self.latest)
+        """Send the latest message, if there is one to send."""
+        if self.latest is None or not (self.fresh or self.again):
+            return
+        self.link.stale += not self.fresh
+        self.fresh = False
+        self.link.send(self.latest)
 
 
 class Keep:
@@ -120,48 +98,44 @@ class Poll:
     """Asks a source that answers requests at each tick."""
 
     def __init__(
-        self, link: Link, hz: Fraction, schedule: Schedule, upstream: Callable[[], None]
+        self,
+        link: Link,
+        hz: Fraction,
+        schedule: Schedule,
+        rank: int,
+        upstream: Callable[[], None],
     ) -> None:
         self.kept = Keep(link, upstream)
         link.request = None
         self.offer = self.kept.offer
-        start_clock(schedule, hz, DATA, self.kept.request)
+        schedule.every(hz, rank, self.kept.request)
 
 
-def open_port(
+def open_link(
     link: Link,
     asked: Mode,
     made: tuple[Mode, Fraction | None],
     schedule: Schedule,
+    rank: int,
     upstream: Callable[[], None] | None,
-) -> Port:
-    """Return the port that makes what is asked of `link` from a mode and rate (Hz) that is made."""
+) -> Offer:
+    """Return what takes messages made in a mode and at a rate (Hz), and sends as is asked.
+
+    `rank` is the schedule's for a clock at the link; `upstream` asks the source for a message.
+    """
     carried, rate = made
     if asked.name == ON_REQUEST:
-        return Keep(link, upstream if carried.name == ON_REQUEST else None)
+        return Keep(link, upstream if carried.name == ON_REQUEST else None).offer
     if asked.name == AT_FREQUENCY:
         hz = link.hz or rate
         if carried.name == ON_REQUEST and hz is not None and upstream is not None:
-            return Poll(link, hz, schedule, upstream)
-        if carried.name == AT_FREQUENCY or hz is None:
-            return Forward(link) if hz is None or hz == rate else Lower(link, hz, schedule)
-        return Repeat(link, hz, schedule)
+            return Poll(link, hz, schedule, rank, upstream).offer
+        if hz is None or (carried.name == AT_FREQUENCY and hz == rate):
+            return link.send
+        return Grid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer
     if asked.name == WHEN_READY or asked == carried:
-        return Forward(link)
-    return Condition(link, asked)
-
-
-def start_clock(schedule: Schedule, hz: Fraction, rank: int, action: Callable[[], object]) -> None:
-    """Run an action at every tick of a rate, from tick 0 on."""
-    count = 0
-
-    def tick() -> None:
-        nonlocal count
-        count += 1
-        schedule.at(tick_time(count, hz), rank, tick)
-        action()
-
-    schedule.at(0, rank, tick)
+        return link.send
+    return Condition(link, asked).offer
 
 
 def number_of(value: Any, field: str | None) -> float:

@@ -10,16 +10,14 @@ from mars_asp.execute.behaviour import Behaviour
 from mars_asp.execute.delivery import (
     AT_FREQUENCY,
     ON_REQUEST,
-    Forward,
-    Port,
-    open_port,
-    start_clock,
+    Offer,
+    open_link,
 )
 from mars_asp.execute.link import Link, Message, Observer
 from mars_asp.execute.modules import COMMAND_TIMEOUT, Algorithm, Effector, Sensor
 from mars_asp.execute.nodes import ControlSplitter, DataSplitter, DataTransformer, InheritanceNode
 from mars_asp.execute.plan import Plan
-from mars_asp.execute.schedule import CONTROL, DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.execute.schedule import DATA, MILLISECOND, SECOND, Schedule
 from mars_asp.model import Configuration, Module
 
 DEFAULT_PERIOD = 100 * MILLISECOND
@@ -47,13 +45,15 @@ class Executor:
         self.command_timeout, self.observe = command_timeout, observe
         self._refuse_incomplete()
         depth = max((self.plan.depth(name) for name in self.plan.names), default=0)
-        self.schedule = Schedule(max(depth, 1))
+        clocks = self._clock_ranks()
+        self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
+        self.schedule = Schedule(len(clocks), max(depth, 1))
         self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
         self.effectors: dict[str, Effector] = {}
         self.elements: dict[str, Any] = {}
         self._demands: dict[str, Callable[[], None]] = {}
         for link in self.plan.links:
-            link.clock, link.observe = self._now, observe
+            link.schedule, link.observe = self.schedule, observe
         # An arbiter is built before those it feeds: their timers then follow its own.
         for name in sorted(self.plan.names, key=self.plan.depth):
             self.elements[name] = self._build(name)
@@ -69,8 +69,24 @@ class Executor:
         """Run all events up to and including an instant (ns)."""
         self.schedule.step_until(time)
 
-    def _now(self) -> int:
-        return self.schedule.now
+    def _clock_ranks(self) -> list[tuple[int, bool]]:
+        """Return where clocks tick: by depth, a module's own before those of its outputs."""
+        plan = self.plan
+        ranks = {(plan.data_depth[name], False) for name in plan.names if self._clock(name)}
+        for link in plan.links:
+            if link.kind == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
+                ranks.add((plan.data_depth[link.source], True))
+        return sorted(ranks)
+
+    def _clock(self, name: str) -> Fraction | None:
+        """Return the rate in Hertz at which an algorithm or sink runs by its own clock, if so."""
+        mode, hz = self.plan.made(name)
+        if self.plan.kind(name) == "data_out" and mode.name == ON_REQUEST:
+            return None
+        behaviour = self.plan.behaviours.get(name)
+        if hz is None and behaviour is not None and behaviour.period is not None:
+            return Fraction(SECOND, behaviour.period)
+        return hz
 
     def _refuse_incomplete(self) -> None:
         """Report at once all that is unbound and all that could never run."""
@@ -131,21 +147,28 @@ class Executor:
         return ControlSplitter(plan.control_out[name])
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
-        mode, hz = self.plan.made(name)
-        if hz is None and behaviour.period is not None:
-            hz = Fraction(SECOND, behaviour.period)
-        on_request = kind == "data_out" and mode.name == ON_REQUEST
-        clocked = hz is not None and not on_request
-        rank = CONTROL if kind == "control_out" else DATA
-        algorithm = Algorithm(name, behaviour, rank, not clocked and not on_request, self.schedule)
+        hz = self._clock(name)
+        on_request = kind == "data_out" and self.plan.made(name)[0].name == ON_REQUEST
+        algorithm = Algorithm(
+            name,
+            behaviour,
+            self.schedule,
+            commands=kind == "control_out",
+            triggered=hz is None and not on_request,
+            pulls=any(
+                self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
+            ),
+        )
         self._demands[name] = algorithm.run
-        if clocked and hz is not None:
-            start_clock(self.schedule, hz, rank, algorithm.run)
+        if hz is not None:
+            own = self._ranks[self.plan.data_depth[name], False]
+            rank = self.schedule.control if algorithm.commands else own
+            self.schedule.every(hz, rank, algorithm.run)
         return algorithm
 
     def _arbiter(self, name: str) -> FlatArbitration | HierarchicalArbitration:
         plan = self.plan
-        rank, outputs = CONTROL + plan.depth(name), plan.control_out[name]
+        rank, outputs = self.schedule.control + plan.depth(name), plan.control_out[name]
         if plan.configuration.architecture == "flat":
             stated = plan.configuration.period_ms
             period = DEFAULT_PERIOD if stated is None else stated * MILLISECOND
@@ -165,22 +188,23 @@ class Executor:
     def _join(self, name: str) -> None:
         plan, element = self.plan, self.elements[name]
         for link in plan.data_out[name]:
-            element.ports.append(self._port(name, link))
+            element.offers.append(self._offer(name, link))
         if isinstance(element, Sensor | Algorithm):
             element.outputs += [*plan.data_out[name], *plan.control_out[name]]
         if isinstance(element, Algorithm):
-            element.ports += [Forward(link) for link in plan.control_out[name]]
+            element.offers += [link.send for link in plan.control_out[name]]
         for link in plan.data_in[name]:
             link.receive = self._data_receiver(element, link)
         for link in plan.control_in[name]:
             link.receive = self._control_receiver(element, link)
 
-    def _port(self, name: str, link: Link) -> Port:
+    def _offer(self, name: str, link: Link) -> Offer:
         made, asked = self.plan.made(name), self.plan.carried(link)[0]
         if self.plan.kind(name) == "data_transformer" and made[0].name != ON_REQUEST:
             # It hands on the service of its input unchanged: conditions were met before.
-            return Forward(link)
-        return open_port(link, asked, made, self.schedule, self._upstream(name))
+            return link.send
+        rank = self._ranks.get((self.plan.data_depth[name], True), DATA)
+        return open_link(link, asked, made, self.schedule, rank, self._upstream(name))
 
     def _upstream(self, name: str) -> Callable[[], None] | None:
         if name in self._demands:

@@ -4,8 +4,10 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from mars_asp.execute.schedule import Schedule
 from mars_asp.model import Mode
 
 
@@ -22,6 +24,11 @@ class Message(NamedTuple):
     until: int | None = None
     arrival: int | None = None
 
+
+#: Makes a message of a tuple of all its fields, at half the cost of calling the class.
+message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = partial(
+    tuple.__new__, Message
+)
 
 #: Told of every delivery, holding and fault: time, what happened, where, and with what.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
@@ -49,17 +56,16 @@ class Link:
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     faulty: bool = False
-    last: int | None = None
     oldest: int = 0
-    clock: Callable[[], int] = lambda: 0
+    schedule: Schedule = field(default_factory=Schedule)
     observe: Observer | None = None
 
     def send(self, message: Message) -> None:
         """Deliver at once."""
-        now = self.clock()
+        now = self.schedule.now
         self.delivered += 1
-        self.last = now
-        self.oldest = max(self.oldest, now - message.time)
+        if message[1] != now:
+            self.oldest = max(self.oldest, now - message[1])
         if self.observe is not None:
             self.observe(now, self.kind, f"{self.source} -> {self.client}", message.value)
         self.receive(message)
@@ -70,4 +76,4 @@ class Link:
         self.faulty = True
         if self.observe is not None:
             name = type(error).__name__
-            self.observe(self.clock(), "failed", f"{self.source} -> {self.client}", name)
+            self.observe(self.schedule.now, "failed", f"{self.source} -> {self.client}", name)

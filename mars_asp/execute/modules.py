@@ -5,9 +5,9 @@ from fractions import Fraction
 from typing import Any
 
 from mars_asp.execute.behaviour import Behaviour, single_command
-from mars_asp.execute.delivery import Port, start_clock
-from mars_asp.execute.link import Link, Message
-from mars_asp.execute.schedule import CONTROL, MILLISECOND, SECOND, SENSORS, Schedule
+from mars_asp.execute.delivery import Offer
+from mars_asp.execute.link import Link, Message, message_of
+from mars_asp.execute.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
 
 COMMAND_TIMEOUT = 500 * MILLISECOND
 
@@ -17,70 +17,99 @@ class Sensor:
 
     def __init__(self, name: str, behaviour: Behaviour, hz: Fraction | None, schedule: Schedule):
         self.name, self.behaviour, self.schedule = name, behaviour, schedule
-        self.ports: list[Port] = []
+        self.call = behaviour.call
+        self.offers: list[Offer] = []
         self.outputs: list[Link] = []
         if hz is None and behaviour.period is not None:
             hz = Fraction(SECOND, behaviour.period)
         self.clocked = hz is not None
         if hz is not None:
-            start_clock(schedule, hz, SENSORS, self.sample)
+            schedule.every(hz, SENSORS, self.sample)
 
     def sample(self) -> None:
         """Read the device and offer what it says to every output."""
-        emit(self.schedule, self.behaviour, (), SENSORS, accept=self.accept, outputs=self.outputs)
-
-    def accept(self, reading: Any, made: int) -> None:
-        """Offer a reading that was made at an instant (ns); none is nothing to deliver."""
+        try:
+            reading = self.call()
+        except Exception as error:  # a device's fault must not end the run
+            fail(self.outputs, error)
+            return
         if reading is None:
             return
-        message = Message(reading, made, self.name)
-        for port in self.ports:
-            port.offer(message)
+        made = self.schedule.now
+        message = message_of((reading, made, self.name, None, None))
+        if self.behaviour.delay:
+            due = made + self.behaviour.delay
+            self.schedule.at(due, SENSORS, lambda: offer_all(self.offers, message))
+        else:
+            for offer in self.offers:
+                offer(message)
 
 
 class Algorithm:
     """Computes with the latest of each input, once all have arrived.
 
     A data input that is pulled is asked when the module runs, and the run waits for the answer.
-    `rank` is the schedule's for data or for control; `triggered` says that inputs make it run.
+    `commands` says that its results are commands, `triggered` that inputs make it
+    run, `pulls` that some of them it has to ask for.
     """
 
     def __init__(
-        self, name: str, behaviour: Behaviour, rank: int, triggered: bool, schedule: Schedule
+        self,
+        name: str,
+        behaviour: Behaviour,
+        schedule: Schedule,
+        *,
+        commands: bool,
+        triggered: bool,
+        pulls: bool,
     ) -> None:
-        self.name, self.behaviour, self.rank = name, behaviour, rank
-        self.triggered, self.schedule = triggered, schedule
-        self.ports: list[Port] = []
+        self.name, self.behaviour, self.schedule = name, behaviour, schedule
+        self.call, self.commands, self.triggered = behaviour.call, commands, triggered
+        self.rank = schedule.control if commands else DATA
+        self.queue = schedule.queue(self.rank)
+        self.offers: list[Offer] = []
         self.outputs: list[Link] = []
-        self.latest: list[Message | None] = []
+        self.run = self.ask if pulls else self.compute
+        self.latest: list[Any] = []
+        self.unheard: set[int] = set()
         self.pulled: list[tuple[int, Link]] = []
         self.missing: set[int] = set()
         self.waiting = False
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
         """Return what takes the messages of one link; inputs keep the order of their links."""
-        index = len(self.latest)
-        self.latest.append(None)
+        index, latest, unheard = len(self.latest), self.latest, self.unheard
+        latest.append(None)
+        unheard.add(index)
         if pulled:
             self.pulled.append((index, link))
-        return lambda message: self.receive(index, message, pulled)
+            return lambda message: self.answer(index, message)
+        queue, run = self.queue, self.run
 
-    def receive(self, index: int, message: Message, pulled: bool) -> None:
-        """Keep a message; run on it where inputs trigger, or go on with a run that waited."""
-        self.latest[index] = message
+        def keep(message: Message) -> None:
+            latest[index] = message.value
+            if unheard:
+                unheard.discard(index)
+
+        def trigger(message: Message) -> None:
+            latest[index] = message.value
+            if unheard:
+                unheard.discard(index)
+            queue(run)
+
+        return trigger if self.triggered else keep
+
+    def answer(self, index: int, message: Message) -> None:
+        """Keep what was pulled; go on with the run that waited for it."""
+        self.latest[index] = message.value
+        self.unheard.discard(index)
         self.missing.discard(index)
-        if pulled:
-            if self.waiting and not self.missing:
-                self.waiting = False
-                self.schedule.soon(self.rank, self.compute)
-        elif self.triggered:
-            self.schedule.soon(self.rank, self.run)
+        if self.waiting and not self.missing:
+            self.waiting = False
+            self.queue(self.compute)
 
-    def run(self) -> None:
+    def ask(self) -> None:
         """Ask for what is pulled; compute when it is there."""
-        if not self.pulled:
-            self.compute()
-            return
         if self.waiting:
             return
         self.missing = {index for index, _ in self.pulled}
@@ -91,30 +120,25 @@ class Algorithm:
 
     def compute(self) -> None:
         """Call the behaviour and offer its result, unless it returns nothing."""
-        inputs = tuple(message.value for message in self.latest if message is not None)
-        if len(inputs) == len(self.latest):
-            emit(
-                self.schedule,
-                self.behaviour,
-                inputs,
-                self.rank,
-                accept=self.accept,
-                outputs=self.outputs,
-            )
-
-    def accept(self, result: Any, made: int) -> None:
-        """Offer a result to every output."""
+        if self.unheard:
+            return
+        try:
+            result = self.call(*self.latest)
+            if result is not None and self.commands:
+                result = single_command(result)
+        except Exception as error:  # a module's fault must not end the run
+            fail(self.outputs, error)
+            return
         if result is None:
             return
-        if self.rank == CONTROL:
-            try:
-                result = single_command(result)
-            except (TypeError, ValueError) as error:
-                fail(self.outputs, error)
-                return
-        message = Message(result, made, self.name)
-        for port in self.ports:
-            port.offer(message)
+        made = self.schedule.now
+        message = message_of((result, made, self.name, None, None))
+        if self.behaviour.delay:
+            due = made + self.behaviour.delay
+            self.schedule.at(due, self.rank, lambda: offer_all(self.offers, message))
+        else:
+            for offer in self.offers:
+                offer(message)
 
 
 class Effector:
@@ -122,7 +146,7 @@ class Effector:
 
     def __init__(self, name: str, behaviour: Behaviour, timeout: int, schedule: Schedule) -> None:
         self.name, self.behaviour, self.schedule = name, behaviour, schedule
-        self.timeout = timeout
+        self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
         self.message: Message | None = None
         self.inputs: list[Link] = []
         self.applied: list[tuple[int, str, dict[str, float]]] = []
@@ -136,7 +160,7 @@ class Effector:
     def receive(self, message: Message) -> None:
         """Take a command; it is applied when everything else of the instant is done."""
         self.message = message
-        self.schedule.soon(self.schedule.effectors, lambda: self.apply(message))
+        self.queue(lambda: self.apply(message))
         if message.value:
             due = self.schedule.now + self.timeout
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
@@ -160,26 +184,10 @@ class Effector:
             self.apply(self.message)
 
 
-def emit(
-    schedule: Schedule,
-    behaviour: Behaviour,
-    inputs: tuple[Any, ...],
-    rank: int,
-    *,
-    accept: Callable[[Any, int], None],
-    outputs: list[Link],
-) -> None:
-    """Call a behaviour; hand its result on after its delay; an exception drops the message."""
-    made = schedule.now
-    try:
-        result = behaviour.call(*inputs)
-    except Exception as error:  # a module's fault must not end the run
-        fail(outputs, error)
-        return
-    if behaviour.delay:
-        schedule.at(made + behaviour.delay, rank, lambda: accept(result, made))
-    else:
-        accept(result, made)
+def offer_all(offers: list[Offer], message: Message) -> None:
+    """Offer a message to every output."""
+    for offer in offers:
+        offer(message)
 
 
 def fail(links: list[Link], error: Exception) -> None:

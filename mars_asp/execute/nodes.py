@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from mars_asp.execute.delivery import Port
+from mars_asp.execute.delivery import Offer
 from mars_asp.execute.link import Link, Message
 from mars_asp.model import GRASP
 
@@ -15,12 +15,12 @@ class DataSplitter:
     """Copies each message to every output in the same instant, in the specification's order."""
 
     def __init__(self) -> None:
-        self.ports: list[Port] = []
+        self.offers: list[Offer] = []
 
     def receive(self, message: Message) -> None:
         """Offer a message to every output."""
-        for port in self.ports:
-            port.offer(message)
+        for offer in self.offers:
+            offer(message)
 
 
 class DataTransformer:
@@ -28,7 +28,7 @@ class DataTransformer:
 
     def __init__(self, convert: Callable[[Any], Any], outputs: list[Link]) -> None:
         self.convert, self.outputs = convert, outputs
-        self.ports: list[Port] = []
+        self.offers: list[Offer] = []
 
     def receive(self, message: Message) -> None:
         """Convert a message and hand it on."""
@@ -38,8 +38,8 @@ class DataTransformer:
             for link in self.outputs:
                 link.fail(error)
             return
-        for port in self.ports:
-            port.offer(message._replace(value=value))
+        for offer in self.offers:
+            offer(message._replace(value=value))
 
 
 class ControlSplitter:

@@ -49,6 +49,7 @@ class Plan:
             self._add(relationship)
         ends = (end for link in self.links for end in (link.source, link.client))
         self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
+        self.data_depth = self._data_depths()
 
     def _add(self, relationship: Mount | Control | Data) -> None:
         if isinstance(relationship, Mount):
@@ -68,6 +69,19 @@ class Plan:
         self.links.append(link)
         into[link.client].append(link)
         out[link.source].append(link)
+
+    def _data_depths(self) -> dict[str, int]:
+        """Return how many data links lie behind each module; on a cycle, those known to."""
+        left = {name: len(self.data_in[name]) for name in self.names}
+        depths = dict.fromkeys(self.names, 0)
+        ready = [name for name in self.names if not left[name]]
+        for name in ready:  # it grows
+            for link in self.data_out[name]:
+                depths[link.client] = max(depths[link.client], depths[name] + 1)
+                left[link.client] -= 1
+                if not left[link.client]:
+                    ready.append(link.client)
+        return depths
 
     def kind(self, name: str) -> str:
         """Return the kind of a node, or what a module is to the executor."""

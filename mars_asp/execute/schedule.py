@@ -1,13 +1,15 @@
-"""The event loop: integer nanoseconds, timers in a heap, deliveries of one instant in queues."""
+"""The event loop: integer nanoseconds, timers in a heap, events of one instant in queues."""
 
 import heapq
 from collections import deque
 from collections.abc import Callable
 from fractions import Fraction
+from typing import TypeAlias
 
 SECOND = 1_000_000_000
 MILLISECOND = 1_000_000
-SENSORS, DATA, CONTROL = 0, 1, 2
+SENSORS, DATA = 0, 1
+Action: TypeAlias = Callable[[], object]
 
 
 def tick_time(k: int, hz: Fraction) -> int:
@@ -25,21 +27,31 @@ def last_tick(time: int, hz: Fraction) -> int:
     return k
 
 
-class Schedule:
-    """Events by time, then by rank (sensors, data, control, arbiters, effectors), then sequence.
+class Clock:
+    """What runs at every tick of one rate, from tick 0 on; one timer for all of it."""
 
-    Arbiters have a rank for each depth of cascade, so that within one instant an inner one has
-    settled before the one it feeds decides. `arbiters` is how many of those ranks there are.
+    def __init__(self, hz: Fraction) -> None:
+        self.hz, self.ticks = hz, 0
+        self.actions: list[Action] = []
+
+
+class Schedule:
+    """Events by time, then by rank, then by sequence.
+
+    The ranks: sensors; data that arrives; the clocks of data modules and splitters, `clocks` ranks
+    of them, so that within one instant those nearer to a source tick first; control; arbiters, one
+    rank for each depth of cascade, so that an inner one has settled before the one it feeds
+    decides; effectors.
     """
 
-    def __init__(self, arbiters: int = 1) -> None:
+    def __init__(self, clocks: int = 1, arbiters: int = 1) -> None:
         self.now = 0
         self.events = 0
-        self.effectors = CONTROL + 1 + arbiters
-        self._queues: tuple[deque[Callable[[], object]], ...] = tuple(
-            deque() for _ in range(self.effectors + 1)
-        )
-        self._timers: list[tuple[int, int, int, Callable[[], object]]] = []
+        self.control = DATA + 1 + clocks
+        self.effectors = self.control + 1 + arbiters
+        self._queues: tuple[deque[Action], ...] = tuple(deque() for _ in range(self.effectors + 1))
+        self._timers: list[tuple[int, int, int, Action | Clock]] = []
+        self._clocks: dict[tuple[Fraction, int], Clock] = {}
         self._sequence = 0
         self._arrivals = 0
 
@@ -48,14 +60,26 @@ class Schedule:
         self._arrivals += 1
         return self._arrivals
 
-    def soon(self, rank: int, action: Callable[[], object]) -> None:
-        """Queue an event of this instant."""
-        self._queues[rank].append(action)
+    def queue(self, rank: int) -> Callable[[Action], None]:
+        """Return what queues an event of this instant."""
+        return self._queues[rank].append
 
-    def at(self, time: int, rank: int, action: Callable[[], object]) -> None:
+    def at(self, time: int, rank: int, action: Action) -> None:
         """Set a timer; a time that has passed means this instant."""
+        if time <= self.now:
+            self._queues[rank].append(action)
+            return
         self._sequence += 1
-        heapq.heappush(self._timers, (max(time, self.now), rank, self._sequence, action))
+        heapq.heappush(self._timers, (time, rank, self._sequence, action))
+
+    def every(self, hz: Fraction, rank: int, action: Action) -> None:
+        """Run an action at every tick of a rate in Hertz; to be said before the first event."""
+        clock = self._clocks.get((hz, rank))
+        if clock is None:
+            clock = self._clocks[hz, rank] = Clock(hz)
+            self._sequence += 1
+            heapq.heappush(self._timers, (0, rank, self._sequence, clock))
+        clock.actions.append(action)
 
     def step_until(self, time: int) -> None:
         """Run every event up to and including `time`; then it is `time`."""
@@ -63,20 +87,34 @@ class Schedule:
         self._settle()
         while timers and timers[0][0] <= time:
             self.now = timers[0][0]
+            while timers and timers[0][0] == self.now:
+                self._ring()
             self._settle()
         self.now = max(self.now, time)
 
+    def _ring(self) -> None:
+        """Queue what the first timer is for."""
+        _, rank, _, due = heapq.heappop(self._timers)
+        if isinstance(due, Clock):
+            self._queues[rank].extend(due.actions)
+            due.ticks += 1
+            self._sequence += 1
+            entry = (tick_time(due.ticks, due.hz), rank, self._sequence, due)
+            heapq.heappush(self._timers, entry)
+        else:
+            self._queues[rank].append(due)
+
     def _settle(self) -> None:
         """Run the events of this instant, the lowest rank first, until none is left."""
-        timers, queues = self._timers, self._queues
-        while True:
-            while timers and timers[0][0] <= self.now:
-                _, rank, _, action = heapq.heappop(timers)
-                queues[rank].append(action)
-            for queue in queues:
-                if queue:
-                    break
-            else:
-                return
-            self.events += 1
-            queue.popleft()()
+        done, rank = 0, 0
+        while rank < len(self._queues):
+            queue = self._queues[rank]
+            if not queue:
+                rank += 1
+                continue
+            take = queue.popleft
+            while queue:
+                take()()
+                done += 1
+            rank = 0
+        self.events += done
