@@ -4,12 +4,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from mars_asp.analysis import analyse
+from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.execute.arbitration import HierarchicalArbitration
 from mars_asp.execute.schedule import MILLISECOND, last_tick
+from mars_asp.explain import symbol_of
 from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.source import Span
+from mars_asp.source import Span, point
+from mars_asp.trace import Explainer, Trace
 from mars_asp.trial import Trial
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -26,16 +28,55 @@ ON_REQUEST = {
     "exclusive": "exclusive",
     "coverage": "coverage",
 }
+#: Where facts are that stand in no file.
+OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """A requirement, whether it held, and if not, why."""
+    """A requirement, whether it held, and if not, why: the consequences that say so."""
 
     name: str
-    holds: bool
-    message: str
+    violations: tuple[Consequence, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Say whether nothing violated it."""
+        return not self.violations
+
+    @property
+    def message(self) -> str:
+        """Return why it was violated, at most three times."""
+        more = " ..." if len(self.violations) > 3 else ""
+        return "; ".join(c.message for c in self.violations[:3]) + more
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Every requirement, those that always apply first, and what they were judged by."""
+
+    requirements: tuple[Requirement, ...]
+    analysis: Analysis
+    facts: tuple[Fact, ...]
+    rulebook: Rulebook
+
+    @property
+    def holds(self) -> bool:
+        """Say whether all requirements hold."""
+        return all(requirement.holds for requirement in self.requirements)
+
+    def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
+        """Return why each violation was found, down to lines of scenario and configuration.
+
+        What was observed has no line: rules put it in words.
+        """
+        told = [(symbol_of(fact.atom), fact.span) for fact in self.facts]
+        given = {symbol: span for symbol, span in told if span != OBSERVED}
+        explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
+        found = [c for requirement in self.requirements for c in requirement.violations]
+        traces = explainer.why(dict.fromkeys(c.atom for c in found))
+        return tuple((c, traces[c.atom]) for c in found)
 
 
 def run_rulebook() -> Rulebook:
@@ -45,79 +86,85 @@ def run_rulebook() -> Rulebook:
     return Rulebook(rules, tuple(("base", text) for stage, text in every.texts if stage == "run"))
 
 
-def judge(trial: Trial, rulebook: Rulebook | None = None) -> tuple[Requirement, ...]:
-    """Return every requirement with its verdict, those that always apply first."""
-    span = trial.scenario.span
-    facts = [Fact(atom, span) for atom in run_atoms(trial)]
-    return judge_facts(facts, tuple(_asked(trial)), rulebook or run_rulebook(), span)
+def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
+    """Return every requirement with its verdict."""
+    return judge_facts(
+        run_facts(trial), tuple(_asked(trial)), rulebook or run_rulebook(), trial.scenario.span
+    )
 
 
 def judge_facts(
     facts: Iterable[Fact], asked: Sequence[str], rulebook: Rulebook, span: Span
-) -> tuple[Requirement, ...]:
+) -> Judgement:
     """Judge facts of a run; `asked` are the requirements of the scenario."""
-    found = analyse(facts, rulebook, span).consequences
+    facts = tuple(facts)
+    analysis = analyse(facts, rulebook, span)
     named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
-    return tuple(
-        Requirement(name, not why, "; ".join(why[:3]) + (" ..." if len(why) > 3 else ""))
+    requirements = tuple(
+        Requirement(name, tuple(c for c in analysis.consequences if c.kind == kind))
         for name, kind in named.items()
-        for why in [[c.message for c in found if c.kind == kind]]
     )
+    return Judgement(requirements, analysis, facts, rulebook)
 
 
-def run_atoms(trial: Trial) -> Iterator[Atom]:
-    """Yield what `rules/run` is given about a run."""
+def run_facts(trial: Trial) -> Iterator[Fact]:
+    """Yield what `rules/run` is given about a run: what was stated, and what was observed."""
     yield from _services(trial)
     yield from _control(trial)
     yield from _limits(trial)
-    body, asked = trial.body, trial.scenario.requirements
-    yield from (_atom("asked", Atom(name)) for name in _asked(trial))
-    yield from (_atom("collided", round(at * 1000)) for at in body.contacts)
+    body, scenario = trial.body, trial.scenario
+    asked = scenario.requirements
+    for name in _asked(trial):
+        yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
+    yield from (_seen("collided", round(at * 1000)) for at in body.contacts)
+    for since, until, origin, command in trial.commands:
+        stretch = round(since * 1000), round(until * 1000)
+        yield from (_seen("obeyed", origin, function, *stretch) for function in command)
     if "clearance" in asked:
-        yield _atom("clearance", _whole(body.clearance * 1000), _whole(asked["clearance"] * 1000))
+        yield _seen("clearance", _whole(body.clearance * 1000), _whole(asked["clearance"] * 1000))
     if "reach" in asked and trial.reached is None:
-        within = asked["reach"].get("within", trial.scenario.duration)
-        yield _atom("never_reached", _whole(within * 1000))
+        within = asked["reach"].get("within", scenario.duration)
+        yield _seen("never_reached", _whole(within * 1000))
     for first, second in asked.get("exclusive", ()):
-        yield _atom("together", first, second, _whole(trial.together(first, second) * 1000))
+        yield _seen("together", first, second, _whole(trial.together(first, second) * 1000))
     if "coverage" in asked:
-        yield _atom("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
+        yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
 
 
 def _asked(trial: Trial) -> Iterator[str]:
     return (name for name, value in trial.scenario.requirements.items() if value is not False)
 
 
-def _services(trial: Trial) -> Iterator[Atom]:
+def _services(trial: Trial) -> Iterator[Fact]:
     plan = trial.executor.plan
     for number, link in enumerate(trial.executor.links):
         if link.kind != "data":
             continue
         mode, hz = plan.carried(link)
-        yield _atom("delivered", number, link.delivered)
+        yield _seen("delivered", number, link.delivered)
         if mode.name == "NotifyAtFrequency" and hz is not None:
             count = last_tick(trial.executor.schedule.now, hz) + 1
-            yield _atom("promised", number, link.source, link.client, count)
+            yield _fact(link.span, "promised", number, link.source, link.client, count)
 
 
-def _control(trial: Trial) -> Iterator[Atom]:
+def _control(trial: Trial) -> Iterator[Fact]:
     plan, now = trial.executor.plan, trial.executor.schedule.now
     for link in trial.executor.links:
         if link.kind == "control" and link.delivered and link.client in trial.executor.effectors:
-            yield _atom("commanded_by", link.client, link.source)
+            yield _fact(link.span, "commanded_by", link.client, link.source)
         if link.client in trial.executor.arbiters and link.kind == "control":
-            yield _atom("ranked", link.client, link.source, link.priority)
+            yield _fact(link.span, "ranked", link.client, link.source, link.priority)
     for name, arbiter in trial.executor.arbiters.items():
         if not isinstance(arbiter, HierarchicalArbitration):
             continue
         changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
         for (since, holder), (until, _) in pairwise(changes):
             if holder and until > since:
-                yield _atom("held", name, holder, since // MILLISECOND, until // MILLISECOND)
+                yield _seen("held", name, holder, since // MILLISECOND, until // MILLISECOND)
         for link in plan.control_in[name]:
             own = [(f.since, f.until) for f in arbiter.forces if f.controller == link.source]
             for since, until in _merged(own):
-                yield _atom(
+                yield _seen(
                     "in_force", name, link.source, since // MILLISECOND, until // MILLISECOND
                 )
 
@@ -133,16 +180,23 @@ def _merged(stretches: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     return joined
 
 
-def _limits(trial: Trial) -> Iterator[Atom]:
+def _limits(trial: Trial) -> Iterator[Fact]:
+    modules, robot = trial.executor.plan.modules, trial.scenario.robot["module"]
+    places = {(m.name, f.name): f.span for m in modules.values() for f in m.functions}
+    places |= {
+        (robot, function): trial.scenario.places[function]
+        for function in trial.scenario.robot.get("limits", ())
+    }
     for name, effector in trial.executor.effectors.items():
         peaks: dict[str, float] = {}
         for _, _, command in effector.applied:
             for function, rate in command.items():
                 peaks[function] = max(peaks.get(function, 0.0), abs(rate))
         for function, rate in peaks.items():
-            yield _atom("peak", name, function, _whole(rate * 1000))
+            yield _seen("peak", name, function, _whole(rate * 1000))
         for function, rate in trial.limits.get(name, {}).items():
-            yield _atom("limit", name, function, _whole(rate * 1000))
+            place = places.get((name, function), trial.scenario.span)
+            yield _fact(place, "limit", name, function, _whole(rate * 1000))
 
 
 def _whole(number: float) -> int:
@@ -150,5 +204,9 @@ def _whole(number: float) -> int:
     return int(max(-_MOST, min(_MOST, round(number) if abs(number) < _MOST else number)))
 
 
-def _atom(name: str, *arguments: Term) -> Atom:
-    return Atom(name, arguments)
+def _seen(name: str, *arguments: Term) -> Fact:
+    return _fact(OBSERVED, name, *arguments)
+
+
+def _fact(span: Span, name: str, *arguments: Term) -> Fact:
+    return Fact(Atom(name, arguments), span)

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from html import escape
 
-from mars_asp.execute.schedule import SECOND
 from mars_asp.trial import Trial
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666")
@@ -12,7 +11,7 @@ _SIZE, _LANE, _LEFT = 640.0, 22.0, 120.0
 
 def plot_run(trial: Trial) -> str:
     """Return an SVG; the same run gives the same bytes."""
-    spans = list(_spans(trial))
+    spans = [(since, until, origin) for since, until, origin, _ in trial.commands if origin]
     names = sorted({name for _, _, name in spans})
     colours = {name: _COLOURS[k % len(_COLOURS)] for k, name in enumerate(names)}
     height = _SIZE + 30 + _LANE * len(names) + 20
@@ -25,16 +24,6 @@ def plot_run(trial: Trial) -> str:
         "</svg>",
     ]
     return "\n".join(parts) + "\n"
-
-
-def _spans(trial: Trial) -> Iterator[tuple[float, float, str]]:
-    """Yield stretches (from, to, module) in which a module's command was in force."""
-    effector = trial.executor.effectors.get(trial.scenario.robot["module"])
-    applied = effector.applied if effector else []
-    ends = [at for at, _, _ in applied[1:]] + [trial.executor.schedule.now]
-    for (since, origin, _), until in zip(applied, ends, strict=True):
-        if origin:
-            yield since / SECOND, until / SECOND, origin
 
 
 def _world(

@@ -95,7 +95,10 @@ _NESTED = ("world", "robot", "requirements")
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A checked scenario; tables are as in the file, lengths in mm, times in s unless said."""
+    """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
+
+    `places` says where requirements and the robot's limits stand.
+    """
 
     path: Path
     span: Span
@@ -109,6 +112,7 @@ class Scenario:
     bindings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     faults: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     requirements: Mapping[str, Any] = field(default_factory=dict)
+    places: Mapping[str, Span] = field(default_factory=dict)
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -138,10 +142,14 @@ def read_scenario(text: str, path: Path) -> Scenario:
         line, column = (int(place[1]), int(place[2])) if place else (1, 1)
         message = str(error).split(" (at")[0]
         raise MarsError([_problem(point(str(path), line, column), message)]) from None
-    problems = list(_Check(text, str(path)).scenario(tables))
+    check = _Check(text, str(path))
+    problems = list(check.scenario(tables))
     if problems:
         raise MarsError(problems)
-    return Scenario(path, point(str(path), 1, 1), **tables)
+    places = {key: check.find(key, ("requirements",)) for key in tables.get("requirements", ())}
+    limits = tables["robot"].get("limits", ())
+    places |= {function: check.find(function, ("robot",)) for function in limits}
+    return Scenario(path, point(str(path), 1, 1), **tables, places=places)
 
 
 def _problem(span: Span, message: str, help_text: str | None = None) -> Diagnostic:

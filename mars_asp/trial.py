@@ -53,7 +53,7 @@ class Trial:
     def control_time(self) -> dict[str, float]:
         """Return for how many seconds each module's command was in force at the robot."""
         times: defaultdict[str, float] = defaultdict(float)
-        for since, until, origin, _ in self._commands(self.scenario.robot["module"]):
+        for since, until, origin, _ in self.commands:
             if origin:
                 times[origin] += until - since
         return dict(sorted(times.items()))
@@ -62,12 +62,14 @@ class Trial:
         """Return for how many seconds two functions of the robot ran at once."""
         return sum(
             until - since
-            for since, until, _, command in self._commands(self.scenario.robot["module"])
+            for since, until, _, command in self.commands
             if command.get(first) and command.get(second)
         )
 
-    def _commands(self, module: str) -> Iterator[tuple[float, float, str, dict[str, float]]]:
-        effector = self.executor.effectors.get(module)
+    @property
+    def commands(self) -> Iterator[tuple[float, float, str, dict[str, float]]]:
+        """Yield from when (s) until when the robot obeyed which module, and its command."""
+        effector = self.executor.effectors.get(self.scenario.robot["module"])
         if effector is None:
             return
         end: tuple[int, str, dict[str, float]] = (self.executor.schedule.now, "", {})

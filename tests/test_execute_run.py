@@ -2,21 +2,19 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from mars_asp.atom import Atom, Fact, Term
 from mars_asp.cli import run_command
 from mars_asp.diagnostic import MarsError
-from mars_asp.judge import ALWAYS, ON_REQUEST, judge, judge_facts, run_rulebook
+from mars_asp.judge import ALWAYS, ON_REQUEST, judge
 from mars_asp.language import parse_text
 from mars_asp.plot import plot_run
 from mars_asp.rulebook import load_rulebook
 from mars_asp.scenario import read_scenario
+from mars_asp.trace import Derived, Given
 from mars_asp.trial import Trial, stage_trial
 from tests.documents import ROOT
-from tests.execute_builders import HERE
 
 LEVEL0 = ROOT / "examples" / "level0"
 BASE = 'duration = 3\n[robot]\nmodule = "P"\n'
@@ -32,7 +30,7 @@ def trial(text: str, specification: str = DRIVE, folder: Path = Path()) -> Trial
 
 
 def verdicts(made: Trial) -> dict[str, bool]:
-    return {verdict.name: verdict.holds for verdict in judge(made)}
+    return {verdict.name: verdict.holds for verdict in judge(made).requirements}
 
 
 def test_a_joystick_drives_a_platform() -> None:
@@ -72,49 +70,25 @@ def test_two_controllers_without_an_arbiter_are_reported_without_being_asked() -
     assert verdicts(made)["one controller at a time"] is False
 
 
-FACTS = {
-    "undelivered_service": [("promised", 1, "S", "C", 10), ("delivered", 1, 8)],
-    "priority_breach": [
-        ("ranked", "A", "L", 0),
-        ("ranked", "A", "H", 1),
-        ("held", "A", "L", 100, 200),
-        ("in_force", "A", "H", 150, 300),
-    ],
-}
-NEARLY = {
-    "undelivered_service": [("promised", 1, "S", "C", 10), ("delivered", 1, 9)],
-    "priority_breach": [
-        ("ranked", "A", "L", 0),
-        ("ranked", "A", "H", 1),
-        ("held", "A", "L", 100, 200),
-        ("in_force", "A", "H", 200, 300),
-    ],
-}
-
-
-def _judged(rows: list[tuple[Any, ...]]) -> dict[str, tuple[bool, str]]:
-    facts = [Fact(Atom(name, tuple(_term(x) for x in rest)), HERE) for name, *rest in rows]
-    return {v.name: (v.holds, v.message) for v in judge_facts(facts, (), run_rulebook(), HERE)}
-
-
-def _term(value: Any) -> Term:
-    assert isinstance(value, int | str)
-    return value
-
-
-@pytest.mark.parametrize("kind", FACTS)
-def test_rules_find_what_the_executor_should_never_do(kind: str) -> None:
-    name = next(name for name, value in ALWAYS.items() if value == kind)
-    holds, message = _judged(FACTS[kind])[name]
-    assert not holds
-    assert "`" in message
-    assert _judged(NEARLY[kind])[name] == (True, "")
-
-
-def test_an_overlap_is_found_whichever_began_first() -> None:
-    rows = [row for row in FACTS["priority_breach"] if row[0] != "in_force"]
-    found = _judged([*rows, ("in_force", "A", "H", 50, 101)])
-    assert found["priorities respected"][0] is False
+def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -> None:
+    text = f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}{WALL}[requirements]\nno_collision = true\n"
+    judgement = judge(trial(text, folder=tmp_path))
+    traces = {c.kind: trace for c, trace in judgement.traces()}
+    limit, collision = traces["limit_breach"], traces["collision"]
+    assert isinstance(limit, Derived)
+    assert isinstance(collision, Derived)
+    assert (
+        limit.message
+        == "`P` was commanded Trans_Z at 200000 thousandths a second, and 100000 is its limit"
+    )
+    assert [p.span.line for p in limit.premises if isinstance(p, Given) and p.span] == [4]
+    asked, contact = collision.premises[0], collision.premises[1]
+    assert isinstance(asked, Given)
+    assert asked.span is not None
+    assert text.splitlines()[asked.span.line - 1] == "no_collision = true"
+    assert isinstance(contact, Derived)
+    assert contact.message is not None
+    assert contact.message.startswith("the robot obeyed `C` in Trans_Z from 0 to ")
 
 
 def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
@@ -220,8 +194,16 @@ def test_a_violated_requirement_is_status_1(
     text = text.replace('"sources/', f'"{LEVEL0.as_posix()}/sources/')
     (tmp_path / "s.toml").write_text(text)
     words = ["run", str(LEVEL0 / "config.mars"), "--scenario", str(tmp_path / "s.toml")]
-    assert run_command([*words, "--duration", "1"]) == 1
-    assert "VIOLATED clearance" in capfd.readouterr().out
+    words += ["--duration", "1", "--explain"]
+    assert run_command(words) == 1
+    out = " ".join(capfd.readouterr().out.split())
+    assert "VIOLATED clearance" in out
+    assert "micrometres, and 3000000 were asked for [run/clearance]" in out
+    assert f"s.toml:{len(text.splitlines())}: clearance = 3000" in out
+    assert run_command([*words, "--format", "json"]) == 1
+    (trace,) = json.loads(capfd.readouterr().out)["traces"]
+    assert trace["rule"]["id"] == "run/clearance"
+    assert [premise["atom"] for premise in trace["premises"]][:1] == ["asked(clearance)"]
 
 
 def test_a_plot_names_who_held_control() -> None:

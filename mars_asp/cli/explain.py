@@ -57,7 +57,7 @@ def _depth(text: str) -> int | None:
 
 def _text(answer: Explanation, arguments: argparse.Namespace, coloured: bool) -> Iterator[str]:
     topics = [(topic.title, topic.trace) for topic in answer.topics]
-    for line in traces_text(topics, _line_at, arguments.depth):
+    for line in traces_text(topics, line_at, arguments.depth):
         title = not line.startswith(" ")
         if title:
             yield ""
@@ -83,5 +83,6 @@ def _summary(answer: Explanation) -> str:
     return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"
 
 
-def _line_at(span: Span) -> str:
+def line_at(span: Span) -> str:
+    """Return the line of a file where something stands."""
     return linecache.getline(span.path, span.line).strip()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from mars_asp.execute import Link
-    from mars_asp.judge import Requirement
+    from mars_asp.judge import Judgement
     from mars_asp.model import Configuration
     from mars_asp.project import Project
     from mars_asp.trial import Trial
@@ -33,6 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
     parser.add_argument("--duration", metavar="SECONDS", type=_positive, help="simulated time")
+    parser.add_argument(
+        "--explain", action="store_true", help="show why each requirement was violated"
+    )
     parser.add_argument("--plot", metavar="OUT.svg", help="draw the way and who held control")
     parser.add_argument("--record", metavar="OUT.jsonl", help="write every event, one a line")
 
@@ -41,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
     from mars_asp.judge import judge
     from mars_asp.scenario import load_scenario
+    from mars_asp.trace.text import trace_json
     from mars_asp.trial import stage_trial
 
     project = read_project(arguments)
@@ -57,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     observe = _recorder(record) if arguments.record else None
     trial = stage_trial(specification, project.modules, scenario, observe)
     _carry_out(trial, arguments)
-    verdicts = judge(trial)
+    judgement = judge(trial)
     if arguments.record:
         write_whole(arguments.record, "".join(f"{line}\n" for line in record))
     if arguments.plot:
@@ -65,10 +69,15 @@ def run(arguments: argparse.Namespace) -> int:
 
         write_whole(arguments.plot, plot_run(trial))
     if arguments.format == "json":
-        print(json.dumps(run_json(trial, verdicts)))
+        result = run_json(trial, judgement)
+        if arguments.explain:
+            result["traces"] = [trace_json(trace) for _, trace in judgement.traces()]
+        print(json.dumps(result))
     else:
-        _print_run(trial, verdicts, arguments)
-    return int(not all(verdict.holds for verdict in verdicts))
+        _print_run(trial, judgement, arguments)
+        if arguments.explain:
+            _explain(judgement)
+    return int(not judgement.holds)
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
@@ -131,14 +140,14 @@ def _line(trial: "Trial", wall: float) -> str:
     )
 
 
-def run_json(trial: "Trial", verdicts: "tuple[Requirement, ...]") -> dict[str, object]:
+def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
     body, executor = trial.body, trial.executor
     clearance = body.clearance
     return {
-        "verdict": "pass" if all(verdict.holds for verdict in verdicts) else "fail",
+        "verdict": "pass" if judgement.holds else "fail",
         "requirements": [
-            {"name": v.name, "holds": v.holds, "message": v.message} for v in verdicts
+            {"name": r.name, "holds": r.holds, "message": r.message} for r in judgement.requirements
         ],
         "seconds": trial.scenario.duration,
         "seed": trial.scenario.seed,
@@ -173,9 +182,7 @@ def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
     }
 
 
-def _print_run(
-    trial: "Trial", verdicts: "tuple[Requirement, ...]", arguments: argparse.Namespace
-) -> None:
+def _print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
     from rich.console import Console
     from rich.text import Text
 
@@ -184,9 +191,9 @@ def _print_run(
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)
-    for verdict in verdicts:
-        word = "holds   " if verdict.holds else "VIOLATED"
-        line = visible(f"{word} {verdict.name}  {verdict.message}".rstrip())
+    for requirement in judgement.requirements:
+        word = "holds   " if requirement.holds else "VIOLATED"
+        line = visible(f"{word} {requirement.name}  {requirement.message}".rstrip())
         console.print(Text(line), soft_wrap=True)
     body = trial.body
     console.print(
@@ -197,6 +204,14 @@ def _print_run(
         ),
         soft_wrap=True,
     )
+
+
+def _explain(judgement: "Judgement") -> None:
+    from mars_asp.cli.explain import line_at
+    from mars_asp.trace.text import traces_text
+
+    for line in traces_text([(c.kind, trace) for c, trace in judgement.traces()], line_at):
+        print(visible(line) if line.startswith(" ") else f"\n{visible(line)}")
 
 
 def _links(trial: "Trial") -> "Table":

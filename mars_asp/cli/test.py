@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from mars_asp.cli.reason import rulebook_for
-from mars_asp.rule_cases import find_cases, run_case
+from mars_asp.rule_cases import STAGES, find_cases, run_case
 from mars_asp.visible import visible
 
 
@@ -15,7 +15,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print what differs; 1 where a case failed or there was none."""
-    rulebook = rulebook_for(arguments)
+    rulebook = rulebook_for(arguments, STAGES)
     cases = find_cases(map(Path, arguments.paths))
     failed = 0
     for case in cases:

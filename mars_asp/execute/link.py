@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mars_asp.execute.schedule import Schedule
 from mars_asp.model import Mode
+from mars_asp.source import Span
 
 
 class Message(NamedTuple):
@@ -45,6 +46,7 @@ class Link:
     kind: Literal["data", "control"]
     source: str
     client: str
+    span: Span
     mode: Mode | None = None
     hz: Fraction | None = None
     priority: int = 0

@@ -57,11 +57,13 @@ class Plan:
             return
         if isinstance(relationship, Data):
             hz = None if relationship.hz is None else Fraction(relationship.hz)
-            link = Link("data", relationship.source, relationship.client, relationship.mode, hz)
+            ends = relationship.source, relationship.client
+            link = Link("data", *ends, relationship.span, relationship.mode, hz)
             into, out = self.data_in, self.data_out
         else:
             hold = relationship.hold_ms
-            link = Link("control", relationship.controller, relationship.controlled)
+            ends = relationship.controller, relationship.controlled
+            link = Link("control", *ends, relationship.span)
             link.priority = relationship.priority or 0
             link.hold = None if hold is None else hold * MILLISECOND
             link.allocation = relationship.allocation
