@@ -95,13 +95,17 @@ class Vertex:
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """An annotated or declared module; `span` starts at its `@module_start`."""
+    """An annotated or declared module.
+
+    `span` starts at its `@module_start`, `named` where its name stands.
+    """
 
     name: str
     span: Span
     services: tuple[Service, ...] = ()
     functions: tuple[Function, ...] = ()
     vertices: tuple[Vertex, ...] = ()
+    named: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)

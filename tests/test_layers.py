@@ -54,6 +54,8 @@ INNER = {
         "type_words",
         "types",
         "declarations",
+        "arguments",
+        "overrides",
         "services",
         "modules",
         "files",

@@ -6,35 +6,50 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from mars_asp.annotations.comments import CommentLine, Lexed
-from mars_asp.model import GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
+from mars_asp.model import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
 OVERRIDES = ("Output", "Input", "Signature")
 WORDS = (*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", *OVERRIDES)
 _LOWER = {word.lower(): word for word in WORDS}
-_DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w:(.])(?:[ \t]+|$)(.*)")
+#: A word, what is glued to it, and the rest of the line.
+_DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
+_REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
+_DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _MOST_MISSPELT = 20
 
 
 @dataclass(frozen=True, slots=True)
 class Directive:
-    """One annotation: `word` is ours, `written` as it stands; offsets are of `@` and of `rest`."""
+    """One annotation: `word` is ours, `written` as it stands.
+
+    `offset` is that of the `@`, `end` the one behind the annotation. `rest` is what stands behind
+    the word; `pieces` say where each of its lines begins, in `rest` and in the file.
+    """
 
     word: str
     written: str
     rest: str
     offset: int
-    rest_offset: int
     end: int
+    pieces: tuple[tuple[int, int], ...]
+
+    @property
+    def is_plainly_ours(self) -> bool:
+        """Whether no other use of comments writes such a line, however it is spelt."""
+        return "_" in self.word or _DELIVERY.match(self.rest) is not None
+
+    def place(self, index: int) -> int:
+        """Return the offset in the file of a character of `rest`."""
+        begin, offset = max(piece for piece in self.pieces if piece[0] <= index)
+        return offset + index - begin
 
 
 @dataclass(frozen=True, slots=True)
 class Misspelt:
-    """A word that is nearly ours, `meant`."""
+    """A word that is nearly ours; `corrected` is what it should be."""
 
     written: str
-    meant: str
-    offset: int
     corrected: Directive
 
 
@@ -49,28 +64,28 @@ def directives(source: Lexed) -> Iterator[Directive | Misspelt]:
         if match is None:
             continue
         word = _LOWER.get(match[1].lower())
-        if word is None:
-            meant = nearest(match[1])
-            if meant is not None:
-                end = comment.offset + len(comment.text)
-                rest = match[2].split(" -- ")[0].rstrip()
-                begin = comment.offset + match.start(2)
-                meant_one = Directive(meant, meant, rest, comment.offset, begin, end)
-                yield Misspelt(match[1], meant, comment.offset, meant_one)
+        meant = word or nearest(match[1])
+        if meant is None:
             continue
         # Pieces are joined once: a comment may go on for very many lines.
-        pieces, end = [match[2]], comment.offset + len(comment.text)
-        while _is_open(pieces[-1]) and _continues(source, comments, index):
-            pieces.append(comments[index].text)
-            end = comments[index].offset + len(comments[index].text)
+        lines = [(comment.offset + match.start(3), _REMARK.split(match[3], maxsplit=1)[0])]
+        end = comment.offset + len(comment.text)
+        while lines[-1][1].rstrip().endswith(",") and _continues(source, comments, index):
+            following = comments[index]
+            lines.append((following.offset, _REMARK.split(following.text, maxsplit=1)[0]))
+            end = following.offset + len(following.text)
             index += 1
-        rest = " ".join(pieces)
-        rest = re.split(r"(?:^|\s)--(?:\s|$)", rest, maxsplit=1)[0].rstrip()
-        yield Directive(word, match[1], rest, comment.offset, comment.offset + match.start(2), end)
-
-
-def _is_open(piece: str) -> bool:
-    return piece.split(" -- ", maxsplit=1)[0].rstrip().endswith(",")
+        pieces, length = [], 0
+        for offset, text in lines:
+            pieces.append((length, offset))
+            length += len(text.rstrip()) + 1
+        rest = " ".join(text.rstrip() for _, text in lines)
+        written = match[1] + match[2]
+        is_right = word is not None and not match[2]
+        directive = Directive(
+            meant, written if is_right else meant, rest, comment.offset, end, tuple(pieces)
+        )
+        yield directive if is_right else Misspelt(written, directive)
 
 
 def _continues(source: Lexed, comments: Sequence[CommentLine], index: int) -> bool:

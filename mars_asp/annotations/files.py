@@ -14,8 +14,12 @@ from mars_asp.model import Module
 from mars_asp.source import point
 
 MOST_BYTES = 256 * 1024 * 1024
-#: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16.
-_MARKS = re.compile(rb"(?i)@module_|@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
+#: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16. Words
+#: that other annotations use as well, such as `@Input`, make no file worth reading by themselves.
+_MARKS = re.compile(
+    rb"(?i:@module_|@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e)"
+    rb"|@(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-])"
+)
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
 
@@ -125,7 +129,7 @@ def _twice(modules: Iterable[Module]) -> Iterator[Diagnostic]:
                 "MARS121",
                 "error",
                 f"module `{module.name}` is annotated twice, first at {where.path}:{where.line}",
-                module.span,
+                module.named or module.span,
                 ((where, "first annotated here"),),
                 "give one of the two another name",
             )

@@ -2,24 +2,16 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from mars_asp.annotations.declarations import Declaration, Parameter
+from mars_asp.annotations.overrides import Overrides
 from mars_asp.annotations.type_words import ARITHMETIC, BUILTIN, NOT_INPUTS
 from mars_asp.annotations.types import representation
 
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Overrides:
-    """What `@Output` and `@Input` say, as written; `inputs` are for all, `named` for one each."""
-
-    output: str | None = None
-    inputs: tuple[str, ...] | None = None
-    named: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +45,12 @@ def read_signature(declaration: Declaration, overrides: Overrides, delivers: boo
                     "say what it delivers: `@Output TYPE`",
                 )
             )
-        elif output in BUILTIN and delivers:
-            remarks.append(_builtin(output or ""))
     inputs = tuple(_inputs(parameters, overrides))
+    builtin = [name for name in inputs if name in BUILTIN]
+    if delivers and overrides.output is None and output in BUILTIN:
+        builtin.insert(0, output)
+    if builtin:
+        remarks.append(_builtin(list(dict.fromkeys(builtin))))
     return Signature(output or None, inputs, tuple(remarks))
 
 
@@ -79,10 +74,11 @@ def _no_output(declaration: Declaration, parameters: Sequence[Parameter]) -> tup
     )
 
 
-def _builtin(name: str) -> tuple[str, str, str]:
+def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
+    listed = ", ".join(f"`{name}`" for name in names)
     return (
         "MARS207",
-        f"the built-in `{name}` is used as a representation",
+        f"built-in types are used as representations: {listed}",
         "a type of its own says more",
     )
 
@@ -103,5 +99,5 @@ def _inputs(parameters: Sequence[Parameter], overrides: Overrides) -> Iterator[s
         name = representation(written)
         if name is None:
             yield None
-        elif name and name.rsplit("::", 1)[-1] not in NOT_INPUTS:
+        elif name and name.partition("<")[0].rsplit("::", 1)[-1] not in NOT_INPUTS:
             yield name

@@ -85,6 +85,7 @@ class _Reader:
         self.skip_qualifiers()
         if self.peek().startswith('"'):
             return representation(self.take().strip('"'))
+        self.accept("::")
         if self.peek() == "[":
             return self.bracketed()
         if self.peek() == "(":
@@ -170,7 +171,7 @@ class _Reader:
                 arguments = self.arguments(">" if opening == "<" else "]")
             if self.peek() in ("::", ".", "/", "$") and self.peek(1):
                 self.take()
-                if self.peek() in POINTERS and not self.peek(1):
+                if self.peek() in POINTERS and self.peek(1) not in ("::", ".", "<"):
                     self.take()
                     break
                 if arguments is not None:
@@ -214,16 +215,18 @@ class _Reader:
         self.take()
         found: list[str | None] = []
         while self.peek() and self.peek() != closing:
-            if self.peek()[0].isdigit():
-                found.append(self.take())
-            elif self.peek() == "[":
+            if self.peek() == "[" and not self.is_array(closing):
+                # What a callable takes.
                 self.skip_group("[", "]")
                 found.append("")
             elif self.peek() == "...":
-                self.take()
+                found.append(self.take())
             elif self.peek() == "?":
                 self.take()
-                found.append(self.union() if self.accept("extends", "super") else None)
+                # What is above a type can be anything; what extends it is one.
+                above = self.peek() == "super"
+                bound = self.union() if self.accept("extends", "super") else None
+                found.append(None if above else bound)
             elif self.peek(1) == "=":
                 # Output=T of a Rust trait.
                 self.at += 2
@@ -231,21 +234,36 @@ class _Reader:
             elif self.peek()[0] in "'\"" and found:
                 self.take()
             else:
-                found.append(self.union())
-                if self.peek() == "(":
-                    self.skip_group("(", ")")
-                    found[-1] = "function"
-                if self.peek() == "=":
-                    self.take()
-                    found[-1] = self.union()
-            while self.peek() and self.peek() not in (",", closing):
-                if self.peek() in ("<", "(", "["):
-                    raise _UnreadableError
-                self.take()
+                found.append(self.argument(closing))
             self.accept(",")
         if not self.accept(closing):
             raise _UnreadableError
         return found
+
+    def is_array(self, closing: str) -> bool:
+        """Say whether a `[` among arguments begins an array of Rust or Go."""
+        return closing == ">" or (self.peek(1) == "]" and self.peek(2) not in (",", "]"))
+
+    def argument(self, closing: str) -> str | None:
+        """Read one argument: a type, a function's signature, or an expression as it stands."""
+        start, depth = self.at, self.depth
+        try:
+            found = self.union()
+            if self.peek() == "(":
+                self.skip_group("(", ")")
+                found = "function"
+            if self.accept("="):
+                found = self.union()
+        except _UnreadableError:
+            self.at = start
+        if self.at > start and self.peek() in (",", closing):
+            return found
+        self.at, self.depth = start, depth
+        brackets = 0
+        while self.peek() and (brackets or self.peek() not in (",", closing)):
+            token = self.take()
+            brackets += (token in "([{<") - (token in ")]}>")
+        return "".join(self.tokens[start : self.at])
 
     def skip_group(self, opening: str, closing: str) -> None:
         depth = 0
@@ -268,7 +286,10 @@ class _Reader:
             elif token == "+":
                 # Bounds of a Rust trait object say nothing about what it is.
                 self.take()
-                self.term()
+                if self.peek().startswith("'"):
+                    self.take()
+                else:
+                    self.term()
             elif token == "...":
                 self.take()
                 name = _sequence(name)
@@ -291,8 +312,7 @@ def _listed(arguments: list[str | None]) -> str:
 def _applied(words: list[str], arguments: list[str | None] | None) -> str | None:
     """Return a name with its arguments, wrappers seen through."""
     last = words[-1]
-    kept = [word for word in words[:-1] if word not in ROS_FOLDERS] + [last]
-    name = "::".join(kept)
+    name = "::".join([*(word for word in words[:-1] if word not in ROS_FOLDERS), last])
     first = arguments[0] if arguments else None
     if last in CALLBACKS and (arguments is not None or len(words) > 1 or last != "function"):
         return "function"
@@ -301,12 +321,10 @@ def _applied(words: list[str], arguments: list[str | None] | None) -> str | None
     if name in NOTHING:
         return ""
     if arguments is None:
-        if (
-            last in ("list", "tuple", "dict", "set", "List", "Dict", "Map", "Set")
-            and len(words) == 1
-        ):
-            return name
         return name
+    if last == "Union":
+        real = [argument for argument in arguments if argument != ""]
+        return None if len(real) > 1 else real[0] if real else ""
     if last == "Coroutine" and len(arguments) == 3:
         return arguments[2]
     if last in WRAPPERS or last in STREAMS:
@@ -315,7 +333,10 @@ def _applied(words: list[str], arguments: list[str | None] | None) -> str | None
         key, value = arguments[:2]
         return None if key is None or value is None else f"map<{key},{value}>"
     if last in {"tuple", "Tuple"}:
+        if arguments[1:] == ["..."]:
+            return _sequence(first)
         return None if None in arguments else f"({','.join(str(a) for a in arguments)})"
     if last in SEQUENCES:
         return _sequence(first)
-    return None if None in arguments else name + _listed(arguments)
+    kept = [argument for argument in arguments if argument != "..."]
+    return None if None in kept else name + _listed(kept)

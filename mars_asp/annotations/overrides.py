@@ -1,0 +1,91 @@
+"""`@Output` and `@Input`: what a declaration does not say, or says wrongly."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mars_asp.annotations.arguments import Wrong, parts
+from mars_asp.annotations.declarations import Declaration
+from mars_asp.annotations.directives import Directive
+from mars_asp.annotations.types import representation
+
+_ONE_INPUT = re.compile(r"([^\W\d]\w*)\s*:(?!:)\s*(.+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Overrides:
+    """What `@Output` and `@Input` say, as written; `inputs` are for all, `named` for one each."""
+
+    output: str | None = None
+    inputs: tuple[str, ...] | None = None
+    named: dict[str, str] = field(default_factory=dict)
+
+
+def read_overrides(
+    found: Sequence[Directive], declaration: Declaration
+) -> tuple[Overrides, list[tuple[Directive, Wrong]]]:
+    """Read the overrides of one declaration, and what is wrong with them."""
+    output: str | None = None
+    inputs: tuple[str, ...] | None = None
+    named: dict[str, str] = {}
+    wrong: list[tuple[Directive, Wrong]] = []
+    for directive in found:
+        text = directive.rest
+        single = _ONE_INPUT.fullmatch(text) if directive.word == "Input" else None
+        problem = None
+        if directive.word == "Output":
+            problem = _again("@Output") if output is not None else _unreadable(text, declaration)
+            output = output if problem else text
+        elif single is not None:
+            problem = _again("@Input") if inputs is not None or single[1] in named else None
+            problem = problem or _unknown_parameter(single, declaration)
+            problem = problem or _unreadable_part(single.start(2), single[2])
+            if problem is None:
+                named[single[1]] = single[2].strip()
+        elif directive.word == "Input":
+            pieces = list(parts(text))
+            problem = _again("@Input") if inputs is not None or named else None
+            for begin, piece in pieces:
+                problem = problem or _unreadable_part(begin, piece)
+            if problem is None:
+                inputs = tuple(piece.strip() for _, piece in pieces)
+        if problem is not None:
+            wrong.append((directive, problem))
+    return Overrides(output, inputs, named), wrong
+
+
+def _again(word: str) -> Wrong:
+    return Wrong("MARS210", f"`{word}` says again what is said already", "keep one of the two")
+
+
+def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong | None:
+    names = [parameter.name for parameter in declaration.parameters if parameter.name]
+    if single[1] in names:
+        return None
+    known = ", ".join(f"`{name}`" for name in names)
+    return Wrong(
+        "MARS209",
+        f"`{declaration.name}` has no parameter `{single[1]}`",
+        f"it has {known}" if known else "say all inputs: `@Input TYPE, TYPE`",
+        *single.span(1),
+    )
+
+
+def _unreadable(text: str, declaration: Declaration) -> Wrong | None:
+    if any(parameter.name == text for parameter in declaration.parameters):
+        return None
+    return _unreadable_part(0, text)
+
+
+def _unreadable_part(begin: int, text: str) -> Wrong | None:
+    written = text.strip()
+    if written == "none" or representation(written):
+        return None
+    at = begin + len(text) - len(text.lstrip())
+    return Wrong(
+        "MARS211",
+        f"`{written}` names no representation",
+        "write a type or `none`",
+        at,
+        at + len(written),
+    )
