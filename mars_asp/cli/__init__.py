@@ -25,6 +25,7 @@ VERBS = {
     "verify": "does a specification realise a configuration, and is it minimal",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "export": "write the mount tree as `urdf`",
+    "fmt": "canonical layout of `.mars` files, comments kept",
     "rules": "list, show or check the rule base",
     "test": "run rule cases: facts and expected answer sets",
 }

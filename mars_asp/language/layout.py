@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mars_asp.source import Span
 
-_COMMENT = re.compile(r"(?://|#)[^\n]*")
+COMMENT = re.compile(r"(?://|#)[^\n]*")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
 #: keeps this linear: of a run of blanks only the first is tried.
 _CONTINUED = re.compile(r"(?<=,)[ \t\n]++|(?<=[^ \t\n,])[ \t\n]++(?=[,(])")
@@ -50,6 +50,6 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
         for number in range(first - 1, last):
             lines[number] = " " * len(lines[number])
     blanked = "\n".join(lines)
-    blanked = _COMMENT.sub(lambda match: " " * len(match[0]), blanked)
+    blanked = COMMENT.sub(lambda match: " " * len(match[0]), blanked)
     joined = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), blanked)
     return Layout(path, text, joined + "\n", tuple(starts))

@@ -45,6 +45,16 @@ def parse_file(path: Path) -> Parsed:
         MarsError: the file cannot be read, or is not in the language.
     """
     shown = str(path)
+    return parse_text(decode(read_bytes(path), shown), shown)
+
+
+def read_bytes(path: Path) -> bytes:
+    """Read what a `.mars` file holds.
+
+    Raises:
+        MarsError: the file cannot be read.
+    """
+    shown = str(path)
     try:
         with path.open("rb") as file:
             raw = file.read(MOST_BYTES + 1)
@@ -52,7 +62,7 @@ def parse_file(path: Path) -> Parsed:
         raise MarsError((_unreadable(shown, error.strerror or "cannot be read"),)) from None
     if len(raw) > MOST_BYTES:
         raise MarsError((_unreadable(shown, f"is larger than {MOST_BYTES} bytes"),))
-    return parse_text(decode(raw, shown), shown)
+    return raw
 
 
 def decode(raw: bytes, shown: str) -> str:
@@ -76,13 +86,18 @@ def decode(raw: bytes, shown: str) -> str:
         raise MarsError((found,)) from None
 
 
+def plain_lines(text: str) -> str:
+    r"""Return a text without byte order mark and with `\n` for every line end."""
+    return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+
+
 def parse_text(text: str, path: str) -> Parsed:
     """Read the text of a `.mars` file; `path` is the name that places carry.
 
     Raises:
         MarsError: every syntax error of the text.
     """
-    text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    text = plain_lines(text)
     blocks = read_blocks(path, text)
     layout = lay_out(path, text, blocks.lines)
     problems = [d for d in blocks.diagnostics if d.severity == "error"]

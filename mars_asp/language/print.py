@@ -44,6 +44,18 @@ def print_number(number: Decimal) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
+    """Yield the lines of a list, broken behind parts; none begins with `@`, as a block does."""
+    line = head
+    for part in parts:
+        if len(line) + 1 + len(part) > WIDTH and line != head and not part.startswith("@"):
+            yield line
+            line = part
+        else:
+            line = f"{line} {part}"
+    yield line
+
+
 def _lines(configuration: Configuration) -> Iterator[str]:
     header = f"@{configuration.kind}"
     if configuration.stated:
@@ -52,26 +64,15 @@ def _lines(configuration: Configuration) -> Iterator[str]:
         header += f" period {configuration.period_ms}"
     yield header
     if configuration.sources:
-        yield f"@sources {', '.join(name.text for name in configuration.sources)}"
-    yield from _modules(name.text for name in configuration.modules)
+        paths = [name.text for name in configuration.sources]
+        yield from fill("@sources", [*(f"{path}," for path in paths[:-1]), *paths[-1:]])
+    names = [name.text for name in configuration.modules]
+    yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
     conversions = {c.transformer: c for c in configuration.conversions}
     for relationship in configuration.relationships:
         if isinstance(relationship, Data) and relationship.client in conversions:
             yield _conversion(conversions[relationship.client])
         yield print_relationship(relationship)
-
-
-def _modules(names: Iterable[str]) -> Iterator[str]:
-    line = "@modules"
-    parts = list(names)
-    for index, name in enumerate(parts):
-        word = name + ("," if index < len(parts) - 1 else "")
-        if len(line) + 1 + len(word) > WIDTH and line != "@modules":
-            yield line
-            line = word
-        else:
-            line = f"{line} {word}"
-    yield line
 
 
 def _conversion(conversion: Conversion) -> str:

@@ -1,0 +1,215 @@
+"""Canonical layout of a `.mars` text, with every comment where it stood.
+
+Works on the tokens of each statement and on the lines between them, so that what no grammar keeps
+(comments, blank lines, module blocks) stays. Layout is all it changes: words and numbers stay as
+they are written, and so does the order of lines.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+from mars_asp.annotations.blocks import read_blocks
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language.layout import COMMENT, Layout, lay_out
+from mars_asp.language.parse import parse_text, plain_lines
+from mars_asp.language.print import fill
+from mars_asp.source import Span, point
+
+_TOKEN = re.compile(r"[(),=]|[^\s(),=]+")
+_PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
+_WORD = re.compile(r"\S+")
+_LIST = re.compile(r"[ \t]*(@sources|@modules)")
+_VERBATIM = re.compile(r"\s*[\"']|\s--(?:\s|$)")
+
+Kind: TypeAlias = Literal["blank", "comment", "statement", "first", "block", "last"]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of output; those of a module block are `first`, `block` and `last`."""
+
+    kind: Kind
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A token of a statement: its text, and where it begins and ends in the file."""
+
+    text: str
+    begin: int
+    end: int
+
+
+def format_text(text: str, path: str) -> str:
+    r"""Return a text in canonical layout, with `\n` for every line end.
+
+    Raises:
+        MarsError: every syntax error of the text.
+    """
+    before = parse_text(text, path).configuration
+    text = plain_lines(text)
+    blocks = read_blocks(path, text).lines
+    lines = _Lines(lay_out(path, text, blocks), blocks)
+    formatted = "".join(f"{line}\n" for line in _spaced(list(lines.all())))
+    if meaning(parse_text(formatted, path).configuration) != meaning(before):
+        message = "formatting would change what this file means: a fault of ours, please report it"
+        raise MarsError((Diagnostic("format", "error", message, point(path, 1, 1)),))
+    return formatted
+
+
+def meaning(value: object) -> object:
+    """Return a value of the model without places and without how it was spelt."""
+    if isinstance(value, tuple):
+        return tuple(map(meaning, value))
+    if is_dataclass(value) and not isinstance(value, type):
+        kept = ((f.name, getattr(value, f.name)) for f in fields(value) if f.compare)
+        return tuple((name, meaning(part)) for name, part in kept if not isinstance(part, Span))
+    return value
+
+
+class _Lines:
+    """The lines of one text, statement by statement."""
+
+    def __init__(self, layout: Layout, blocks: Iterable[tuple[int, int]]) -> None:
+        self._layout = layout
+        self._kinds: dict[int, Kind] = {}
+        for first, last in blocks:
+            self._kinds |= dict.fromkeys(range(first, last + 1), "block")
+            self._kinds |= {first: "first", last: "last"}
+
+    def all(self) -> Iterator[Line]:
+        """Yield every line, blank ones as they stand."""
+        begin = 0
+        for piece in self._layout.grammatical.removesuffix("\n").split("\n"):
+            end = begin + len(piece)
+            if piece.strip():
+                yield from (Line("statement", text) for text in self._statement(begin, end))
+            else:
+                yield from self._between(begin, end)
+            begin = end + 1
+
+    def _between(self, begin: int, end: int) -> Iterator[Line]:
+        """Yield the lines of a stretch that holds no statement."""
+        number = self._layout.position(begin)[0]
+        for count, text in enumerate(self._layout.text[begin:end].split("\n")):
+            kind = self._kinds.get(number + count)
+            if kind is not None:
+                yield Line(kind, _block_line(text))
+            else:
+                yield Line("comment" if text.strip(" \t") else "blank", text.strip(" \t"))
+
+    def _statement(self, begin: int, end: int) -> Iterator[str]:
+        """Yield the lines of one statement.
+
+        One without comments inside is laid out anew; one with some keeps its line breaks, for a
+        comment belongs to what stands beside it.
+        """
+        tokens = self._tokens(begin, end)
+        gaps = [list(self._gap(a.end, b.begin)) for a, b in pairwise(tokens)]
+        (behind,) = self._gap(tokens[-1].end, end)
+        spaces = _spaces(tokens)
+        if not any(any(gap) for gap in gaps):
+            *lines, line = _filled(tokens, spaces)
+            yield from lines
+        else:
+            line = tokens[0].text
+            for token, gap, space in zip(tokens[1:], gaps, spaces, strict=True):
+                if len(gap) == 1:
+                    line += space + token.text
+                    continue
+                yield _behind(line, gap[0])
+                yield from filter(None, gap[1:])
+                line = token.text
+        yield _behind(line, behind)
+
+    def _tokens(self, begin: int, end: int) -> list[Token]:
+        text = self._layout.grammatical
+        head = _LIST.match(text, begin, end)
+        spans = [] if head is None else [head.span(1)]
+        names = _PATH if head is not None and head[1] == "@sources" else _TOKEN
+        rest = names.finditer(text, head.end() if head else begin, end)
+        spans += (match.span() for match in rest)
+        # A path may hold blanks, where the file may have a line end and even a comment.
+        return [Token(self._layout.text[begin:end], begin, end) for begin, end in spans]
+
+    def _gap(self, begin: int, end: int) -> Iterator[str]:
+        """Yield what stands between two tokens, line by line; the last line is the token's own."""
+        first, *lines = self._layout.text[begin:end].split("\n")
+        yield first.strip(" \t")
+        number = self._layout.position(begin)[0]
+        for count, text in enumerate(lines, 1):
+            inside = number + count in self._kinds
+            yield _block_line(text) if inside else text.strip(" \t")
+
+
+def _spaces(tokens: list[Token]) -> list[str]:
+    """Return what stands before each token but the first, where the line goes on.
+
+    A mode's arguments stand behind its name and have blanks between them; the slots of a tuple
+    have none.
+    """
+    mode = any(token.text == "uses_data_from" for token in tokens)
+    spaces: list[str] = []
+    inside = False
+    for before, token in pairwise(tokens):
+        inside = (inside or before.text == "(") and before.text != ")"
+        closed = token.text in (",", ")", "=") or before.text in ("(", "=")
+        opens_arguments = token.text == "(" and mode
+        in_tuple = inside and not mode
+        spaces.append("" if closed or opens_arguments or in_tuple else " ")
+    return spaces
+
+
+def _filled(tokens: list[Token], spaces: list[str]) -> Iterator[str]:
+    """Yield the lines of a statement; only those of a list of names or paths can be several."""
+    words = [token.text for token in tokens]
+    heads = 1 if words[0] in ("@modules", "@sources") else 2
+    listed = heads == 1 or words[1:2] == ["is_controlled_by"]
+    parts = [""]
+    for space, word in zip(["", *spaces], words, strict=True):
+        if listed and parts[-1].endswith(","):
+            parts.append(word)
+        else:
+            parts[-1] += space + word
+    head = " ".join(words[:heads])
+    if not listed:
+        return iter(parts)
+    return fill(head, [parts[0].removeprefix(head).lstrip(" "), *parts[1:]])
+
+
+def _behind(line: str, comment: str) -> str:
+    return f"{line}  {comment}" if comment else line
+
+
+def _block_line(text: str) -> str:
+    """Return a line of a module block: annotations are laid out, code keeps its indentation."""
+    text = text.rstrip(" \t")
+    if not text.lstrip(" \t").startswith("@"):
+        return text
+    comment = COMMENT.search(text)
+    code = text[: comment.start()] if comment else text
+    verbatim = _VERBATIM.search(code)
+    end = verbatim.start() if verbatim else len(code)
+    words = " ".join(_WORD.findall(code[:end])) + code[end:].rstrip(" \t")
+    return _behind(words, comment[0] if comment else "")
+
+
+def _spaced(lines: list[Line]) -> Iterator[str]:
+    """Yield lines with at most one blank between two, and one around each module block."""
+    shown: Line | None = None
+    blank = False
+    for line in lines:
+        if line.kind == "blank" or (line.kind == "block" and not line.text):
+            blank = True
+            continue
+        if shown is not None:
+            opens = line.kind == "first" and shown.kind != "comment"
+            inner = shown.kind == "first" or line.kind == "last"
+            if opens or shown.kind == "last" or (blank and not inner):
+                yield ""
+        yield line.text
+        shown, blank = line, False
