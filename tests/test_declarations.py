@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.annotations.comments import lex
+from mars_asp.annotations.comments import blanked
 from mars_asp.annotations.declarations import Declaration, NoFunction, read_declaration
 from tests.generated import GENERATORS
 from tests.oracle import Reading, ask, normalised
@@ -54,8 +54,7 @@ def written(language: str) -> list[str]:
 
 def ours(language: str, text: str) -> Reading | NoFunction | None:
     key = {"cpp": "c"}.get(language, language)
-    lexed = lex("a", key, text)
-    found = read_declaration(key, lexed.text, lexed.code, 0, len(lexed.code))
+    found = read_declaration(key, text, blanked(key, text))
     if not isinstance(found, Declaration):
         return found
     parameters = tuple((p.name, simple(p.type)) for p in found.parameters)

@@ -3,16 +3,22 @@
 import json
 import random
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from mars_asp.annotations.comments import LANGUAGES, lex
+from mars_asp.annotations.comments import tokens
 from mars_asp.annotations.files import extract
-from mars_asp.annotations.modules import read_modules
+from mars_asp.annotations.following import MOST_DECLARED
+from mars_asp.annotations.languages import LANGUAGES
+from mars_asp.annotations.modules import MOST_ERRORS, read_modules
+from mars_asp.annotations.skim import annotated_comments
+from mars_asp.annotations.sources import Source
 from mars_asp.annotations.types import representation
 from mars_asp.cli.extract import extraction_json
 from mars_asp.diagnostic import Diagnostic
+from mars_asp.model import Module
 
 FOLDER = Path(__file__).parent / "extraction"
 EXPECTED = json.loads((FOLDER / "expected.json").read_text(encoding="utf-8"))
@@ -129,16 +135,14 @@ def test_links_that_lead_in_circles_end(tmp_path: Path) -> None:
     assert [module.name for module in extract([tmp_path]).modules] == ["A"]
 
 
-@pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
-def test_any_text_is_read_or_refused(language: str) -> None:
-    """10,000 mutations of the cases, over all languages, raise nothing."""
-    rng = random.Random(language)
-    texts = [
-        path.read_bytes().decode("latin-1").replace("\r", "\n")
-        for path in sorted(FOLDER.glob("*.*"))
-        if LANGUAGES.get(path.suffix) is not None
-    ]
-    pieces = [
+CASES = [
+    path.read_bytes().decode("latin-1").replace("\r", "\n")
+    for path in sorted(FOLDER.glob("*.*"))
+    if path.suffix in LANGUAGES
+]
+PIECES = [
+    *(
+        "",
         '"',
         "'",
         "/*",
@@ -151,20 +155,122 @@ def test_any_text_is_read_or_refused(language: str) -> None:
         "{",
         "}",
         "[[",
-        'R"x(',
         "`",
         "\n",
         ",",
-    ]
-    for _ in range(1700):
-        text = rng.choice(texts)
+        "\\",
+        "%",
+        "#",
+    ),
+    *(
+        'R"x(',
+        ')x"',
+        'R"(',
+        '8R"',
+        'r#"',
+        '"#',
+        "'''",
+        '"""',
+        "1'0",
+        "'a",
+        "...",
+        "\\\n",
+        "%{\n",
+        "\n%}\n",
+    ),
+    *(
+        "#if 0\n",
+        "\n#else\n",
+        "\n#endif\n",
+        "@",
+        "@Sense",
+        "\u00e9",
+        "\u2014",
+        "\n// @Input A,\n// B\n",
+    ),
+    *("// @module_end\n", "# @Sense RequestWhenReady\n", "% @module_start\n", "@Output X\n"),
+]
+
+
+def mutated(language: str, count: int) -> Iterator[str]:
+    """Yield cases, their comments those of a language, with a few pieces put in and cut out."""
+    rng = random.Random(language)
+    marks = {"python": "#", "matlab": "%"}.get(language, "//")
+    for _ in range(count):
+        text = "".join(rng.choices(CASES, k=rng.randint(1, 2))).replace("//", marks)
         for _ in range(rng.randint(1, 4)):
             at = rng.randrange(len(text) + 1)
             length = rng.choice([0, 0, 1, 5])
-            text = text[:at] + rng.choice([*pieces, ""]) + text[at + length :]
-        modules, problems = read_modules(lex("a", language, text))
+            text = text[:at] + rng.choice(PIECES) + text[at + length :]
+        yield text
+
+
+@pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
+def test_any_text_is_read_or_refused(language: str) -> None:
+    """10,000 mutations of the cases, over all languages, raise nothing."""
+    for text in mutated(language, 1700):
+        modules, problems = read_modules(Source("a", language, text.encode()))
         assert all(module.name for module in modules)
         assert all(problem.span.line > 0 for problem in problems)
+
+
+@pytest.mark.parametrize("language", sorted(set(LANGUAGES.values())))
+def test_skimming_finds_the_comments_that_reading_every_token_finds(language: str) -> None:
+    """What passes over all but annotations agrees with what takes the text apart."""
+    word = re.compile(r"@module_(?:start|name|end)\b(?![:(.])")
+    for text in mutated(language, 300):
+        skimmed = [
+            text.encode()[begin:end].decode()
+            for begin, end in annotated_comments(language, text.encode())
+        ]
+        every = [
+            text[begin:end].lstrip(" \t")
+            for begin, end, kind in tokens(language, text)
+            if kind == "comment"
+        ]
+        assert list(filter(word.search, skimmed)) == list(filter(word.search, every))
+
+
+def only(tmp_path: Path, text: str) -> tuple[list[Module], list[Diagnostic]]:
+    path = tmp_path / "a.cpp"
+    path.write_text(text, encoding="utf-8")
+    found = extract([path])
+    return list(found.modules), list(found.diagnostics)
+
+
+@pytest.mark.parametrize("count", [3000, MOST_DECLARED // 10])
+def test_a_long_declaration_is_read_or_told(tmp_path: Path, count: int) -> None:
+    parameters = ", ".join(f"Map m{number:04}" for number in range(count))
+    modules, problems = only(tmp_path, LAYOUTS["line"].format(f=f"X f({parameters});\nX g();"))
+    if len(parameters) < MOST_DECLARED:
+        assert problems == []
+        assert len(modules[0].services[0].inputs) == count
+    else:
+        (problem,) = problems
+        assert (problem.code, problem.span.line, problem.severity) == ("MARS212", 4, "error")
+
+
+def test_code_far_behind_an_annotation_is_not_its_declaration(tmp_path: Path) -> None:
+    gap = "\n" * (MOST_DECLARED + 1)
+    _, (problem,) = only(tmp_path, LAYOUTS["line"].format(f=f"{gap}X f();"))
+    assert (problem.code, problem.span.line) == ("MARS201", 3)
+
+
+def test_a_file_full_of_errors_is_given_up(tmp_path: Path) -> None:
+    _, problems = only(tmp_path, "// @module_end\n" * 2 * MOST_ERRORS)
+    assert [problem.code for problem in problems] == ["MARS103"] * MOST_ERRORS + ["MARS119"]
+    assert problems[-1].span.line == MOST_ERRORS + 1
+
+
+def test_places_are_right_behind_wide_characters_and_wrapped_lines(tmp_path: Path) -> None:
+    text = (
+        "// \u2014 \U0001f916\n/* \u00e9 */ int x; // @module_start\n// @module_name A\n"
+        "// @Sense NotifyWhenReady,\n//   \u00e9 \nX f(); /* \u2014 */ // @module_end\n"
+    )
+    _, (problem,) = only(tmp_path, text)
+    assert (problem.code, problem.span.line, problem.span.column) == ("MARS111", 5, 6)
+    (module,), _ = only(tmp_path, text.replace("//   \u00e9", "//   RequestWhenReady"))
+    assert (module.span.line, module.span.column) == (2, 19)
 
 
 @pytest.mark.parametrize(
@@ -191,3 +297,9 @@ def test_a_wrong_cost_is_an_error_and_no_traceback(tmp_path: Path, cost: str) ->
     )
     path.write_text(text, encoding="utf-8")
     assert [problem.code for problem in extract([path]).diagnostics] == ["MARS115"]
+
+
+def test_a_sign_beyond_ascii_ends_a_word(tmp_path: Path) -> None:
+    text = LAYOUTS["line"].format(f="X f();").replace("Sense Request", "Sense\u2014Request")
+    _, (problem,) = only(tmp_path, text)
+    assert (problem.code, problem.span.line, problem.span.column) == ("MARS109", 3, 4)

@@ -49,11 +49,15 @@ LAYERS = [
 #: The layers of packages that are large enough to have some of their own.
 INNER = {
     "annotations": [
+        "languages",
+        "skim",
         "comments",
+        "sources",
         "directives",
         "type_words",
         "types",
         "declarations",
+        "following",
         "arguments",
         "overrides",
         "services",

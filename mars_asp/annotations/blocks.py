@@ -7,8 +7,6 @@ from mars_asp.diagnostic import Diagnostic
 from mars_asp.model import Module
 
 _START = re.compile(r"(?mi)^[ \t]*@module_start\b")
-_ANNOTATION = re.compile(r"(?m)^([ \t]*)(@[A-Za-z]\w*[^\n]*)$")
-_COMMENT = re.compile(r"(?://|#)[^\n]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +23,8 @@ def read_blocks(path: str, text: str) -> Blocks:
     if _START.search(text) is None:
         return Blocks((), (), ())
     # Only a file with blocks pays for the reading of declarations.
-    from mars_asp.annotations.comments import CommentLine, Lexed, lex  # noqa: PLC0415
     from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
+    from mars_asp.annotations.sources import Source  # noqa: PLC0415
 
     lines = _block_lines(text)
     kept = text.split("\n")
@@ -34,14 +32,8 @@ def read_blocks(path: str, text: str) -> Blocks:
     for number, line in enumerate(kept, 1):
         if number not in inside:
             kept[number - 1] = " " * len(line)
-    blocks = _COMMENT.sub(lambda match: " " * len(match[0]), "\n".join(kept))
-    annotations = tuple(
-        CommentLine(match.start(2), match[2].rstrip()) for match in _ANNOTATION.finditer(blocks)
-    )
-    code = _ANNOTATION.sub(lambda match: " " * len(match[0]), blocks)
-    plain = lex(path, "c", code)
-    source = Lexed(path, "c", text, plain.code, annotations, plain.starts)
-    modules, problems = read_modules(source)
+    data = "\n".join(kept).encode("utf-8", "replace")
+    modules, problems = read_modules(Source(path, "mars", data))
     return Blocks(modules, problems, lines)
 
 

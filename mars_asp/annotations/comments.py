@@ -1,13 +1,14 @@
-"""Comments of a source text, and its code with comments and strings blanked.
+"""Code of a stretch of a source with its comments and strings blanked.
 
 Every pattern is total: an alternative that could match an unterminated comment or string does match
-it, so lexing is linear whatever the file holds.
+it, so lexing is linear whatever the stretch holds.
 """
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import cache
+
+from mars_asp.annotations.skim import nested_end
 
 _BLOCK = r"/\*[\s\S]*?(?:\*/|\Z)"
 _LINE = r"//(?:\\\n|[^\n])*+"
@@ -16,8 +17,10 @@ _CHARACTER = r"'(?:\\.|[^'\\\n])*+'?"
 _NUMBER = r"(?<![\w])\d(?:'?\w)*+"
 _TRIPLE = r'"""(?:\\[\s\S]|(?!""")[\s\S])*+(?:"""|\Z)'
 _RAW = r'(?:u8|[uUL])?R"(?P<tag>[^()\\\s"]{0,16}+)\([\s\S]*?(?:\)(?P=tag)"|\Z)'
+_C = rf"(?P<comment>{_BLOCK}|{_LINE})|{_RAW}|{_STRING}|(?P<kept>{_NUMBER})|{_CHARACTER}"
 _PATTERNS = {
-    "c": rf"(?P<comment>{_BLOCK}|{_LINE})|{_RAW}|{_STRING}|{_NUMBER}|{_CHARACTER}",
+    "c": _C,
+    "mars": rf"(?P<blank>(?m:^)[ \t]*+@[A-Za-z](?:[^\n/#]|/(?!/))*+|\#[^\n]*+)|{_C}",
     "java": rf"(?P<comment>{_BLOCK}|{_LINE})|{_TRIPLE}|{_STRING}|{_CHARACTER}",
     "go": rf"(?P<comment>{_BLOCK}|{_LINE})|`[^`]*+`?|{_STRING}|{_CHARACTER}",
     "rust": (
@@ -30,156 +33,50 @@ _PATTERNS = {
         r"|'(?:\\[\s\S]|[^'\\\n])*+'?|" + _STRING
     ),
     "matlab": (
-        r"(?P<comment>(?m:^)[ \t]*+%\{[ \t]*+\n[\s\S]*?(?:\n[ \t]*+%\}[ \t]*+(?=\n|\Z)|\Z)"
-        r"|%[^\n]*+)|\.\.\.[^\n]*+|(?<=[\w)\]}.'])'|'(?:''|[^'\n])*+'?|\"(?:\"\"|[^\"\n])*+\"?"
+        r"(?P<comment>(?m:^)[ \t]*+%\{[ \t]*+(?=\n)[\s\S]*?(?:\n[ \t]*+%\}[ \t]*+(?=\n|\Z)|\Z)"
+        r"|%[^\n]*+)|(?P<blank>\.\.\.[^\n]*+)|(?P<kept>(?<=[\w)\]}.'])')|'(?:''|[^'\n])*+'?"
+        r"|\"(?:\"\"|[^\"\n])*+\"?"
     ),
 }
-_COMPILED = {language: re.compile(pattern) for language, pattern in _PATTERNS.items()}
-_LEADING = {
-    "c": re.compile(r"[ \t]*(?:/\*[*!]?|//[/!]?|\*(?!/))?[ \t]*"),
-    "python": re.compile(r"[ \t]*#*[ \t]*"),
-    "matlab": re.compile(r"[ \t]*%*\{?[ \t]*"),
-}
-LANGUAGES = {
-    **dict.fromkeys(
-        (".c", ".h", ".cc", ".cpp", ".cxx", ".c++", ".hh", ".hpp", ".hxx", ".h++"), "c"
-    ),
-    **dict.fromkeys((".ipp", ".inl", ".tpp", ".ino", ".cu", ".cuh"), "c"),
-    **dict.fromkeys((".py", ".pyi"), "python"),
-    ".java": "java",
-    ".rs": "rust",
-    ".go": "go",
-    ".m": "matlab",
-}
+_NEST = re.compile(r"(/\*)|\*/")
+_INK = re.compile(r"[^\n]")
 
 
-@dataclass(frozen=True, slots=True)
-class CommentLine:
-    """One line of a comment: the offset where its text begins behind the marks, and the text."""
-
-    offset: int
-    text: str
+@cache
+def _pattern(language: str) -> re.Pattern[str]:
+    return re.compile(_PATTERNS[language])
 
 
-@dataclass(frozen=True)
-class Lexed:
-    """A source: its text, its code (comments and strings blanked), its comment lines."""
+def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
+    """Yield each comment and string: where it begins and ends, and its kind.
 
-    path: str
-    language: str
-    text: str
-    code: str
-    comments: tuple[CommentLine, ...]
-    starts: tuple[int, ...]
-
-    def position(self, offset: int) -> tuple[int, int]:
-        """Return the line and column, from 1, of an offset."""
-        line = bisect_right(self.starts, offset)
-        return line, offset - self.starts[line - 1] + 1
-
-    def line(self, number: int) -> str:
-        """Return a line of the text."""
-        end = self.starts[number] if number < len(self.starts) else len(self.text)
-        return self.text[self.starts[number - 1] : end].rstrip("\n")
-
-
-def lex(path: str, language: str, text: str) -> Lexed:
-    r"""Split a text, whose lines end with `\n`, into code and comments."""
-    comments: list[CommentLine] = []
-    pieces: list[str] = []
-    last = 0
-    dead = tuple(_dead_stretches(text)) if language == "c" and "#if" in text else ()
-    for match in _matches(language, text):
-        begin, end = match
-        comment = text.startswith(_MARKS[language], begin) or _is_block(language, text, begin)
-        pieces.append(text[last:begin])
-        blank = re.sub(r"[^\n]", " ", text[begin:end])
-        if comment:
-            if not any(low <= begin < high for low, high in dead):
-                comments += _lines(language, text, begin, end)
-            pieces.append(blank)
-        elif text[begin].isdigit() or text[begin:end] == "'":
-            pieces.append(text[begin:end])
-        elif text[begin:end].startswith("..."):
-            pieces.append(blank)
-        else:
-            # A string stays visible as a string, whatever it holds.
-            pieces.append('"' + blank[1:-1] + '"' if end - begin > 1 else blank)
-        last = end
-    pieces.append(text[last:])
-    code = "".join(pieces)
-    for low, high in dead:
-        code = code[:low] + re.sub(r"[^\n]", " ", code[low:high]) + code[high:]
-    starts = (0, *(found.end() for found in re.finditer("\n", text)))
-    return Lexed(path, language, text, code, tuple(comments), starts)
-
-
-_MARKS = {
-    "c": ("//", "/*"),
-    "java": ("//", "/*"),
-    "go": ("//", "/*"),
-    "rust": ("//", "/*"),
-    "python": ("#",),
-    "matlab": ("%",),
-}
-
-
-def _is_block(language: str, text: str, begin: int) -> bool:
-    return language == "matlab" and text[begin] in " \t"
-
-
-def _matches(language: str, text: str) -> Iterator[tuple[int, int]]:
-    pattern = _COMPILED[language]
+    The kind is `comment`, `blank` for what is as little code as a comment, `kept` for what only
+    looks like a string, and `None`, `tag` or `hash` for a string.
+    """
+    search = _pattern(language).search
     at = 0
-    while match := pattern.search(text, at):
+    while match := search(text, at):
         begin, end = match.span()
         if language == "rust" and text.startswith("/*", begin):
-            end = _nested_end(text, begin)
-        yield begin, end
+            end = nested_end(_NEST.finditer(text, begin), len(text))
+        yield begin, end, match.lastgroup
         at = max(end, begin + 1)
 
 
-def _nested_end(text: str, begin: int) -> int:
-    """Return where a block comment of Rust, in which others nest, ends."""
-    depth = 0
-    for match in re.compile(r"/\*|\*/").finditer(text, begin):
-        depth += 1 if match[0] == "/*" else -1
-        if not depth:
-            return match.end()
-    return len(text)
+def blanked(language: str, text: str) -> str:
+    r"""Return a text, whose lines end with `\n`, with spaces for all comments and strings.
 
-
-def _lines(language: str, text: str, begin: int, end: int) -> Iterator[CommentLine]:
-    leading = _LEADING.get(language, _LEADING["c"])
-    at = begin
-    while at < end:
-        stop = text.find("\n", at, end)
-        stop = end if stop < 0 else stop
-        match = leading.match(text, at, stop)
-        first = match.end() if match else at
-        content = text[first:stop]
-        if content.rstrip().endswith("*/") and text.startswith("/*", begin):
-            content = content.rstrip().removesuffix("*/")
-        yield CommentLine(first, content.rstrip())
-        at = stop + 1
-
-
-def _dead_stretches(text: str) -> Iterator[tuple[int, int]]:
-    """Yield what stands between `#if 0` and its `#else`, `#elif` or `#endif`."""
-    directive = re.compile(r"(?m)^[ \t]*#[ \t]*(if|ifdef|ifndef|else|elif|endif)\b[ \t]*([^\n]*)")
-    depth, start = 0, -1
-    for match in directive.finditer(text):
-        word = match[1]
-        if start < 0:
-            if word == "if" and match[2].split("//")[0].strip() in ("0", "false"):
-                start, depth = match.end(), 1
+    A string stays visible as a string, `"   "`, whatever it holds. Nothing moves.
+    """
+    pieces: list[str] = []
+    last = 0
+    for begin, end, kind in tokens(language, text):
+        if kind == "kept" or text[begin:end] == "'":
             continue
-        if word.startswith("if"):
-            depth += 1
-        elif word == "endif":
-            depth -= 1
-        if not depth or (depth == 1 and word in ("else", "elif")):
-            yield start, match.start()
-            start, depth = -1, 0
-    if start >= 0:
-        yield start, len(text)
+        pieces.append(text[last:begin])
+        blank = _INK.sub(" ", text[begin:end])
+        string = kind not in ("comment", "blank") and end - begin > 1
+        pieces.append(f'"{blank[1:-1]}"' if string else blank)
+        last = end
+    pieces.append(text[last:])
+    return "".join(pieces)

@@ -1,11 +1,12 @@
 """Annotation lines: which of our words stands there, and what stands behind it."""
 
 import re
-from collections.abc import Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
-from mars_asp.annotations.comments import CommentLine, Lexed
+from mars_asp.annotations.sources import Source
 from mars_asp.model import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
@@ -17,14 +18,17 @@ _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
 _REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _MOST_MISSPELT = 20
+#: An annotation that is wrapped goes on for no longer, in characters.
+_MOST_WRAPPED = 16384
 
 
 @dataclass(frozen=True, slots=True)
 class Directive:
     """One annotation: `word` is ours, `written` as it stands.
 
-    `offset` is that of the `@`, `end` the one behind the annotation. `rest` is what stands behind
-    the word; `pieces` say where each of its lines begins, in `rest` and in the file.
+    `offset` is that of the `@`, `end` the one behind the annotation, `until` the one behind its
+    comment, from which code may stand. `rest` is what stands behind the word; `pieces` say where
+    each of its lines begins, in `rest` and in the file.
     """
 
     word: str
@@ -32,6 +36,7 @@ class Directive:
     rest: str
     offset: int
     end: int
+    until: int
     pieces: tuple[tuple[int, int], ...]
 
     @property
@@ -39,10 +44,10 @@ class Directive:
         """Whether no other use of comments writes such a line, however it is spelt."""
         return "_" in self.word or _DELIVERY.match(self.rest) is not None
 
-    def place(self, index: int) -> int:
-        """Return the offset in the file of a character of `rest`."""
-        begin, offset = max(piece for piece in self.pieces if piece[0] <= index)
-        return offset + index - begin
+    def place(self, source: Source, index: int) -> int:
+        """Return the offset in its file of a character of `rest`."""
+        begin, offset = self.pieces[bisect_left(self.pieces, (index + 1,)) - 1]
+        return source.within(offset, self.rest[begin:], index - begin)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,47 +58,42 @@ class Misspelt:
     corrected: Directive
 
 
-def directives(source: Lexed) -> Iterator[Directive | Misspelt]:
+def directives(source: Source) -> Iterator[Directive | Misspelt]:
     """Yield the annotations of a source in order, comma-wrapped ones joined."""
-    comments = source.comments
-    index = 0
-    while index < len(comments):
-        comment = comments[index]
-        index += 1
-        match = _DIRECTIVE.match(comment.text)
-        if match is None:
-            continue
-        word = _LOWER.get(match[1].lower())
-        meant = word or nearest(match[1])
-        if meant is None:
+    for line in source.annotations(_is_near):
+        match = _DIRECTIVE.match(line.text)
+        meant = match and (_LOWER.get(match[1].lower()) or nearest(match[1]))
+        if match is None or meant is None:
             continue
         # Pieces are joined once: a comment may go on for very many lines.
-        lines = [(comment.offset + match.start(3), _REMARK.split(match[3], maxsplit=1)[0])]
-        end = comment.offset + len(comment.text)
-        while lines[-1][1].rstrip().endswith(",") and _continues(source, comments, index):
-            following = comments[index]
-            lines.append((following.offset, _REMARK.split(following.text, maxsplit=1)[0]))
-            end = following.offset + len(following.text)
-            index += 1
-        pieces, length = [], 0
-        for offset, text in lines:
-            pieces.append((length, offset))
-            length += len(text.rstrip()) + 1
-        rest = " ".join(text.rstrip() for _, text in lines)
+        texts = [_REMARK.split(match[3], maxsplit=1)[0].rstrip()]
+        pieces = [(0, source.within(line.offset, line.text, match.start(3)))]
+        last, length = line, 0
+        while texts[-1].endswith(",") and length < _MOST_WRAPPED:
+            below = source.following(last)
+            if below is None:
+                break
+            length += len(texts[-1]) + 1
+            texts.append(_REMARK.split(below.text, maxsplit=1)[0].rstrip())
+            pieces.append((length, below.offset))
+            last = below
+        end = source.within(last.offset, last.text, len(last.text))
         written = match[1] + match[2]
-        is_right = word is not None and not match[2]
+        is_right = match[1].lower() in _LOWER and not match[2]
         directive = Directive(
-            meant, written if is_right else meant, rest, comment.offset, end, tuple(pieces)
+            meant,
+            written if is_right else meant,
+            " ".join(texts),
+            line.offset,
+            end,
+            last.until,
+            tuple(pieces),
         )
         yield directive if is_right else Misspelt(written, directive)
 
 
-def _continues(source: Lexed, comments: Sequence[CommentLine], index: int) -> bool:
-    """Say whether the next comment line stands on the next line and begins nothing of its own."""
-    if index >= len(comments) or comments[index].text.startswith("@"):
-        return False
-    line = source.position(comments[index - 1].offset)[0]
-    return source.position(comments[index].offset)[0] == line + 1
+def _is_near(word: str) -> bool:
+    return word.lower() in _LOWER or nearest(word) is not None
 
 
 @lru_cache(maxsize=1024)

@@ -1,5 +1,6 @@
 """Annotated files of a tree: found by a search over bytes, decoded, read."""
 
+import codecs
 import os
 import re
 import stat
@@ -7,8 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mars_asp.annotations.comments import LANGUAGES, lex
+from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
+from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.model import Module
 from mars_asp.source import point
@@ -16,10 +18,12 @@ from mars_asp.source import point
 MOST_BYTES = 256 * 1024 * 1024
 #: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16. Words
 #: that other annotations use as well, such as `@Input`, make no file worth reading by themselves.
-_MARKS = re.compile(
-    rb"(?i:@module_|@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e)"
-    rb"|@(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-])"
+_MARK = re.compile(
+    rb"@(?:[mM][oO][dD][uU][lL][eE]_"
+    rb"|(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-]))"
 )
+_MARK_16 = re.compile(rb"(?i)@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
+_PIECE = 1 << 20
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
 
@@ -88,31 +92,52 @@ def _read(path: Path, named: bool) -> tuple[tuple[Module, ...], tuple[Diagnostic
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
         return (), (_about(shown, "MARS300", "error", reason, "make it readable"),)
-    if _MARKS.search(raw) is None:
+    wide = b"\0" in raw
+    if _MARK.search(raw) is None and not (wide and _MARK_16.search(raw)):
         return (), ()
-    text, notes = _decode(raw, shown)
-    if text is None:
+    data, encoding, notes = _normalised(raw, shown, wide)
+    # Of a large file there is never more than one copy beside the one that is made.
+    del raw
+    if data is None:
         return (), notes
-    modules, problems = read_modules(lex(shown, language, text))
+    modules, problems = read_modules(Source(shown, language, data, encoding))
     return modules, (*notes, *problems)
 
 
-def _decode(raw: bytes, shown: str) -> tuple[str | None, tuple[Diagnostic, ...]]:
+def _normalised(
+    raw: bytes, shown: str, wide: bool
+) -> tuple[bytes | None, str, tuple[Diagnostic, ...]]:
+    """Return a file as UTF-8 or Latin-1 without byte order mark, its lines ended by LF."""
     notes: tuple[Diagnostic, ...] = ()
+    encoding = "utf-8"
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        text = raw.decode("utf-16", "replace")
+        raw = raw.decode("utf-16", "replace").encode()
         notes = (_about(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
-    elif b"\0" in raw:
+    elif wide:
         reason = "holds a NUL byte: it is binary and was skipped"
-        return None, (_about(shown, "MARS302", "warning", reason, "save it as UTF-8 text"),)
-    else:
-        try:
-            text = raw.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = raw.decode("latin-1")
-            reason = "is not UTF-8 and was read as Latin-1"
-            notes = (_about(shown, "MARS303", "note", reason, "save it as UTF-8"),)
-    return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"), notes
+        problem = _about(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
+        return None, encoding, (problem,)
+    elif not _is_utf8(raw):
+        encoding = "latin-1"
+        reason = "is not UTF-8 and was read as Latin-1"
+        notes = (_about(shown, "MARS303", "note", reason, "save it as UTF-8"),)
+    raw = raw.removeprefix(codecs.BOM_UTF8)
+    if b"\r" in raw:
+        raw = raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return raw, encoding, notes
+
+
+def _is_utf8(raw: bytes) -> bool:
+    """Decode piece by piece: a large file would need several times its size."""
+    if raw.isascii():
+        return True
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    try:
+        for at in range(0, len(raw), _PIECE):
+            decoder.decode(raw[at : at + _PIECE], at + _PIECE >= len(raw))
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:

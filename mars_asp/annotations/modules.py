@@ -1,6 +1,7 @@
 """The modules of one source, and everything that is wrong with its annotations."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 
 from mars_asp.annotations.arguments import (
@@ -12,23 +13,36 @@ from mars_asp.annotations.arguments import (
     read_delivery,
     read_vertex,
 )
-from mars_asp.annotations.comments import Lexed, lex
-from mars_asp.annotations.declarations import Declaration, NoFunction, read_declaration
+from mars_asp.annotations.declarations import Declaration, NoFunction
 from mars_asp.annotations.directives import BOUNDARIES, OVERRIDES, Directive, Misspelt, directives
+from mars_asp.annotations.following import (
+    MOST_DECLARED,
+    Endless,
+    Following,
+    following,
+    stated,
+)
 from mars_asp.annotations.overrides import Overrides, read_overrides
-from mars_asp.annotations.services import read_signature
+from mars_asp.annotations.services import Signature, read_signature
+from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.model import SERVICE_KINDS, Function, Module, Service, Vertex
 from mars_asp.source import Span
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+#: A file with so many errors is read no further; one declaration has at most so many annotations.
+MOST_ERRORS = 500
+MOST_ANNOTATIONS = 500
 _BEFORE = "put the annotation before its function, or say it in `@Signature DECLARATION`"
 
 
-def read_modules(source: Lexed) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
+def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
     """Return the modules of a source, those with errors included, and the errors."""
     reader = _Reader(source)
     for directive in directives(source):
+        if reader.errors >= MOST_ERRORS:
+            reader.give_up(directive)
+            break
         reader.read(directive)
     reader.finish()
     return tuple(reader.modules), tuple(reader.problems)
@@ -37,7 +51,7 @@ def read_modules(source: Lexed) -> tuple[tuple[Module, ...], tuple[Diagnostic, .
 class _Reader:
     """Walks over the annotations of one source."""
 
-    def __init__(self, source: Lexed) -> None:
+    def __init__(self, source: Source) -> None:
         self.source = source
         self.modules: list[Module] = []
         self.problems: list[Diagnostic] = []
@@ -48,9 +62,13 @@ class _Reader:
         self.excused = False
         self.services: list[Service] = []
         self.functions: dict[str, Function] = {}
+        self.moving: Directive | None = None
         self.vertices: dict[int, Vertex] = {}
         self.pending: list[tuple[Directive, Service | None]] = []
         self.overrides: list[Directive] = []
+        #: Behind the last annotation: where code may stand that belongs to what is pending.
+        self.until = 0
+        self.errors = 0
 
     def span(self, begin: int, end: int) -> Span:
         return Span(
@@ -66,11 +84,11 @@ class _Reader:
         help_text: str,
         severity: Severity = "error",
     ) -> None:
-        span = self.span(begin, end)
-        excerpt = self.source.line(span.line)[:400]
+        span, excerpt = self.span(begin, end), self.source.excerpt(begin)
         self.problems.append(
             Diagnostic(code, severity, message, span, help=help_text, excerpt=excerpt)
         )
+        self.errors += severity == "error"
 
     def note_word(self, code: str, directive: Directive, message: str, help_text: str) -> None:
         """Report an annotation at its `@`."""
@@ -80,7 +98,8 @@ class _Reader:
         """Report a part of what stands behind an annotation's word, or all of the annotation."""
         begin, end = directive.offset, directive.end
         if wrong.begin is not None:
-            begin, end = directive.place(wrong.begin), directive.place(wrong.end)
+            begin = directive.place(self.source, wrong.begin)
+            end = directive.place(self.source, wrong.end)
         self.note(wrong.code, begin, end, wrong.message, wrong.help)
 
     def read(self, found: Directive | Misspelt) -> None:
@@ -95,7 +114,7 @@ class _Reader:
             self.note(
                 "MARS109",
                 directive.offset,
-                directive.offset + len(found.written) + 1,
+                self.behind(directive, found.written),
                 f"`@{found.written}` is no annotation",
                 f"did you mean `@{directive.word}`?",
             )
@@ -103,7 +122,7 @@ class _Reader:
             self.note(
                 "MARS110",
                 directive.offset,
-                directive.offset + len(directive.written) + 1,
+                self.behind(directive, directive.written),
                 f"`@{directive.written}` is written with other capitals",
                 f"write `@{directive.word}`",
             )
@@ -118,6 +137,11 @@ class _Reader:
         elif directive.word in SERVICE_KINDS:
             # What it is meant to say is not known, yet what follows belongs to it.
             self.pending.append((directive, None))
+        self.until = directive.until
+
+    def behind(self, directive: Directive, word: str) -> int:
+        """Return the offset behind the word of an annotation."""
+        return self.source.within(directive.offset, f"@{word}", len(word) + 1)
 
     def bound(self, directive: Directive) -> None:
         if directive.word == "module_start":
@@ -129,6 +153,8 @@ class _Reader:
 
     def orphan(self, directive: Directive) -> None:
         """Report the first of the annotations that a missing `@module_start` leaves outside."""
+        # What is not told counts as well, so that reading ends.
+        self.errors += self.excused
         if not self.excused:
             self.note_word(
                 "MARS103",
@@ -152,10 +178,11 @@ class _Reader:
         self.module = Module("", self.span(directive.offset, directive.end))
         self.named = False
         self.services, self.functions, self.vertices = [], {}, {}
+        self.moving = None
 
     def name(self, directive: Directive) -> None:
         rest = directive.rest
-        begin, end = directive.place(0), directive.place(len(rest))
+        begin, end = directive.place(self.source, 0), directive.place(self.source, len(rest))
         if not rest:
             begin, end = directive.offset, directive.end
         if self.named:
@@ -209,9 +236,9 @@ class _Reader:
 
     def note_moving_sensor(self) -> None:
         sensing = [service for service in self.services if service.kind == "Sense"]
-        if not sensing or not self.functions:
+        if not sensing or self.moving is None:
             return
-        function = next(iter(self.functions.values()))
+        function = self.functions[self.moving.word]
         self.problems.append(
             Diagnostic(
                 "MARS120",
@@ -220,14 +247,14 @@ class _Reader:
                 function.span,
                 ((sensing[0].span, "the sensor"),),
                 "a sensor moves only with what it is mounted on; make two modules of it",
-                self.source.line(function.span.line)[:400],
+                self.source.excerpt(self.moving.offset),
             )
         )
 
     def finish(self) -> None:
         if self.start is not None:
             start = self.start
-            self.end(len(self.source.text))
+            self.end(len(self.source.data))
             self.note_word(
                 "MARS101",
                 start,
@@ -235,7 +262,18 @@ class _Reader:
                 "write `@module_end` behind the module",
             )
 
+    def give_up(self, found: Directive | Misspelt) -> None:
+        """Say that the rest is not read, and let nothing that is open be an error of its own."""
+        self.start = None
+        directive = found.corrected if isinstance(found, Misspelt) else found
+        message = f"{self.errors} errors before this: the rest of the file was not read"
+        self.note_word("MARS119", directive, message, "mend those first, or leave the file out")
+
     def annotate(self, directive: Directive) -> None:
+        if len(self.pending) + len(self.overrides) >= MOST_ANNOTATIONS:
+            message = f"more than {MOST_ANNOTATIONS} annotations of one declaration"
+            self.note_word("MARS213", directive, message, "leave out those that say the same")
+            return
         if directive.word in SERVICE_KINDS:
             read = _read_service(directive, self.span(directive.offset, directive.end))
             if isinstance(read, Wrong):
@@ -263,6 +301,7 @@ class _Reader:
             self.note_twice(directive, f"@{directive.word}")
         else:
             span = self.span(directive.offset, directive.end)
+            self.moving = self.moving or directive
             self.functions[directive.word] = Function(directive.word, span, *bounds)
 
     def vertex(self, directive: Directive) -> None:
@@ -281,34 +320,36 @@ class _Reader:
 
     def settle(self, offset: int, closing: bool = False) -> None:
         """Give what is pending the declaration that stands before `offset`, if one does."""
-        found = [directive for directive, _ in self.pending] + self.overrides
-        if self.start is None or not found:
+        if self.start is None or not (self.pending or self.overrides):
             return
-        last = max(directive.end for directive in found)
         if not self.pending:
-            if closing or self.source.code[last:offset].strip():
+            if closing or following(self.source, self.until, offset).over:
                 self.note_idle(self.overrides)
                 self.overrides = []
             return
-        read, shift = self.declaration(last, offset)
-        if read is None and not closing:
+        behind = self.following(offset)
+        if not (behind.over or closing):
             return
         pending, self.pending = self.pending, []
         overrides, self.overrides = self.overrides, []
-        first = pending[0][0]
-        if read is None:
+        found, first = behind.found, pending[0][0]
+        if found is None:
             message = f"no function declaration follows `@{first.word}`"
             self.note_word("MARS201", first, message, _BEFORE)
-        elif isinstance(read, NoFunction):
-            begin = read.offset + shift
-            message = f"`{read.found}` begins no function declaration"
-            self.note("MARS202", begin, begin + len(read.found), message, _BEFORE)
+        elif isinstance(found, NoFunction):
+            begin, end = behind.place(found.offset), behind.place(found.offset + len(found.found))
+            message = f"`{found.found}` begins no function declaration"
+            self.note("MARS202", begin, end, message, _BEFORE)
+        elif isinstance(found, Endless):
+            begin = behind.place(found.offset)
+            message = f"no end of this declaration is found within {MOST_DECLARED} bytes"
+            self.note("MARS212", begin, begin, message, "state it by `@Signature DECLARATION`")
         else:
             written = [d for d in overrides if d.word != "Signature" and d.rest]
-            said, wrong = read_overrides(written, read)
+            said, wrong = read_overrides(written, found)
             for directive, problem in wrong:
                 self.note_wrong(directive, problem)
-            self.bind([s for _, s in pending if s is not None], read, shift, said)
+            self.bind([s for _, s in pending if s is not None], found, behind.place, said)
 
     def note_idle(self, overrides: list[Directive]) -> None:
         for directive in overrides:
@@ -320,33 +361,29 @@ class _Reader:
                 " before the function",
             )
 
-    def declaration(self, begin: int, end: int) -> tuple[Declaration | NoFunction | None, int]:
-        """Read the declaration that a `@Signature` states, else the one that stands there.
-
-        Returns it with what is to be added to its offsets.
-        """
-        source = self.source
+    def following(self, offset: int) -> Following:
+        """Read the declaration that a `@Signature` states, else the one before an offset."""
         signatures = [d for d in self.overrides if d.word == "Signature" and d.rest]
         for again in signatures[1:]:
             self.note_word("MARS210", again, "a second `@Signature`", "keep one of the two")
-        if not signatures:
-            return read_declaration(source.language, source.text, source.code, begin, end), 0
-        written = signatures[0].rest.rstrip(":;") + (":" if source.language == "python" else ";")
-        inner = lex(source.path, source.language, written)
-        read = read_declaration(source.language, inner.text, inner.code, 0, len(inner.code))
-        return read, signatures[0].place(0)
+        if signatures:
+            return stated(self.source, signatures[0])
+        return following(self.source, self.until, offset)
 
     def bind(
         self,
         services: list[Service],
         declaration: Declaration,
-        shift: int,
+        place: Callable[[int], int],
         overrides: Overrides,
     ) -> None:
-        at = declaration.offset + shift
+        at = place(declaration.offset)
+        signatures: dict[bool, Signature] = {}
         for service in services:
             delivers = service.kind in ("Sense", "DataOut", "Converts")
-            signature = read_signature(declaration, overrides, delivers)
+            if delivers not in signatures:
+                signatures[delivers] = read_signature(declaration, overrides, delivers)
+            signature = signatures[delivers]
             for code, message, help_text in signature.remarks:
                 severity: Severity = "note" if code == "MARS207" else "warning"
                 self.note(code, at, at, message, help_text, severity)
@@ -367,10 +404,11 @@ class _Reader:
             )
             self.services.append(found)
         if declaration.conditional is not None and overrides.inputs is None:
+            conditional = place(declaration.conditional)
             self.note(
                 "MARS204",
-                declaration.conditional,
-                declaration.conditional + 1,
+                conditional,
+                conditional + 1,
                 f"`#if` inside the declaration of `{declaration.name}`: all branches are read",
                 "say what it takes: `@Input TYPE, TYPE`",
                 "warning",

@@ -19,26 +19,28 @@ _READERS = {
     "rust": read_rust,
     "matlab": read_matlab,
 }
-#: No declaration is longer than this many characters.
-_LONGEST = 20000
+_SOLID = re.compile(r"\S")
 _PREPROCESSOR = re.compile(r"(?m)^[ \t]*#(?:\\\n|[^\n])*")
 _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 
 
-def read_declaration(
-    language: str, text: str, code: str, begin: int, end: int
-) -> Declaration | NoFunction | None:
-    """Read the declaration that begins in a stretch of code; `None` where nothing stands there."""
-    first = re.compile(r"\S").search(code, begin, end)
+def read_declaration(language: str, text: str, code: str) -> Declaration | NoFunction | None:
+    """Read the declaration that begins in a stretch of a source; `None` where nothing stands there.
+
+    Args:
+        language: A key of the languages.
+        text: The stretch.
+        code: The same with comments and strings blanked; offsets are indices of both.
+    """
+    first = _SOLID.search(code)
     if first is None:
         return None
     if language == "python":
-        return read_python(text, code, first.start(), end)
-    stretch = code[begin : min(end, begin + _LONGEST)]
+        return read_python(text, code, first.start(), len(code))
+    plain = code
     if language == "c":
-        stretch = _PREPROCESSOR.sub(lambda match: " " * len(match[0]), stretch)
-        stretch = stretch.replace("\\\n", "  ")
-    tokens = tokenise(stretch, begin)
+        plain = _PREPROCESSOR.sub(lambda match: " " * len(match[0]), code).replace("\\\n", "  ")
+    tokens = tokenise(plain)
     if not tokens:
         return None
     found = _READERS[language](tokens, code)

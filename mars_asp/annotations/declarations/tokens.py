@@ -19,15 +19,15 @@ _OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """One token and the offset where it stands in the file."""
+    """One token and where it stands in the stretch."""
 
     text: str
     offset: int
 
 
-def tokenise(code: str, begin: int) -> list[Token]:
-    """Return the tokens of a stretch of code that begins at an offset of its file."""
-    return [Token(match[0], begin + match.start()) for match in _TOKEN.finditer(code)]
+def tokenise(code: str) -> list[Token]:
+    """Return the tokens of a stretch of code."""
+    return [Token(match[0], match.start()) for match in _TOKEN.finditer(code)]
 
 
 def is_word(text: str) -> bool:

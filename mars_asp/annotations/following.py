@@ -1,0 +1,78 @@
+"""The declaration that annotations belong to: what `@Signature` states, else what follows them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+from mars_asp.annotations.comments import blanked
+from mars_asp.annotations.declarations import Declaration, NoFunction, read_declaration
+from mars_asp.annotations.directives import Directive
+from mars_asp.annotations.sources import Source, Stretch
+
+#: How far behind its annotations a declaration may end, in bytes; most end much earlier.
+MOST_DECLARED = 65536
+_SHORT = 2048
+
+
+@dataclass(frozen=True, slots=True)
+class Endless:
+    """A declaration that goes on for longer than is read: where it begins."""
+
+    offset: int
+
+
+Found: TypeAlias = Declaration | NoFunction | Endless | None
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """What follows annotations; `found` is `None` where nothing stands there.
+
+    `place` turns the offsets of a declaration into those of its file. `over` is whether nothing
+    that stands later can belong to the annotations.
+    """
+
+    found: Found
+    place: Callable[[int], int]
+    over: bool
+
+
+def stated(source: Source, signature: Directive) -> Following:
+    """Read the declaration that a `@Signature` states; one that is cut ends with a comma."""
+    place = partial(signature.place, source)
+    if signature.rest.endswith(","):
+        return Following(Endless(0), place, True)
+    text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
+    read = read_declaration(source.language, text, blanked(source.language, text))
+    return Following(read, place, True)
+
+
+def following(source: Source, begin: int, end: int) -> Following:
+    """Read the declaration between two offsets, looking no further ahead than it needs."""
+    for most in (_SHORT, MOST_DECLARED):
+        stretch = source.stretch(begin, max(begin, end), most)
+        read = read_declaration(source.language, stretch.text, stretch.code)
+        whole = not stretch.cut or _is_whole(source.language, read, stretch)
+        if whole:
+            break
+    found: Found = read
+    if read is not None and not whole and not _begins_otherwise(read):
+        found = Endless(read.offset)
+    over = found is not None or stretch.cut
+    return Following(found, partial(source.within, begin, stretch.text), over)
+
+
+def _begins_otherwise(read: Declaration | NoFunction) -> bool:
+    """Say whether what stands there is no function, however it goes on."""
+    return isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
+
+
+def _is_whole(language: str, read: Declaration | NoFunction | None, stretch: Stretch) -> bool:
+    """Say whether all of a declaration stands in a stretch that is cut."""
+    if not isinstance(read, Declaration):
+        return False
+    if language == "python":
+        return read.end < len(stretch.code)
+    ends = "\n" if language == "matlab" else "{;"
+    return any(stretch.code.find(sign, read.end) >= 0 for sign in ends)

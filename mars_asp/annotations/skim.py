@@ -1,0 +1,192 @@
+"""Annotated comments of a source, found without looking at anything else in it.
+
+For each language one pattern passes over code, strings and comments that hold no annotation in a
+single match, so that Python takes a step only where a comment with an annotation begins, or a
+construct that no pattern describes: raw strings with a tag, comments that nest. Every alternative
+is possessive and ends at the end of the text at the latest, so that skimming is linear whatever
+the file holds.
+
+The text is bytes, in UTF-8 or Latin-1: what parts code, strings and comments is ASCII in all
+languages, and a file needs no more memory than it has bytes.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import AnyStr
+
+_LETTER = rb"[\w\x80-\xff]"
+#: A word that may be one of ours; what is beyond ASCII in it may also end it.
+_WORD = rb"[A-Za-z](?:\w{2,20}+(?![\w(.])|\w{0,20}+[\x80-\xff])"
+_OTHER = rb"@(?!" + _WORD + rb")"
+_STRING = rb'"(?:[^"\\\n]++|\\[\s\S])*+"?'
+_CHARACTER = rb"'(?:[^'\\\n]++|\\.)*+'?"
+_LINE = rb"//(?:[^\n@\\]++|\\\n?|" + _OTHER + rb")*+(?!@)"
+_BLOCK = rb"/\*(?:[^*@]++|\*(?!/)|" + _OTHER + rb")*+\*/"
+_SLASH = rb"/(?![/*])"
+
+
+def _nested(depth: int) -> bytes:
+    """Return a pattern of block comments that nest at most so deep."""
+    inside = rb"" if depth == 1 else rb"|" + _nested(depth - 1)
+    return rb"/\*(?:[^*/@]++|\*(?!/)|/(?!\*)|" + _OTHER + inside + rb")*+\*/"
+
+
+def _triple(quote: bytes) -> bytes:
+    whole = quote * 3
+    inside = rb"(?:[^\\" + quote + rb"]++|\\[\s\S]?|" + quote + rb"(?!" + quote * 2 + rb"))*+"
+    return whole + inside + rb"(?:" + whole + rb"|\Z)"
+
+
+_PASSED = {
+    "c": (
+        rb"""[^"'/0-9]++""",
+        # A number may hold quotes; a string that follows it at once is never raw.
+        rb"(?<!" + _LETTER + rb")[0-9](?:'?" + _LETTER + rb")*+(?:" + _STRING + rb")?+",
+        rb"[0-9]++",
+        rb"(?<!R)" + _STRING,
+        _CHARACTER,
+        _LINE,
+        _BLOCK,
+        _SLASH,
+    ),
+    "java": (rb"""[^"'/]++""", _triple(b'"'), _STRING, _CHARACTER, _LINE, _BLOCK, _SLASH),
+    "go": (rb"""[^"'/`]++""", rb"`[^`]*+`?", _STRING, _CHARACTER, _LINE, _BLOCK, _SLASH),
+    "rust": (
+        rb"""[^"'/]++""",
+        rb"(?<![r#])" + _STRING,
+        rb"'(?:\\[^\n']*+'|[^'\\\n\x80-\xff]'|[\xc2-\xf4][\x80-\xbf]{1,3}')?",
+        _LINE,
+        _nested(3),
+        _SLASH,
+    ),
+    "python": (
+        rb"""[^"'#]++""",
+        _triple(b'"'),
+        _triple(b"'"),
+        rb"'(?:[^'\\\n]++|\\[\s\S])*+'?",
+        _STRING,
+        rb"#(?:[^\n@]++|" + _OTHER + rb")*+(?!@)",
+    ),
+    "matlab": (
+        rb"""[^"'%.]++""",
+        rb"\.\.\.[^\n]*+",
+        rb"\.",
+        rb"(?<=[\w)\]}.'\x80-\xff])'",
+        rb"'(?:[^'\n]++|'')*+'?",
+        rb'"(?:[^"\n]++|"")*+"?',
+        rb"%(?!\{[ \t]*+\n)(?:[^\n@]++|" + _OTHER + rb")*+(?!@)",
+    ),
+    "mars": (rb"[^@/#]++", rb"//[^\n]*+", rb"#[^\n]*+", rb"/", rb"(?<![ \t\n])@"),
+}
+_RAW_C = re.compile(rb'"([^()\\\s"]{0,16}+)\(')
+_NEST = re.compile(rb"(/\*)|\*/")
+_STRING_HERE = re.compile(_STRING)
+_LINE_HERE = re.compile(rb"//(?:[^\n\\]++|\\\n?)*+")
+_ANNOTATION_HERE = re.compile(rb"(?:[^\n/#]++|/(?!/))*+")
+_MATLAB_OPENING = re.compile(rb"%\{[ \t]*+(?=\n)")
+_MATLAB_CLOSING = re.compile(rb"\n[ \t]*+%\}[ \t]*+(?=\n|\Z)")
+
+
+@cache
+def _pattern(language: str) -> re.Pattern[bytes]:
+    return re.compile(rb"(?:" + rb"|".join(_PASSED[language]) + rb")*+")
+
+
+def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tuple[int, int]]:
+    """Yield where each comment begins and ends that holds a word which may be an annotation.
+
+    Args:
+        language: A key of the languages, or `mars` for module blocks of a configuration.
+        data: The text, whose lines end with LF.
+        at: Where to begin; nothing may be open there.
+    """
+    skip = _pattern(language).match
+    size = len(data)
+    while at < size:
+        found = skip(data, at)
+        at = found.end() if found else at
+        if at >= size:
+            return
+        end, comment = _construct(language, data, at)
+        if comment:
+            yield at, end
+        at = end
+
+
+def _construct(language: str, data: bytes, at: int) -> tuple[int, bool]:
+    """Return where the construct at a place ends, and whether it is a comment."""
+    first = data[at : at + 1]
+    if first == b'"':
+        return _string_end(language, data, at), False
+    if first == b"%" and not _is_block(data, at):
+        return _line_end(data, at), True
+    if first == b"@" and data[data.rfind(b"\n", 0, at) + 1 : at].strip(b" \t"):
+        return at + 1, False
+    return comment_end(language, data, at), True
+
+
+def comment_end(language: str, data: bytes, at: int) -> int:
+    """Return where the comment that begins at a place ends."""
+    if data.startswith(b"//", at):
+        found = _LINE_HERE.match(data, at)
+        return found.end() if found else at + 2
+    if data.startswith(b"/*", at):
+        if language == "rust":
+            return nested_end(_NEST.finditer(data, at), len(data))
+        end = data.find(b"*/", at + 2)
+        return len(data) if end < 0 else end + 2
+    if data.startswith(b"@", at):
+        found = _ANNOTATION_HERE.match(data, at)
+        return found.end() if found else at + 1
+    if data.startswith(b"%", at) and _is_block(data, at):
+        found = _MATLAB_CLOSING.search(data, at)
+        return found.end() if found else len(data)
+    return _line_end(data, at)
+
+
+def _line_end(data: bytes, at: int) -> int:
+    end = data.find(b"\n", at)
+    return len(data) if end < 0 else end
+
+
+def _is_block(data: bytes, at: int) -> bool:
+    """Say whether `%{` of MATLAB stands alone on its line."""
+    start = data.rfind(b"\n", 0, at) + 1
+    return _MATLAB_OPENING.match(data, at) is not None and not data[start:at].strip(b" \t")
+
+
+def nested_end(marks: Iterable[re.Match[AnyStr]], last: int) -> int:
+    """Return where a block comment of Rust, in which others nest, ends.
+
+    Args:
+        marks: The marks of block comments from its own on; those that open have a group.
+        last: Where the text ends, for a comment that never does.
+    """
+    depth = 0
+    for mark in marks:
+        depth += 1 if mark.lastindex else -1
+        if not depth:
+            return mark.end()
+    return last
+
+
+def _string_end(language: str, data: bytes, at: int) -> int:
+    """Return where a string ends that may be a raw one: `R"tag(...)tag"`, `r#"..."#`."""
+    closing = None
+    if language == "c":
+        opening = _RAW_C.match(data, at)
+        if opening is not None:
+            closing, begin = b")" + opening[1] + b'"', opening.end()
+    else:
+        hashes = 0
+        while hashes < 9 and data[at - hashes - 1 : at - hashes] == b"#":
+            hashes += 1
+        before = at - hashes - 1
+        if hashes < 9 and before >= 0 and data[before : before + 1] == b"r":
+            closing, begin = b'"' + b"#" * hashes, at + 1
+    if closing is not None:
+        end = data.find(closing, begin)
+        return len(data) if end < 0 else end + len(closing)
+    found = _STRING_HERE.match(data, at)
+    return found.end() if found else at + 1

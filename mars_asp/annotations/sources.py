@@ -1,0 +1,208 @@
+"""A source: its comment lines that begin with an annotation, its code, and places in it.
+
+Offsets are those of bytes; text is decoded only where something is read.
+"""
+
+import re
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from mars_asp.annotations.comments import blanked, tokens
+from mars_asp.annotations.skim import annotated_comments, comment_end
+
+_LEADING = {
+    "c": rb"[ \t]*+(?:/\*[*!]?|//[/!]?|\*(?!/))?[ \t]*+",
+    "python": rb"[ \t]*+#*+[ \t]*+",
+    "matlab": rb"[ \t]*+%*+\{?[ \t]*+",
+}
+_PREFIX = {language: re.compile(pattern) for language, pattern in _LEADING.items()}
+_ANNOTATED = {
+    language: re.compile(rb"(?m)^" + pattern + rb"@([A-Za-z][\w\x80-\xff]*+)")
+    for language, pattern in _LEADING.items()
+}
+_WORD = re.compile(r"\w+")
+_IF = re.compile(rb"#[ \t]*+(if|ifdef|ifndef|else|elif|endif)\b[ \t]*+([^\n]*)")
+_DEAD_IF = re.compile(rb"#[ \t]*+if[ \t]++(?:0|false)[ \t]*+(?://[^\n]*+)?(?=\n|\Z)")
+_CONTINUATION = bytes(range(0x80, 0xC0))
+_MOST_EXCERPT = 400
+#: Between an annotation that ends with a comma and the comment on the next line, in bytes.
+_MOST_BETWEEN = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class CommentLine:
+    """One line of a comment.
+
+    `offset` is where its text begins behind the marks, `end` where the line does, `until` where the
+    comment does; `block` is whether it ends with marks too.
+    """
+
+    offset: int
+    text: str
+    end: int
+    until: int
+    block: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A stretch of a source and the same with comments and strings blanked.
+
+    `cut` is whether it ends for being too long.
+    """
+
+    text: str
+    code: str
+    cut: bool
+
+
+class Source:
+    """A text as bytes, whose lines end with LF and which begins with no byte order mark."""
+
+    def __init__(self, path: str, language: str, data: bytes, encoding: str = "utf-8") -> None:
+        """Take a text in a language of `skim`, encoded as UTF-8 or Latin-1."""
+        self.path = path
+        self.language = "c" if language == "mars" else language
+        self.data = data
+        self._lexicon = language
+        self._encoding = encoding
+        self._wide = encoding == "utf-8" and not data.isascii()
+        self._kind = language if language in _LEADING else "c"
+        # Places that were asked for: offset, line, column and where the line begins.
+        self._places: list[tuple[int, int, int, int]] = [(0, 1, 1, 0)]
+
+    def annotations(self, known: Callable[[str], bool]) -> Iterator[CommentLine]:
+        """Yield the comment lines that begin with `@` and a known word, in order."""
+        find = _ANNOTATED[self._kind].finditer
+        for begin, end in annotated_comments(self._lexicon, self.data):
+            if self._dead and self._in_dead(begin):
+                continue
+            for match in find(self.data[begin:end]):
+                word = _WORD.match(match[1].decode(self._encoding, "replace"))
+                if word is not None and known(word[0]):
+                    block = self.data.startswith(b"/*", begin)
+                    yield self._line(begin + match.start(1) - 1, end, block)
+
+    def following(self, line: CommentLine) -> CommentLine | None:
+        """Return the comment line on the line below, if there is one without an annotation."""
+        begin, until, block = line.end + 1, line.until, line.block
+        if begin > until:
+            found = self._comment_below(line.end)
+            if found is None:
+                return None
+            begin, until = found
+            block = self.data.startswith(b"/*", begin)
+        elif begin == until:
+            return None
+        match = _PREFIX[self._kind].match(self.data, begin, until)
+        below = self._line(match.end() if match else begin, until, block)
+        return None if below.text.startswith("@") else below
+
+    def _line(self, offset: int, until: int, block: bool) -> CommentLine:
+        """Read the comment line whose text begins at a place, of a comment that goes on `until`."""
+        end = self.data.find(b"\n", offset, until)
+        end = until if end < 0 else end
+        text = self._decode(offset, end).rstrip()
+        if block:
+            text = text.removesuffix("*/").rstrip()
+        return CommentLine(offset, text, end, until, block)
+
+    def _comment_below(self, end: int) -> tuple[int, int] | None:
+        """Return the first comment behind a comment that ends a line, if on the line below."""
+        data, last = self.data, min(end + _MOST_BETWEEN, len(self.data))
+        first = data.find(b"\n", end, last)
+        if first < 0:
+            return None
+        below = data.find(b"\n", first + 1, last)
+        text = self._decode(end, last if below < 0 else below)
+        for index, _, kind in tokens(self._lexicon, text):
+            begin = self.within(end, text, index)
+            if kind == "comment" and not self._in_dead(begin):
+                return (begin, comment_end(self._lexicon, data, begin)) if begin > first else None
+        return None
+
+    def stretch(self, begin: int, end: int, most: int) -> Stretch:
+        """Return what stands between two offsets, at most so many bytes.
+
+        Nothing may be open at `begin`, such as where a comment ends.
+        """
+        last = min(end, begin + most)
+        text = self._decode(begin, last)
+        code = blanked(self._lexicon, text)
+        for low, high in self._dead[bisect_right(self._dead, (begin,)) :]:
+            if low >= last:
+                break
+            first = len(self._decode(begin, low))
+            behind = len(self._decode(begin, min(high, last)))
+            code = code[:first] + re.sub(r"[^\n]", " ", code[first:behind]) + code[behind:]
+        return Stretch(text, code, last < end)
+
+    def within(self, offset: int, text: str, index: int) -> int:
+        """Return the offset of a character of the text that stands at an offset."""
+        return offset + (len(text[:index].encode()) if self._wide else index)
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Return the line and column, from 1, of an offset; columns count code points."""
+        return self._place(offset)[1:3]
+
+    def excerpt(self, offset: int) -> str:
+        """Return the line of an offset, at most its first 400 characters."""
+        start = self._place(offset)[3]
+        # A character has at most four bytes.
+        text = self._decode(start, min(len(self.data), start + 4 * _MOST_EXCERPT))
+        return text.partition("\n")[0][:_MOST_EXCERPT]
+
+    def _place(self, offset: int) -> tuple[int, int, int, int]:
+        index = bisect_left(self._places, (offset + 1,))
+        known, line, column, start = self._places[index - 1]
+        if known == offset:
+            return self._places[index - 1]
+        breaks = self.data.count(b"\n", known, offset)
+        if breaks:
+            start = self.data.rfind(b"\n", known, offset) + 1
+            line, column, known = line + breaks, 1, start
+        width = offset - known
+        if self._wide:
+            width = len(self.data[known:offset].translate(None, _CONTINUATION))
+        place = (offset, line, column + width, start)
+        self._places.insert(index, place)
+        return place
+
+    def _decode(self, begin: int, end: int) -> str:
+        # A stretch that is cut may end within a character.
+        return self.data[begin:end].decode(self._encoding, "ignore")
+
+    def _in_dead(self, offset: int) -> bool:
+        index = bisect_right(self._dead, (offset, len(self.data)))
+        return index > 0 and offset < self._dead[index - 1][1]
+
+    @cached_property
+    def _dead(self) -> tuple[tuple[int, int], ...]:
+        return tuple(_dead_stretches(self.data)) if self._lexicon == "c" else ()
+
+
+def _dead_stretches(data: bytes) -> Iterator[tuple[int, int]]:
+    """Yield what stands between `#if 0` and its `#else`, `#elif` or `#endif`."""
+    at = 0
+    while opening := _DEAD_IF.search(data, at):
+        at = opening.end()
+        if not _begins_line(data, opening.start()):
+            continue
+        depth, end = 1, len(data)
+        for match in _IF.finditer(data, at):
+            if not _begins_line(data, match.start()):
+                continue
+            depth += match[1].startswith(b"if")
+            depth -= match[1] == b"endif"
+            if not depth or (depth == 1 and match[1] in (b"else", b"elif")):
+                end = match.start()
+                break
+        yield at, end
+        at = end
+
+
+def _begins_line(data: bytes, at: int) -> bool:
+    start = data.rfind(b"\n", 0, at) + 1
+    return not data[start:at].strip(b" \t")
