@@ -33,6 +33,9 @@ RIGHT = {
     "Map build(a, b, c) int a, *b; Scan c[3]; { }": Reading(
         "build", (("a", "int"), ("b", "int*"), ("c", "Scan[]")), "Map"
     ),
+    "int old(s, i) const struct Scan *s; Imu i; { return 0; }": Reading(
+        "old", (("s", "Scan*"), ("i", "Imu")), "int"
+    ),
     "void (*handler(int signal, void (*old)(int)))(int);": Reading(
         "handler", (("signal", "int"), ("old", "function")), "function"
     ),

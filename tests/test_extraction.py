@@ -19,8 +19,10 @@ from mars_asp.annotations.types import representation
 from mars_asp.cli.extract import extraction_json
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model import Module
+from tests.documents import ROOT, run
 
 FOLDER = Path(__file__).parent / "extraction"
+CASES = [path for path in sorted((FOLDER / "cases").iterdir()) if path.suffix in LANGUAGES]
 EXPECTED = json.loads((FOLDER / "expected.json").read_text(encoding="utf-8"))
 
 
@@ -59,6 +61,16 @@ def test_case(name: str) -> None:
             left.remove(answer)
             assert problem["severity"] != "error" or answer.severity == "error"
     assert [d for d in left if d.severity == "error"] == []
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
+def test_a_case_prints_what_stands_beside_it(path: Path, update_golden: bool) -> None:
+    """Modules first, then everything that is told, as the command line does."""
+    golden = path.with_name(f"{path.name}.txt")
+    printed = run(f"mars-asp extract {path.relative_to(ROOT)}")
+    if update_golden:
+        golden.write_text(printed, encoding="utf-8", newline="\n")
+    assert printed == golden.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -135,9 +147,9 @@ def test_links_that_lead_in_circles_end(tmp_path: Path) -> None:
     assert [module.name for module in extract([tmp_path]).modules] == ["A"]
 
 
-CASES = [
+TEXTS = [
     path.read_bytes().decode("latin-1").replace("\r", "\n")
-    for path in sorted(FOLDER.glob("*.*"))
+    for path in (*sorted(FOLDER.glob("*.*")), *CASES)
     if path.suffix in LANGUAGES
 ]
 PIECES = [
@@ -197,7 +209,7 @@ def mutated(language: str, count: int) -> Iterator[str]:
     rng = random.Random(language)
     marks = {"python": "#", "matlab": "%"}.get(language, "//")
     for _ in range(count):
-        text = "".join(rng.choices(CASES, k=rng.randint(1, 2))).replace("//", marks)
+        text = "".join(rng.choices(TEXTS, k=rng.randint(1, 2))).replace("//", marks)
         for _ in range(rng.randint(1, 4)):
             at = rng.randrange(len(text) + 1)
             length = rng.choice([0, 0, 1, 5])

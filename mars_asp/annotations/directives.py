@@ -101,9 +101,9 @@ def nearest(word: str) -> str | None:
     """Return our word within two edits of another one."""
     if len(word) > _MOST_MISSPELT:
         return None
-    near = [(edits(word, ours), ours) for ours in WORDS if abs(len(ours) - len(word)) < 3]
-    distance, ours = min(near, default=(3, ""))
-    return ours if distance <= 2 else None
+    near = [ours for ours in WORDS if abs(len(ours) - len(word)) < 3 and edits(word, ours) <= 2]
+    # Of several the one that is nearest whatever the capitals: `@ouput` is no `@Input`.
+    return min(near, key=lambda ours: (edits(word.lower(), ours.lower()), ours), default=None)
 
 
 def edits(first: str, second: str) -> int:

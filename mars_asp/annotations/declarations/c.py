@@ -262,7 +262,9 @@ def _old_style(
     """Read Kernighan and Ritchie's form, in which types follow the brackets."""
     names = [group[0].text for group in groups if len(group) == 1]
     following = text_at(tokens, end)
-    if not names or len(names) < len(groups) or not is_word(following) or following in _BEHIND:
+    if not names or len(names) < len(groups) or not is_word(following):
+        return None
+    if following in _BEHIND - {"const", "volatile"}:
         return None
     stop = end
     while stop < len(tokens) and tokens[stop].text not in ("{", "}", "="):

@@ -42,7 +42,7 @@ def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoF
 def _parameters(arguments: ast.arguments) -> tuple[Parameter, ...]:
     """List what a function takes; `*args` and `**kwargs` only where their types are stated."""
     listed = [*arguments.posonlyargs, *arguments.args]
-    if listed and listed[0].arg in ("self", "cls") and listed[0].annotation is None:
+    if listed and listed[0].arg in ("self", "cls"):
         listed = listed[1:]
     parameters = [Parameter(a.arg, _hint(a)) for a in listed]
     rest = arguments.vararg

@@ -1,0 +1,4 @@
+# été @module_start
+# @module_start
+# @module_name Café
+# @module_end

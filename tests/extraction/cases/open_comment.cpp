@@ -1,0 +1,5 @@
+// @module_start
+// @module_name A
+// @Sense RequestWhenReady
+X f();
+/* @module_end
