@@ -18,8 +18,8 @@ _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
 _REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _MOST_MISSPELT = 20
-#: An annotation that is wrapped goes on for no longer, in characters.
-_MOST_WRAPPED = 16384
+#: What stands behind the word of an annotation may be so long; what goes on longer is cut.
+MOST_CHARACTERS = 8192
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ def directives(source: Source) -> Iterator[Directive | Misspelt]:
         texts = [_REMARK.split(match[3], maxsplit=1)[0].rstrip()]
         pieces = [(0, source.within(line.offset, line.text, match.start(3)))]
         last, length = line, 0
-        while texts[-1].endswith(",") and length < _MOST_WRAPPED:
+        while texts[-1].endswith(",") and length <= MOST_CHARACTERS:
             below = source.following(last)
             if below is None:
                 break

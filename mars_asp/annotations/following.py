@@ -11,7 +11,7 @@ from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.sources import Source, Stretch
 
 #: How far behind its annotations a declaration may end, in bytes; most end much earlier.
-MOST_DECLARED = 65536
+MOST_DECLARED = 32768
 _SHORT = 2048
 
 
@@ -39,13 +39,10 @@ class Following:
 
 
 def stated(source: Source, signature: Directive) -> Following:
-    """Read the declaration that a `@Signature` states; one that is cut ends with a comma."""
-    place = partial(signature.place, source)
-    if signature.rest.endswith(","):
-        return Following(Endless(0), place, True)
+    """Read the declaration that a `@Signature` states."""
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
     read = read_declaration(source.language, text, blanked(source.language, text))
-    return Following(read, place, True)
+    return Following(read, partial(signature.place, source), True)
 
 
 def following(source: Source, begin: int, end: int) -> Following:

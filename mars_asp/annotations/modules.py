@@ -14,7 +14,14 @@ from mars_asp.annotations.arguments import (
     read_vertex,
 )
 from mars_asp.annotations.declarations import Declaration, NoFunction
-from mars_asp.annotations.directives import BOUNDARIES, OVERRIDES, Directive, Misspelt, directives
+from mars_asp.annotations.directives import (
+    BOUNDARIES,
+    MOST_CHARACTERS,
+    OVERRIDES,
+    Directive,
+    Misspelt,
+    directives,
+)
 from mars_asp.annotations.following import (
     MOST_DECLARED,
     Endless,
@@ -195,6 +202,8 @@ class _Reader:
             )
             return
         self.named = True
+        if self.is_too_long(directive):
+            return
         if not rest:
             self.note_word(
                 "MARS105", directive, "`@module_name` without a name", "write `@module_name NAME`"
@@ -274,7 +283,10 @@ class _Reader:
             message = f"more than {MOST_ANNOTATIONS} annotations of one declaration"
             self.note_word("MARS213", directive, message, "leave out those that say the same")
             return
-        if directive.word in SERVICE_KINDS:
+        if self.is_too_long(directive):
+            if directive.word in SERVICE_KINDS:
+                self.pending.append((directive, None))
+        elif directive.word in SERVICE_KINDS:
             read = _read_service(directive, self.span(directive.offset, directive.end))
             if isinstance(read, Wrong):
                 self.note_wrong(directive, read)
@@ -292,6 +304,16 @@ class _Reader:
                     f"write it behind `@{directive.word}`",
                 )
             self.overrides.append(directive)
+
+    def is_too_long(self, directive: Directive) -> bool:
+        """Report an annotation that was cut for its length."""
+        if len(directive.rest) <= MOST_CHARACTERS:
+            return False
+        message = f"`@{directive.word}` with more than {MOST_CHARACTERS} characters behind it"
+        self.note_word(
+            "MARS214", directive, message, "after a comma, the next line goes on with it"
+        )
+        return True
 
     def function(self, directive: Directive) -> None:
         bounds = read_bounds(directive.rest)
