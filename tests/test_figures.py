@@ -80,3 +80,18 @@ def test_a_specification_is_its_own_specification(example: str) -> None:
     printed = run(f"mars-asp synthesise tests/specifications/{example}.mars")
     again = (ROOT / "tests" / "specifications" / f"{example}.mars").read_text()
     assert tokens(printed) == tokens(again)
+
+
+@pytest.mark.parametrize("source", ["python", "cpp"])
+def test_level_0_from_annotated_sources(source: str) -> None:
+    specification = ROOT / "tests" / "specifications" / "level0.mars"
+    printed = run(f"mars-asp synthesise examples/level0/{source}.mars")
+    assert tokens(printed) == tokens(specification.read_text())
+
+
+def test_the_mobile_camera_is_the_same_in_both_languages() -> None:
+    cpp, python = (
+        run(f"mars-asp synthesise examples/mobile-camera/{name}.mars")
+        for name in ("config", "python")
+    )
+    assert cpp == python
