@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.annotations.blocks import read_blocks
 from mars_asp.annotations.comments import tokens
 from mars_asp.annotations.files import extract
 from mars_asp.annotations.following import MOST_DECLARED
@@ -315,3 +316,40 @@ def test_a_sign_beyond_ascii_ends_a_word(tmp_path: Path) -> None:
     text = LAYOUTS["line"].format(f="X f();").replace("Sense Request", "Sense\u2014Request")
     _, (problem,) = only(tmp_path, text)
     assert (problem.code, problem.span.line, problem.span.column) == ("MARS109", 3, 4)
+
+
+BLOCK = """@module_start
+@module_name A
+@Sense NotifyWhenReady, // as it comes
+  NotifyAtFrequency 25  # and evenly
+X f();
+@module_end
+"""
+
+
+def test_a_block_of_a_configuration_may_begin_it_and_wrap() -> None:
+    found = read_blocks("a.mars", BLOCK)
+    assert found.diagnostics == ()
+    (service,) = found.modules[0].services
+    assert [mode.name for mode in service.modes] == ["NotifyWhenReady", "NotifyAtFrequency"]
+    assert (service.function, service.output) == ("f", "X")
+    wrong = read_blocks("a.mars", BLOCK.replace("  NotifyAtFrequency 25  # and evenly\n", ""))
+    assert [(p.code, p.span.line) for p in wrong.diagnostics] == [("MARS111", 3)]
+
+
+@pytest.mark.parametrize(
+    ("layout", "problem"),
+    [
+        ("// @Signature X f(A,\nint i;", ("MARS212", 4, 15)),
+        ('R"(\n\n)"', ("MARS202", 4, 1)),
+        (f"// @Output {'X' * 9000}\nbool f();", ("MARS214", 4, 4)),
+        ("// @DataIn\n" * 600, ("MARS213", 503, 4)),
+    ],
+)
+def test_what_is_too_long_or_has_no_end(
+    tmp_path: Path, layout: str, problem: tuple[str, int, int]
+) -> None:
+    _, problems = only(tmp_path, LAYOUTS["line"].format(f=layout))
+    found = problems[0]
+    assert (found.code, found.span.line, found.span.column) == problem
+    assert "\n" not in found.message

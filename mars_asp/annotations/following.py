@@ -39,7 +39,9 @@ class Following:
 
 
 def stated(source: Source, signature: Directive) -> Following:
-    """Read the declaration that a `@Signature` states."""
+    """Read the declaration that a `@Signature` states; one that ends with a comma does not end."""
+    if signature.rest.endswith(","):
+        return Following(Endless(0), partial(signature.place, source), True)
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
     read = read_declaration(source.language, text, blanked(source.language, text))
     return Following(read, partial(signature.place, source), True)

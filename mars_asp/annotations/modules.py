@@ -40,6 +40,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 #: A file with so many errors is read no further; one declaration has at most so many annotations.
 MOST_ERRORS = 500
 MOST_ANNOTATIONS = 500
+_MOST_SHOWN = 80
 _BEFORE = "put the annotation before its function, or say it in `@Signature DECLARATION`"
 
 
@@ -359,12 +360,14 @@ class _Reader:
             message = f"no function declaration follows `@{first.word}`"
             self.note_word("MARS201", first, message, _BEFORE)
         elif isinstance(found, NoFunction):
-            begin, end = behind.place(found.offset), behind.place(found.offset + len(found.found))
-            message = f"`{found.found}` begins no function declaration"
+            # A string may go on for many lines.
+            word = '"' if found.found.startswith('"') else found.found[:_MOST_SHOWN]
+            begin, end = behind.place(found.offset), behind.place(found.offset + len(word))
+            message = f"`{word}` begins no function declaration"
             self.note("MARS202", begin, end, message, _BEFORE)
         elif isinstance(found, Endless):
             begin = behind.place(found.offset)
-            message = f"no end of this declaration is found within {MOST_DECLARED} bytes"
+            message = f"this declaration has no end within {MOST_DECLARED} bytes"
             self.note("MARS212", begin, begin, message, "state it by `@Signature DECLARATION`")
         else:
             written = [d for d in overrides if d.word != "Signature" and d.rest]

@@ -77,7 +77,7 @@ _PASSED = {
         rb'"(?:[^"\n]++|"")*+"?',
         rb"%(?!\{[ \t]*+\n)(?:[^\n@]++|" + _OTHER + rb")*+(?!@)",
     ),
-    "mars": (rb"[^@/#]++", rb"//[^\n]*+", rb"#[^\n]*+", rb"/", rb"(?<![ \t\n])@"),
+    "mars": (rb"[^@/#]++", rb"//[^\n]*+", rb"#[^\n]*+", rb"/", rb"(?<=[^ \t\n])@"),
 }
 _RAW_C = re.compile(rb'"([^()\\\s"]{0,16}+)\(')
 _NEST = re.compile(rb"(/\*)|\*/")
@@ -126,6 +126,12 @@ def _construct(language: str, data: bytes, at: int) -> tuple[int, bool]:
     return comment_end(language, data, at), True
 
 
+def annotation_end(data: bytes, at: int) -> int:
+    """Return where an annotation without comment marks, or what goes on with it, ends."""
+    found = _ANNOTATION_HERE.match(data, at)
+    return found.end() if found else at
+
+
 def comment_end(language: str, data: bytes, at: int) -> int:
     """Return where the comment that begins at a place ends."""
     if data.startswith(b"//", at):
@@ -137,8 +143,7 @@ def comment_end(language: str, data: bytes, at: int) -> int:
         end = data.find(b"*/", at + 2)
         return len(data) if end < 0 else end + 2
     if data.startswith(b"@", at):
-        found = _ANNOTATION_HERE.match(data, at)
-        return found.end() if found else at + 1
+        return annotation_end(data, at)
     if data.startswith(b"%", at) and _is_block(data, at):
         found = _MATLAB_CLOSING.search(data, at)
         return found.end() if found else len(data)

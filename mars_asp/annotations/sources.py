@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mars_asp.annotations.comments import blanked, tokens
-from mars_asp.annotations.skim import annotated_comments, comment_end
+from mars_asp.annotations.skim import annotated_comments, annotation_end, comment_end
 
 _LEADING = {
     "c": rb"[ \t]*+(?:/\*[*!]?|//[/!]?|\*(?!/))?[ \t]*+",
@@ -86,9 +86,18 @@ class Source:
                     yield self._line(begin + match.start(1) - 1, end, block)
 
     def following(self, line: CommentLine) -> CommentLine | None:
-        """Return the comment line on the line below, if there is one without an annotation."""
+        """Return the comment line on the line below, if there is one without an annotation.
+
+        In a configuration, which has annotations without comment marks, that is the line below
+        unless it ends a declaration.
+        """
         begin, until, block = line.end + 1, line.until, line.block
-        if begin > until:
+        if self._lexicon == "mars":
+            begin = self.data.find(b"\n", line.end) + 1
+            until = annotation_end(self.data, begin) if begin else 0
+            if begin >= until or b";" in self.data[begin:until]:
+                return None
+        elif begin > until:
             found = self._comment_below(line.end)
             if found is None:
                 return None
