@@ -20,18 +20,18 @@ def commands(document: Path) -> Iterator[tuple[str, str]]:
             yield command, output
 
 
-def run(command: str) -> str:
-    """Run a `mars-asp` or `cat` command in the root of the project; return what it prints."""
+def run(command: str, folder: Path = ROOT) -> str:
+    """Run a `mars-asp` or `cat` command in a folder; return what it prints."""
     from mars_asp.cli import run_here
 
     words = shlex.split(command)
     if words[0] == "cat":
-        return "".join((ROOT / name).read_text(encoding="utf-8") for name in words[1:])
+        return "".join((folder / name).read_text(encoding="utf-8") for name in words[1:])
     assert words[0] == "mars-asp", command
     here = Path.cwd()
     output = io.StringIO()
     try:
-        os.chdir(ROOT)
+        os.chdir(folder)
         with redirect_stdout(output), redirect_stderr(output):
             run_here(words[1:])
     finally:

@@ -1,9 +1,11 @@
 """Every command in the documentation prints what the documentation shows."""
 
+import re
 from pathlib import Path
 
 import pytest
 
+from mars_asp.annotations.languages import LANGUAGES
 from tests.documents import ROOT, commands, refresh, run
 
 DOCUMENTS = [
@@ -19,6 +21,39 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         refresh(document)
     for command, shown in commands(document):
         assert run(command) == shown, command
+
+
+ANNOTATIONS = ROOT / "docs" / "annotations.md"
+SUFFIXES = {
+    "c": "c", "cpp": "cpp", "python": "py", "java": "java", "rust": "rs", "go": "go", "matlab": "m"
+}  # fmt: skip
+#: A source, and behind it what is extracted from it.
+SOURCE = re.compile(rf"(?ms)^```({'|'.join(SUFFIXES)})\n(.*?)^```\n\n```text\n(.*?)^```$")
+
+
+def test_every_language_has_an_example() -> None:
+    shown = [match[1] for match in SOURCE.finditer(ANNOTATIONS.read_text(encoding="utf-8"))]
+    assert sorted(shown) == sorted(SUFFIXES)
+    assert {LANGUAGES[f".{suffix}"] for suffix in SUFFIXES.values()} == set(LANGUAGES.values())
+
+
+def test_examples_of_annotated_sources(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+) -> None:
+    """Each source gives what is shown below it."""
+    monkeypatch.chdir(tmp_path)
+
+    def extracted(match: re.Match[str]) -> str:
+        name = f"example.{SUFFIXES[match[1]]}"
+        Path(name).write_text(match[2], encoding="utf-8")
+        printed = run(f"mars-asp extract {name}", tmp_path)
+        return f"```{match[1]}\n{match[2]}```\n\n```text\n{printed}```"
+
+    text = ANNOTATIONS.read_text(encoding="utf-8")
+    if update_golden:
+        ANNOTATIONS.write_text(SOURCE.sub(extracted, text), encoding="utf-8")
+    for match in SOURCE.finditer(ANNOTATIONS.read_text(encoding="utf-8")):
+        assert extracted(match) == match[0]
 
 
 @pytest.mark.parametrize("folder", sorted(ROOT.glob("examples/*/")), ids=lambda path: path.name)
