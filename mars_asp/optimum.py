@@ -2,11 +2,11 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clingo
 
-from mars_asp.ground_program import Component
+from mars_asp.ground_program import Component, GroundRule
 
 #: Levels below this order optima by taste; they are no cost and do not tell optima apart.
 COST_LEVEL = 10
@@ -53,6 +53,18 @@ def optimise(component: Component, deadline: float | None = None) -> Optimum:
         return Optimum(found.true, found.cost, found.bound, True, 1)
     true = _first_by_name(component, found)
     return Optimum(true, found.cost, found.bound, True, count)
+
+
+def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
+    """Find a least answer in which an atom is true; how many there are is not counted.
+
+    Raises:
+        UnsatisfiableError: no answer has it.
+        TimeoutError: the deadline passed before any answer was found.
+    """
+    forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
+    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
+    return _search(forced, levels, deadline)
 
 
 def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:

@@ -8,7 +8,7 @@ import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, Recorder, partition
-from mars_asp.optimum import Optimum, UnsatisfiableError, optimise
+from mars_asp.optimum import Optimum, UnsatisfiableError, least_with, optimise
 from mars_asp.source import point
 
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined")
@@ -40,6 +40,8 @@ class Grounding:
             MarsError: clingo refuses a rule, or the rules leave a choice.
         """
         self._messages: list[tuple[clingo.MessageCode, str]] = []
+        #: Where each open atom stands: its component, its number there, and the optimum.
+        self._solved: dict[clingo.Symbol, tuple[Component, int, Optimum]] = {}
         self.control = clingo.Control(_OPTIONS, self._note, _MOST_MESSAGES)
         self._add("base", f"{base}\n{facts}")
 
@@ -117,6 +119,9 @@ class Grounding:
             best = known.get(component)
             if best is None:
                 best = known[component] = self._optimise(component, deadline)
+            for number, atom in enumerate(atoms, 1):
+                if atom in names:
+                    self._solved[names[atom]] = (component, number, best)
             taken.update(names[atoms[n - 1]] for n in best.true if atoms[n - 1] in names)
             for level, value in best.cost.items():
                 cost[level] = cost.get(level, 0) + value
@@ -124,6 +129,25 @@ class Grounding:
             proven = proven and best.proven
             count = None if count is None or best.count is None else count * best.count
         return Resolution(frozenset(taken), cost, bound, proven, count)
+
+    def extra_cost(
+        self, atom: clingo.Symbol, deadline: float | None = None
+    ) -> dict[int, int] | None:
+        """Return what the cheapest answer with an atom costs more, level by level.
+
+        `None` where no answer has it. To be asked after `resolve`.
+
+        Raises:
+            TimeoutError: the deadline passed before any answer was found.
+        """
+        if atom not in self._solved:
+            return None
+        component, number, best = self._solved[atom]
+        try:
+            forced = least_with(component, number, deadline)
+        except UnsatisfiableError:
+            return None
+        return {level: forced.cost[level] - cost for level, cost in best.cost.items()}
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
         if deadline is not None and time.monotonic() > deadline:

@@ -36,6 +36,7 @@ LAYERS = [
     "verify",
     "explain",
     "capability",
+    "why_not",
     "sim",
     "execute",
     "scenario",

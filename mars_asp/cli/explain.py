@@ -4,16 +4,22 @@ import argparse
 import json
 import linecache
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.explain import Explanation, explain
-from mars_asp.resolve import NODES
+from mars_asp.project import Project
+from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS
 from mars_asp.source import Span
 from mars_asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.trace.values import Absent, Trace
 from mars_asp.visible import visible
+from mars_asp.why_not import WhyNot, why_not
+
+#: So deep is an absence followed at most, one grounding for each level.
+_MOST_LEVELS = 60
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +30,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
+        "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
+    )
+    parser.add_argument(
         "--depth", metavar="N|all", default=str(DEPTH), type=_depth, help="how deep (default 4)"
     )
 
@@ -32,6 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the traces; 3 where no time was left."""
     project = read_project(arguments)
     subject = arguments.subject or arguments.about
+    if arguments.why_not is not None:
+        return _why_not(project, arguments)
     try:
         answer = explain(project, rulebook_for(arguments), subject, arguments.time_limit)
     except TimeoutError:
@@ -42,9 +53,47 @@ def run(arguments: argparse.Namespace) -> int:
         json.dump({"subject": subject, "traces": traces}, sys.stdout)
         print()
     else:
-        for line in _text(answer, arguments, colours(arguments, sys.stdout)):
+        for line in _text(answer, arguments):
             print(line)
     return int(answer.analysis.has_errors)
+
+
+def _why_not(project: Project, arguments: argparse.Namespace) -> int:
+    levels = _MOST_LEVELS if arguments.depth is None else 2 * arguments.depth
+    try:
+        rulebook = rulebook_for(arguments)
+        answer = why_not(project, rulebook, arguments.why_not, levels, arguments.time_limit)
+    except TimeoutError:
+        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
+        return 3
+    if arguments.format == "json":
+        trace = trace_json(answer.trace)
+        extra = None if answer.extra is None else _cost(answer.extra)
+        found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
+        json.dump({**found, "extra_cost": extra, "traces": [trace]}, sys.stdout)
+        print()
+        return int(answer.analysis.has_errors)
+    title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
+    if isinstance(answer.trace, Absent):
+        title += ": no line says so, and no rule could give it"
+    for line in _lines([(title, answer.trace)], arguments):
+        print(line)
+    if not answer.present and answer.choosable and not arguments.quiet:
+        print(_price(answer))
+    return int(answer.analysis.has_errors)
+
+
+def _cost(cost: Mapping[int, int]) -> dict[str, int]:
+    levels = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
+    return {name: cost.get(level, 0) for name, level in levels.items()}
+
+
+def _price(answer: WhyNot) -> str:
+    if answer.extra is None:
+        return "no realisation has it"
+    more = [f"{count:+} {name}" for name, count in _cost(answer.extra).items() if count]
+    price = f"costs {', '.join(more)}" if more else "costs no more, and is not taken for taste"
+    return f"the cheapest realisation that has `{answer.offered}` {price}"
 
 
 def _depth(text: str) -> int | None:
@@ -55,20 +104,24 @@ def _depth(text: str) -> int | None:
     raise argparse.ArgumentTypeError(f"`{text}` is no depth: write a number from 1, or `all`")
 
 
-def _text(answer: Explanation, arguments: argparse.Namespace, coloured: bool) -> Iterator[str]:
-    topics = [(topic.title, topic.trace) for topic in answer.topics]
-    for line in traces_text(topics, line_at, arguments.depth):
-        title = not line.startswith(" ")
-        if title:
-            yield ""
-        yield paint(visible(line), "strong", coloured and title)
-    yield ""
+def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
+    yield from _lines([(topic.title, topic.trace) for topic in answer.topics], arguments)
     if arguments.quiet:
         return
     if not answer.topics:
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
         yield _summary(answer)
+
+
+def _lines(topics: Sequence[tuple[str, Trace]], arguments: argparse.Namespace) -> Iterator[str]:
+    coloured = colours(arguments, sys.stdout)
+    for line in traces_text(topics, line_at, arguments.depth):
+        title = not line.startswith(" ")
+        if title:
+            yield ""
+        yield paint(visible(line), "strong", coloured and title)
+    yield ""
 
 
 def _summary(answer: Explanation) -> str:

@@ -1,32 +1,19 @@
-"""Traces of least height, well-founded, read from the firings that were asked for.
-
-Heights are found as Knuth (1977) generalises Dijkstra: an atom has the height of its lowest
-firing plus one, and a firing counts only when all its premises have a height, so no atom can
-support itself.
-"""
+"""Traces of least height, well-founded, built from the firings that were asked for."""
 
 from collections.abc import Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass
 
 import clingo
 
-from mars_asp.analysis import fill
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.source import Span
+from mars_asp.trace.absence import absence, believed, nearness
 from mars_asp.trace.demand import first_arguments, reachable_rules
-from mars_asp.trace.rewrite import Rewriter, Signature
-from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
-
-
-@dataclass(frozen=True, slots=True)
-class Firing:
-    """One use of a rule; `premises` are true atoms, those of its aggregates included."""
-
-    rule: int
-    head: clingo.Symbol
-    premises: tuple[clingo.Symbol, ...]
-    absent: tuple[clingo.Symbol, ...]
-    bindings: tuple[clingo.Symbol, ...]
+from mars_asp.trace.firings import Firing, read_firings
+from mars_asp.trace.near import Candidate, NearMisses
+from mars_asp.trace.pattern import can_be_followed, fixed_parts
+from mars_asp.trace.proofs import Proofs
+from mars_asp.trace.rewrite import Rewriter, Signature, asking_name
+from mars_asp.trace.values import Absent, Missing, Trace
 
 
 class Explainer:
@@ -61,23 +48,75 @@ class Explainer:
         """
         asked = tuple(atoms)
         self._ask(asked)
-        firings = self._read()
-        return _proofs(asked, firings, self._given, self._rules, self._rewriter.unsupported)
+        firings = read_firings(self._control, self._question)
+        proofs = Proofs(firings, self._given, self._rules, self._rewriter.unsupported)
+        return {atom: proofs.of(atom) for atom in asked}
+
+    def why_not(self, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
+        """Return what keeps an atom from holding; holes of the pattern are any value.
+
+        Each level below is one more grounding; at most `depth` of them.
+        """
+        near = NearMisses(self._rewriter)
+        found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
+        pending = [pattern]
+        for _ in range(depth):
+            if not pending:
+                break
+            attempts = self._come_near(pending, near)
+            found |= attempts
+            lacking = (f.lacks.arguments[1] for a in attempts.values() for _, f in a if f.lacks)
+            parts = dict.fromkeys(lack.arguments[0] for lack in lacking if lack.name == "no")
+            pending = [part for part in parts if part not in found and can_be_followed(part)]
+        true = {atom for a in found.values() for _, firing in a for atom in believed(firing)}
+        return absence(pattern, found, self._rules, self.why(sorted(true)))
+
+    def _come_near(
+        self, patterns: Sequence[clingo.Symbol], near: NearMisses
+    ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
+        """Return for each pattern, rule by rule, the candidate that comes nearest."""
+        lines = []
+        asked = []
+        for index, pattern in enumerate(patterns):
+            kind = (pattern.name, len(pattern.arguments))
+            parts = clingo.Function("w", fixed_parts(pattern))
+            asked.append(("_near", [clingo.Number(index), parts]))
+            for number, rule in enumerate(self._rules):
+                if kind in rule.heads:
+                    lines.append(near.text(rule, number, pattern, index))
+        self._ground("\n".join(lines), asked)
+        best: dict[tuple[int, int], tuple[Candidate, Firing]] = {}
+        for firing in read_firings(self._control, self._question):
+            candidate = near.candidates[firing.rule]
+            key = (candidate.pattern, candidate.rule)
+            if key not in best or nearness(candidate, firing) < nearness(*best[key]):
+                best[key] = (candidate, firing)
+        found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {p: [] for p in patterns}
+        for (index, _), attempt in sorted(best.items(), key=lambda item: item[0]):
+            found[patterns[index]].append(attempt)
+        return found
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> None:
-        if not self._question:
-            self._copy_open()
-        self._question += 1
+        self._copy_open()
         firsts = ((a.name, str(a.arguments[0]) if a.arguments else "") for a in atoms)
         numbers = reachable_rules(self._rules, first_arguments(firsts), self._present())
-        # A part of its own for each question: it holds only the rules that can matter.
+        asked = [
+            (asking_name(f"{'' if atom.positive else '-'}{atom.name}"), atom.arguments)
+            for atom in atoms
+        ]
+        self._ground(self._rewriter.text(self._rules, numbers), asked)
+
+    def _ground(self, text: str, asked: Iterable[tuple[str, Sequence[clingo.Symbol]]]) -> None:
+        """Ground explanation rules as a part of their own, so that only they can matter."""
+        self._copy_open()
+        self._question += 1
         part = f"_explain{self._question}"
-        self._control.add(part, ["k"], self._rewriter.text(self._rules, numbers))
         number = clingo.Number(self._question)
+        self._control.add(part, ["k"], text)
         with self._control.backend() as backend:
-            for atom in atoms:
-                asked = clingo.Function(f"_ask_{atom.name}", [number, *atom.arguments])
-                backend.add_rule([backend.add_atom(asked)])
+            for name, arguments in asked:
+                fact = clingo.Function(name, [number, *arguments])
+                backend.add_rule([backend.add_atom(fact)])
         self._control.ground([(part, [number])])
 
     def _present(self) -> frozenset[str]:
@@ -93,130 +132,13 @@ class Explainer:
         return frozenset(found)
 
     def _copy_open(self) -> None:
+        if self._question:
+            return
+        atoms = self._control.symbolic_atoms
         with self._control.backend() as backend:
             for name, arity in sorted(self._opened):
-                for atom in self._control.symbolic_atoms.by_signature(name, arity):
-                    if atom.is_fact or atom.symbol in self._taken:
-                        copy = clingo.Function(f"_t_{name}", atom.symbol.arguments)
-                        backend.add_rule([backend.add_atom(copy)])
-
-    def _read(self) -> dict[clingo.Symbol, list[Firing]]:
-        number = clingo.Number(self._question)
-        elements: dict[clingo.Symbol, list[clingo.Symbol]] = {}
-        absences: dict[clingo.Symbol, list[clingo.Symbol]] = {}
-        for atom in self._control.symbolic_atoms.by_signature("_e", 4):
-            firing, _, premises, absent = atom.symbol.arguments
-            if firing.arguments[0] == number:
-                elements.setdefault(firing, []).extend(premises.arguments)
-                absences.setdefault(firing, []).extend(absent.arguments)
-        firings: dict[clingo.Symbol, list[Firing]] = {}
-        for atom in self._control.symbolic_atoms.by_signature("_s", 6):
-            symbol = atom.symbol
-            question, rule, head, premises, absent, bindings = symbol.arguments
-            if question != number:
-                continue
-            more = sorted(set(elements.get(symbol, ())))
-            firings.setdefault(head, []).append(
-                Firing(
-                    rule.number,
-                    head,
-                    tuple(dict.fromkeys((*premises.arguments, *more))),
-                    tuple(dict.fromkeys((*absent.arguments, *absences.get(symbol, ())))),
-                    tuple(bindings.arguments),
-                )
-            )
-        return firings
-
-
-def _proofs(
-    asked: Iterable[clingo.Symbol],
-    firings: Mapping[clingo.Symbol, Sequence[Firing]],
-    given: Mapping[clingo.Symbol, Span],
-    rules: Sequence[Rule],
-    unsupported: Mapping[int, str],
-) -> dict[clingo.Symbol, Trace]:
-    best = _lowest(firings, given)
-    traces: dict[clingo.Symbol, Trace] = {}
-    wanted = list(asked)
-    for root in wanted:
-        stack = [root]
-        while stack:
-            atom = stack[-1]
-            if atom in traces:
-                stack.pop()
-                continue
-            if atom in given or atom not in best:
-                traces[atom] = _leaf(atom, given, unsupported)
-                stack.pop()
-                continue
-            firing = best[atom]
-            missing = [premise for premise in firing.premises if premise not in traces]
-            if missing:
-                stack += missing
-                continue
-            traces[atom] = _derived(firing, traces, rules[firing.rule])
-            stack.pop()
-    return {atom: traces[atom] for atom in wanted}
-
-
-def _leaf(
-    atom: clingo.Symbol, given: Mapping[clingo.Symbol, Span], unsupported: Mapping[int, str]
-) -> Trace:
-    if atom in given:
-        return Given(str(atom), given[atom])
-    if unsupported:
-        return Unexplained(str(atom), f"a rule uses {next(iter(unsupported.values()))}")
-    return Given(str(atom), None)
-
-
-def _derived(firing: Firing, traces: Mapping[clingo.Symbol, Trace], rule: Rule) -> Derived:
-    bindings = {pair.arguments[0].string: pair.arguments[1] for pair in firing.bindings}
-    premises = [traces[premise] for premise in firing.premises]
-    absent = [Absent(str(atom).replace("_any", "_")) for atom in firing.absent]
-    return Derived(
-        str(firing.head),
-        rule,
-        fill(rule.because, bindings),
-        bindings,
-        (*premises, *absent),
-        rule.is_choice,
-    )
-
-
-def _lowest(
-    firings: Mapping[clingo.Symbol, Sequence[Firing]], given: Mapping[clingo.Symbol, Span]
-) -> dict[clingo.Symbol, Firing]:
-    """Return for each atom its firing of least height, ties by rule and then by bindings."""
-    waiting: dict[int, int] = {}
-    users: dict[clingo.Symbol, list[int]] = {}
-    every = [firing for group in firings.values() for firing in group]
-    level: list[int] = []
-    for index, firing in enumerate(every):
-        open_premises = {p for p in firing.premises if p not in given and p in firings}
-        waiting[index] = len(open_premises)
-        for premise in open_premises:
-            users.setdefault(premise, []).append(index)
-        if not open_premises:
-            level.append(index)
-    best: dict[clingo.Symbol, Firing] = {}
-    while level:
-        reached: dict[clingo.Symbol, Firing] = {}
-        for index in level:
-            firing = every[index]
-            if firing.head in best:
-                continue
-            rival = reached.get(firing.head)
-            if rival is None or _order(firing) < _order(rival):
-                reached[firing.head] = firing
-        best |= reached
-        level = []
-        for atom in reached:
-            for index in users.get(atom, ()):
-                waiting[index] -= 1
-                if not waiting[index]:
-                    level.append(index)
-    return best
-
-
-def _order(firing: Firing) -> tuple[int, tuple[clingo.Symbol, ...]]:
-    return firing.rule, firing.bindings
+                for positive in (True, False):
+                    for atom in atoms.by_signature(name, arity, positive):
+                        if atom.is_fact or atom.symbol in self._taken:
+                            copy = clingo.Function(f"_t_{name}", atom.symbol.arguments, positive)
+                            backend.add_rule([backend.add_atom(copy)])

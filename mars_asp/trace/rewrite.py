@@ -5,9 +5,10 @@ For a rule `h(X) :- b(X,Y), not c(Y)` with number r, and question k:
     _s(k,r,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)) :- _ask_h(k,X), b(X,Y), not c(Y).
     _ask_b(k,X,Y) :- _s(k,r,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)).
 
-Elements of aggregates and instances of conditional literals come as `_e` atoms of a firing.
-A predicate that is decided only by solving, `open`, is read from copies `_t_h` of its true atoms.
-The terms of the firing atom are evaluated by clingo itself, so arithmetic needs no second reading.
+An aggregate or conditional literal of a firing is a group: `_e` atoms are its elements, a `_g` atom
+says how many of them the firing rests on. A predicate that is decided only by solving, `open`, is
+read from copies `_t_h` of its true atoms. The terms of the firing atom are evaluated by clingo
+itself, so arithmetic needs no second reading.
 """
 
 import re
@@ -21,7 +22,7 @@ from mars_asp.rulebook import Rule
 
 Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
-_AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
 
 
 @dataclass
@@ -63,48 +64,64 @@ class Rewriter:
     ) -> Iterator[str]:
         if head.atom.ast_type != _TYPE.SymbolicAtom:
             return
-        terms = _Terms()
+        terms = Terms()
         shown = terms.atom(head.atom.symbol, fresh_complex=True)
+        literals = (*body, *condition)
+        asked = asking(shown)
+        names = variables_of((head, *Terms.definitions_of(literals)))
+        yield from self.instance(number, str(number), shown, [asked], literals, terms, names)
+
+    def instance(
+        self,
+        number: int,
+        tag: str,
+        shown: str,
+        asked: Iterable[str],
+        literals: Iterable[ast.AST],
+        terms: "Terms",
+        names: Iterable[str],
+        ask: bool = True,
+    ) -> Iterator[str]:
+        """Yield rules for the instances of literals of rule `number` where `asked` holds too.
+
+        `shown` is the head and `names` are the variables that tell instances apart. With `ask`
+        the premises are asked for in turn.
+        """
         premises: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
-        sets: list[tuple[str, tuple[tuple[str, Sequence[ast.AST]], ...]]] = []
-        for literal in (*body, *condition):
+        groups: list[ast.AST] = []
+        for literal in literals:
             if literal.ast_type == _TYPE.ConditionalLiteral:
-                rest.append(self._renamed(literal))
-                sets.append(
-                    ("c", ((_inner(literal.literal), (literal.literal, *literal.condition)),))
-                )
+                rest.append(self.renamed(literal))
+                groups.append(literal)
             elif literal.ast_type != _TYPE.Literal:
                 self.unsupported[number] = str(literal.ast_type)
             elif literal.atom.ast_type == _TYPE.SymbolicAtom:
                 self._symbolic(literal, terms, premises, absent, rest)
             else:
-                rest.append(self._renamed(literal))
-                if literal.atom.ast_type in _AGGREGATES:
-                    sets.append(("e", tuple(_elements(literal.atom))))
+                rest.append(self.renamed(literal))
+                if literal.atom.ast_type in AGGREGATES and literal.sign == ast.Sign.NoSign:
+                    groups.append(literal.atom)
                 elif literal.atom.ast_type == _TYPE.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
-        variables = sorted(_variables((head, *terms.definitions_of(body, condition))) | terms.names)
         firing = (
-            f"_s(k,{number},{shown},p({','.join(term for _, term in premises)}),"
-            f"a({','.join(absent)}),v({','.join(_pair(name) for name in variables)}))"
+            f"_s(k,{tag},{shown},p({','.join(term for _, term in premises)}),"
+            f"a({','.join(absent)}),v({','.join(_pair(name) for name in sorted(names))}))"
         )
-        name, arguments = _split(shown)
-        asked = f"_ask_{name}(k{arguments})"
-        wanted = [asked, *(text for text, _ in premises), *rest, *terms.equations]
+        wanted = [*asked, *(text for text, _ in premises), *rest, *terms.equations]
         yield f"{firing} :- {'; '.join(wanted)}."
-        for _, term in premises:
-            inner, inner_arguments = _split(term)
-            yield f"_ask_{inner}(k{inner_arguments}) :- {firing}."
-        for index, (_, elements) in enumerate(sets):
-            for _, literals in elements:
-                yield from self._element(index, firing, literals)
+        if ask:
+            yield from (f"{asking(term)} :- {firing}." for _, term in premises)
+        for index, group in enumerate(groups):
+            yield f"_g({firing},{index},{','.join(_needed(group))}) :- {firing}."
+            for element in _elements(group):
+                yield from self._element(index, firing, ask, *element)
 
     def _symbolic(
         self,
         literal: ast.AST,
-        terms: "_Terms",
+        terms: "Terms",
         premises: list[tuple[str, str]],
         absent: list[str],
         rest: list[str],
@@ -112,37 +129,52 @@ class Rewriter:
         symbol = literal.atom.symbol
         if literal.sign == ast.Sign.NoSign:
             shown = terms.atom(symbol)
-            premises.append((self._source(shown, symbol), shown))
-        else:
-            rest.append(self._renamed(literal))
-            if literal.sign == ast.Sign.Negation:
-                absent.append(terms.pattern(symbol))
+            premises.append((self.source(shown, symbol), shown))
+            return
+        shown, pattern = terms.negated(symbol)
+        sign = "not" if literal.sign == ast.Sign.Negation else "not not"
+        rest.append(f"{sign} {self.source(shown, symbol)}")
+        absent.append(pattern if sign == "not" else f"_not({pattern})")
 
-    def _element(self, index: int, firing: str, literals: Sequence[ast.AST]) -> Iterator[str]:
-        terms = _Terms("E")
+    def _element(
+        self,
+        index: int,
+        firing: str,
+        ask: bool,
+        told_apart: str,
+        required: Sequence[ast.AST],
+        optional: Sequence[ast.AST],
+    ) -> Iterator[str]:
+        terms = Terms("E")
         premises: list[tuple[str, str]] = []
+        others: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
-        for literal in literals:
-            if literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom:
-                self._symbolic(literal, terms, premises, absent, rest)
-            elif literal.ast_type == _TYPE.Literal:
-                rest.append(str(literal))
-        shown = ",".join(term for _, term in premises)
-        element = f"_e({firing},{index},p({shown}),a({','.join(absent)}))"
-        wanted = [firing, *(text for text, _ in premises), *rest, *terms.equations]
+        for literals, found in ((required, premises), (optional, others)):
+            for literal in literals:
+                if literal.atom.ast_type == _TYPE.SymbolicAtom:
+                    self._symbolic(literal, terms, found, absent, rest)
+                else:
+                    rest.append(str(literal))
+        if not told_apart:
+            first = (premises[0][1],) if premises else ("absent", *absent)[:2]
+            told_apart = f"t({','.join(first)})"
+        needed, more = (",".join(term for _, term in found) for found in (premises, others))
+        element = f"_e({firing},{index},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        wanted = [firing, *(text for text, _ in (*premises, *others)), *rest, *terms.equations]
         yield f"{element} :- {'; '.join(wanted)}."
-        for _, term in premises:
-            name, arguments = _split(term)
-            yield f"_ask_{name}(k{arguments}) :- {element}."
+        if ask:
+            yield from (f"{asking(term)} :- {element}." for _, term in (*premises, *others))
 
-    def _source(self, shown: str, symbol: ast.AST) -> str:
+    def source(self, shown: str, symbol: ast.AST) -> str:
         """Return where the true atoms of a premise are found."""
-        return f"_t_{shown}" if _signature(symbol) in self.open else shown
+        if _signature(symbol) not in self.open:
+            return shown
+        return f"-_t_{shown[1:]}" if shown.startswith("-") else f"_t_{shown}"
 
-    def _renamed(self, literal: ast.AST) -> str:
+    def renamed(self, literal: ast.AST) -> str:
         """Return a literal's text with open predicates read from their copies."""
-        return str(_Renaming(self.open)(literal))
+        return str(_Renaming(self.open)(literal)) if self.open else str(literal)
 
 
 class _Renaming(ast.Transformer):
@@ -158,28 +190,39 @@ class _Renaming(ast.Transformer):
         return node
 
 
-class _Terms:
+class Terms:
     """Names what a term cannot show: anonymous variables, intervals, arithmetic in heads."""
 
     def __init__(self, prefix: str = "F") -> None:
+        """Begin; names that are made up start with `prefix`."""
         self.prefix = prefix
-        self.names: set[str] = set()
         self.equations: list[str] = []
         self._count = 0
 
     def fresh(self) -> str:
+        """Return a variable of its own."""
         self._count += 1
         return f"_{self.prefix}{self._count}"
 
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
         """Return an atom's text with every argument a term that matches as it evaluates."""
-        arguments = [self._argument(term, fresh_complex) for term in symbol.arguments]
-        return f"{symbol.name}({','.join(arguments)})" if arguments else symbol.name
+        sign, symbol = unsigned(symbol)
+        return _text(sign, symbol, [self._argument(a, fresh_complex) for a in symbol.arguments])
 
-    def pattern(self, symbol: ast.AST) -> str:
-        """Return a negated atom's text; what is anonymous stays so."""
-        arguments = [_anonymous(term) for term in symbol.arguments]
-        return f"{symbol.name}({','.join(arguments)})" if arguments else symbol.name
+    def negated(self, symbol: ast.AST) -> tuple[str, str]:
+        """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
+        sign, symbol = unsigned(symbol)
+        named = [self.named(argument) for argument in symbol.arguments]
+        pattern = [_anonymous(argument) for argument in named]
+        return _text(sign, symbol, list(map(str, named))), _text(sign, symbol, pattern)
+
+    def named(self, term: ast.AST) -> ast.AST:
+        """Return a term, an interval by a name of its own."""
+        if ".." not in _bare(term):
+            return term
+        name = self.fresh()
+        self.equations.append(f"{name} = {term}")
+        return ast.Variable(term.location, name)
 
     def _argument(self, term: ast.AST, fresh_complex: bool) -> str:
         bare = _bare(term)
@@ -196,14 +239,14 @@ class _Terms:
         return str(term)
 
     @staticmethod
-    def definitions_of(*parts: Sequence[ast.AST]) -> list[ast.AST]:
+    def definitions_of(literals: Iterable[ast.AST]) -> list[ast.AST]:
         """Return the literals whose variables a firing is told apart by."""
         found = []
-        for literal in (literal for part in parts for literal in part):
+        for literal in literals:
             if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
                 continue
             atom = literal.atom
-            if atom.ast_type in _AGGREGATES:
+            if atom.ast_type in AGGREGATES:
                 for guard in (atom.left_guard, atom.right_guard):
                     if guard is not None:
                         found.append(guard.term)
@@ -213,29 +256,91 @@ class _Terms:
 
 
 def _signature(symbol: ast.AST) -> Signature:
+    _, symbol = unsigned(symbol)
     return symbol.name, len(symbol.arguments)
 
 
-def _split(shown: str) -> tuple[str, str]:
-    """Return an atom's name and its arguments, with a comma before each."""
+def unsigned(symbol: ast.AST) -> tuple[str, ast.AST]:
+    """Return the sign of classical negation, or nothing, and an atom without it."""
+    if symbol.ast_type == _TYPE.UnaryOperation:
+        return "-", symbol.argument
+    return "", symbol
+
+
+def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
+    return f"{sign}{symbol.name}({','.join(arguments)})" if arguments else f"{sign}{symbol.name}"
+
+
+def asking(shown: str) -> str:
+    """Return the atom that asks for another one."""
     name, bracket, inside = shown.partition("(")
-    return name, f",{inside[:-1]}" if bracket else ""
+    arguments = f"(k,{inside}" if bracket else "(k)"
+    return f"{asking_name(name)}{arguments}"
+
+
+def asking_name(name: str) -> str:
+    """Return the predicate that asks for atoms of another one; `-` is classical negation."""
+    return f"_ask_neg_{name[1:]}" if name.startswith("-") else f"_ask_{name}"
 
 
 def _pair(name: str) -> str:
     return f'("{name}",{name})'
 
 
-def _inner(literal: ast.AST) -> str:
-    return str(literal)
+_SWAPPED = {
+    ast.ComparisonOperator.LessEqual: "ge",
+    ast.ComparisonOperator.LessThan: "gt",
+    ast.ComparisonOperator.GreaterEqual: "le",
+    ast.ComparisonOperator.GreaterThan: "lt",
+}
+_STRAIGHT = {
+    ast.ComparisonOperator.LessEqual: "le",
+    ast.ComparisonOperator.LessThan: "lt",
+    ast.ComparisonOperator.GreaterEqual: "ge",
+    ast.ComparisonOperator.GreaterThan: "gt",
+}
 
 
-def _elements(atom: ast.AST) -> Iterator[tuple[str, Sequence[ast.AST]]]:
-    for element in atom.elements:
-        if atom.ast_type == _TYPE.BodyAggregate:
-            yield str(element), tuple(element.condition)
+def _needed(group: ast.AST) -> tuple[str, str, str]:
+    """Return how many elements of a group a firing rests on: (function, relation, bound).
+
+    All of them, none (an upper bound is no support), or enough to reach a bound.
+    """
+    if group.ast_type == _TYPE.ConditionalLiteral:
+        return "all", "all", "0"
+    function = "count"
+    if group.ast_type == _TYPE.BodyAggregate:
+        function = ast.AggregateFunction(group.function).name.lower()
+    supporting = ("le", "lt") if function == "min" else ("ge", "gt")
+    relations = [
+        (table.get(guard.comparison), str(guard.term))
+        for guard, table in ((group.left_guard, _SWAPPED), (group.right_guard, _STRAIGHT))
+        if guard is not None
+    ]
+    for relation, bound in relations:
+        if relation in supporting:
+            return function, relation, bound
+    if relations and all(relation is not None for relation, _ in relations):
+        return "none", "none", "0"
+    return "all", "all", "0"
+
+
+def _elements(
+    group: ast.AST,
+) -> Iterator[tuple[str, Sequence[ast.AST], Sequence[ast.AST]]]:
+    """Yield what tells an element apart, the literals that support it, and its mere conditions.
+
+    Without a tuple, the first literal tells elements apart.
+    """
+    if group.ast_type == _TYPE.ConditionalLiteral:
+        yield "", (group.literal,), tuple(group.condition)
+        return
+    for element in group.elements:
+        if group.ast_type == _TYPE.BodyAggregate:
+            terms = ",".join(map(str, element.terms))
+            yield f"t({terms})", tuple(element.condition), ()
         else:
-            yield str(element), (element.literal, *element.condition)
+            yield "", (element.literal, *element.condition), ()
 
 
 # Reading a term's text is many times faster than walking its tree through the foreign interface.
@@ -250,7 +355,8 @@ def _bare(node: ast.AST) -> str:
     return _STRING.sub('""', str(node))
 
 
-def _variables(nodes: Sequence[ast.AST]) -> set[str]:
+def variables_of(nodes: Sequence[ast.AST]) -> set[str]:
+    """Return the names of the variables in nodes, but for anonymous ones."""
     return {name for node in nodes for name in _VARIABLE.findall(_bare(node))}
 
 

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from mars_asp.source import Span
-from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
+from mars_asp.trace.absence_text import attempt_text, failure, nearest
+from mars_asp.trace.values import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
 
 WIDTH = 80
 #: Deep enough for a reason, short enough to read.
@@ -44,10 +45,9 @@ def traces_text(
         else:
             numbers[key] = len({k for k in numbers if k in again}) + 1
             mark = f"({numbers[key]}) " if key in again else ""
-            how = ", chosen as the cheapest" if entry.step.chosen else ""
             span = entry.step.rule.span
             place = f"[{entry.step.rule.id}] {span.path}:{span.line}"
-            yield from _wrap(f"{mark}{entry.text}{how}  {place}", entry.level)
+            yield from _wrap(f"{mark}{entry.text}{entry.remark}  {place}", entry.level)
 
 
 class _Entry(NamedTuple):
@@ -55,33 +55,45 @@ class _Entry(NamedTuple):
 
     level: int
     text: str
-    step: Derived | None
+    step: Derived | Attempt | None
+    remark: str = ""
 
 
 def _entries(
     title: str, trace: Trace, line_at: Callable[[Span], str], depth: int | None
 ) -> Iterator[_Entry]:
     yield _Entry(0, title, None)
-    stack: list[tuple[Trace, int]] = [(trace, 1)]
+    stack: list[tuple[Trace | Attempt | str, int]] = [(trace, 1)]
     opened: set[int] = set()
     said: set[tuple[int, str]] = set()
     while stack:
         step, level = stack.pop()
-        if not isinstance(step, Derived):
-            line = _leaf(step, line_at)
-            if line is not None and (level, line) not in said:
-                said.add((level, line))
-                yield _Entry(level, line, None)
-            continue
-        said = {entry for entry in said if entry[0] <= level}
-        yield _Entry(level, step.message or step.atom, step)
-        if id(step) in opened:
-            continue
-        opened.add(id(step))
-        below: Sequence[Trace] = _interesting(step, absences=level == 1 or depth is None)
-        if depth is not None and level >= depth and any(isinstance(p, Derived) for p in below):
-            below = _leaves(step)
-        stack += [(premise, level + 1) for premise in reversed(below)]
+        below: Sequence[Trace | Attempt | str]
+        match step:
+            case Missing() if step.attempts:
+                stack += [(attempt, level) for attempt in reversed(nearest(step))]
+                continue
+            case Derived():
+                said = {entry for entry in said if entry[0] <= level}
+                remark = ", chosen as the cheapest" if step.chosen else ""
+                yield _Entry(level, step.message or step.atom, step, remark)
+                below = _interesting(step.premises, level == 1 or depth is None)
+                if depth is not None and level >= depth:
+                    below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
+            case Attempt():
+                said = {entry for entry in said if entry[0] <= level}
+                yield _Entry(level, attempt_text(step), step)
+                below = failure(step, depth is None or level < depth)
+                below = (*below, *_interesting(step.held, absences=False))
+            case _:
+                line = step if isinstance(step, str) else _leaf(step, line_at)
+                if line is not None and (level, line) not in said:
+                    said.add((level, line))
+                    yield _Entry(level, line, None)
+                continue
+        if id(step) not in opened:
+            opened.add(id(step))
+            stack += [(premise, level + 1) for premise in reversed(below)]
 
 
 def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
@@ -91,60 +103,89 @@ def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
     """
     root: dict[str, object] = {}
     shown: set[int] = set()
-    stack: list[tuple[Trace, dict[str, object], int]] = [(trace, root, 0)]
+    stack: list[tuple[Trace | Attempt, dict[str, object], int]] = [(trace, root, 0)]
     while stack:
         step, target, level = stack.pop()
         target.update(_step_json(step))
-        if not isinstance(step, Derived):
+        inside = _inside(step)
+        if not inside:
             continue
         if id(step) in shown:
             target["shared"] = True
             continue
         if depth is not None and level >= depth:
-            target["folded"] = bool(step.premises)
+            target["folded"] = True
             continue
         shown.add(id(step))
-        premises: list[dict[str, object]] = [{} for _ in step.premises]
+        premises: list[dict[str, object]] = [{} for _ in inside]
         target["premises"] = premises
-        below = list(zip(step.premises, premises, strict=True))
+        below = list(zip(inside, premises, strict=True))
         stack += [(premise, entry, level + 1) for premise, entry in reversed(below)]
     return root
 
 
-def _step_json(step: Trace) -> dict[str, object]:
-    entry: dict[str, object] = {"atom": step.atom, "message": step.atom, "kind": "given"}
+def _inside(step: Trace | Attempt) -> Sequence[Trace | Attempt]:
+    match step:
+        case Derived():
+            return step.premises
+        case Missing(_, attempts):
+            return attempts
+        case Attempt():
+            return (*(() if step.cause is None else (step.cause,)), *step.held)
+        case _:
+            return ()
+
+
+def _step_json(step: Trace | Attempt) -> dict[str, object]:
+    atom = step.atom
+    entry: dict[str, object] = {"atom": atom, "message": atom, "kind": "given"}
     entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
     match step:
         case Given(_, span) if span is not None:
             entry["location"] = {"path": span.path, "line": span.line, "column": span.column}
         case Absent(atom):
             entry |= {"kind": "absent", "message": f"no {atom}"}
+        case Missing():
+            entry |= {"kind": "absent", "message": f"no {step.atom}"}
+            if not step.followed:
+                entry["folded"] = True
         case Unexplained(_, reason):
             entry |= {"message": reason}
         case Derived():
-            span = step.rule.span
             entry["kind"] = "chosen" if step.chosen else "derived"
             entry["message"] = step.message or step.atom
-            entry["bindings"] = {name: str(value) for name, value in step.bindings.items()}
-            entry["rule"] = {
-                "id": step.rule.id,
-                "path": span.path,
-                "line": span.line,
-                "text": step.rule.text,
-            }
+            entry |= _instance_json(step)
+        case Attempt():
+            value = None if step.value is None else str(step.value)
+            entry |= {"kind": "absent", "atom": step.atom, "message": attempt_text(step)}
+            entry |= {"fails": step.fails, "value": value}
+            entry |= _instance_json(step)
         case _:
             pass
     return entry
 
 
-def _interesting(step: Derived, absences: bool) -> list[Trace]:
+def _instance_json(step: Derived | Attempt) -> dict[str, object]:
+    span = step.rule.span
+    return {
+        "bindings": {name: str(value) for name, value in step.bindings.items()},
+        "rule": {
+            "id": step.rule.id,
+            "path": span.path,
+            "line": span.line,
+            "text": step.rule.text,
+        },
+    }
+
+
+def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
     """Return the premises that say something of their own.
 
     Those without a message give way to their premises; what another premise leads to as well is
     left to that one.
     """
     found: dict[int, Trace] = {}
-    stack = list(reversed(step.premises))
+    stack = list(reversed(premises))
     seen: set[int] = set()
     while stack:
         premise = stack.pop()
@@ -207,7 +248,7 @@ def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
             return f"{span.path}:{span.line}: {line_at(span)}"
         case Given():
             return None
-        case Absent(atom):
+        case Absent(atom) | Missing(atom):
             return f"no {atom}"
         case Unexplained(atom, reason):
             return f"{atom}: not traced, for {reason}"

@@ -50,4 +50,35 @@ class Unexplained:
     reason: str
 
 
-Trace: TypeAlias = Given | Absent | Derived | Unexplained
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """The nearest that a rule comes to an absent `atom`.
+
+    `fails` is the literal that is false for these bindings, `value` what its aggregate amounts
+    to; `cause` says why it is false, and `held` are premises that do hold. Where `fails` is
+    `None`, a choice could give the atom and does not.
+    """
+
+    atom: str
+    rule: Rule
+    message: str | None
+    bindings: Mapping[str, clingo.Symbol]
+    fails: str | None
+    value: clingo.Symbol | None
+    cause: "Trace | None"
+    held: tuple["Trace", ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Missing:
+    """An atom that does not hold, with the nearest that each rule comes; `_` is any value.
+
+    `followed` is false where no more was asked, as beyond a depth.
+    """
+
+    atom: str
+    attempts: tuple[Attempt, ...]
+    followed: bool = True
+
+
+Trace: TypeAlias = Given | Absent | Derived | Unexplained | Missing

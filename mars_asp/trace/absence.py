@@ -1,0 +1,93 @@
+"""From near misses to the reason why an atom is absent."""
+
+from collections.abc import Mapping, Sequence, Set
+from typing import TypeAlias
+
+import clingo
+
+from mars_asp.analysis import fill
+from mars_asp.rulebook import Rule
+from mars_asp.trace.firings import Firing
+from mars_asp.trace.near import Candidate
+from mars_asp.trace.pattern import shown_pattern
+from mars_asp.trace.proofs import bindings_of
+from mars_asp.trace.values import Absent, Attempt, Missing, Trace
+
+Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
+
+
+def nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str]:
+    """Return a sort key: a choice that was not made, one literal alone, then most that hold."""
+    return (
+        candidate.fails is not None,
+        not candidate.alone,
+        -candidate.kept,
+        str(firing.bindings),
+    )
+
+
+def believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
+    """Return the true atoms that a near miss is told with."""
+    lack = _lack(firing)
+    if lack.name == "holds":
+        return (lack.arguments[0],)
+    if lack.name == "no":
+        return ()
+    counted = {p for g in firing.groups for e in g.elements for p in (*e.premises, *e.conditions)}
+    premises = () if lack.name == "value" and counted else firing.premises
+    return tuple(dict.fromkeys((*premises, *sorted(counted))))
+
+
+def absence(
+    pattern: clingo.Symbol,
+    found: Found,
+    rules: Sequence[Rule],
+    true: Mapping[clingo.Symbol, Trace],
+    above: Set[clingo.Symbol] = frozenset(),
+    known: dict[clingo.Symbol, Missing | Absent] | None = None,
+) -> Missing | Absent:
+    """Return why no atom of a pattern holds.
+
+    What is needed twice is one object; what leads back to itself ends in a leaf.
+    """
+    known = {} if known is None else known
+    shown = shown_pattern(pattern)
+    if pattern in above:
+        return Absent(shown)
+    if pattern in known:
+        return known[pattern]
+    if pattern not in found:
+        return Missing(shown, (), followed=False)
+    if not found[pattern]:
+        return Absent(shown)
+    attempts = []
+    for candidate, firing in sorted(found[pattern], key=lambda attempt: nearness(*attempt)[:3]):
+        lack = _lack(firing)
+        cause: Trace | None = None
+        held: tuple[Trace, ...] = ()
+        if lack.name == "no":
+            cause = absence(lack.arguments[0], found, rules, true, {*above, pattern}, known)
+        elif lack.name == "holds":
+            cause = true[lack.arguments[0]]
+        else:
+            held = tuple(true[atom] for atom in believed(firing))
+        rule, bindings = rules[candidate.rule], bindings_of(firing)
+        attempts.append(
+            Attempt(
+                shown,
+                rule,
+                fill(rule.because, bindings),
+                bindings,
+                None if candidate.fails is None else str(candidate.fails),
+                lack.arguments[0] if lack.name == "value" else None,
+                cause,
+                held,
+            )
+        )
+    known[pattern] = Missing(shown, tuple(attempts))
+    return known[pattern]
+
+
+def _lack(firing: Firing) -> clingo.Symbol:
+    assert firing.lacks is not None
+    return firing.lacks.arguments[1]

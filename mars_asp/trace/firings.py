@@ -1,0 +1,241 @@
+"""Firings as they are read from the explanation rules, and the least height of what they give.
+
+Heights are found as Knuth (1977) generalises Dijkstra: an atom has the height of its lowest
+firing plus one, and a firing counts only when all that it needs has a height, so no atom can
+support itself. An aggregate is reached when enough of its elements are; which ones is told by a
+bound, as of `#count` and `#sum` from below.
+"""
+
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import clingo
+
+Atoms: TypeAlias = tuple[clingo.Symbol, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """One element of an aggregate, or instance of a conditional literal, that holds.
+
+    `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
+    """
+
+    tuple: clingo.Symbol
+    premises: Atoms
+    conditions: Atoms
+    absent: Atoms
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """The elements of one aggregate, and how many of them a firing needs.
+
+    `function` is `all`, `none`, or the aggregate's, of which the value must reach `bound`.
+    """
+
+    function: str
+    strict: bool
+    bound: clingo.Symbol
+    elements: tuple[Element, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Firing:
+    """One use of a rule: true atoms that it needs, and groups of which it needs some."""
+
+    rule: int
+    head: clingo.Symbol
+    premises: Atoms
+    absent: Atoms
+    bindings: Atoms
+    groups: tuple[Group, ...] = ()
+    #: What a firing that almost was lacks; `None` for a real one.
+    lacks: clingo.Symbol | None = None
+
+
+def read_firings(control: clingo.Control, question: int) -> list[Firing]:
+    """Return what the explanation rules of a question found."""
+    atoms = control.symbolic_atoms
+    number = clingo.Number(question)
+    elements: dict[tuple[clingo.Symbol, clingo.Symbol], list[Element]] = {}
+    for atom in atoms.by_signature("_e", 6):
+        firing, index, told_apart, needed, others, absent = atom.symbol.arguments
+        if firing.arguments[0] == number:
+            elements.setdefault((firing, index), []).append(
+                Element(
+                    told_apart,
+                    tuple(needed.arguments),
+                    tuple(others.arguments),
+                    tuple(absent.arguments),
+                )
+            )
+    groups: dict[clingo.Symbol, list[tuple[clingo.Symbol, Group]]] = {}
+    for atom in atoms.by_signature("_g", 5):
+        firing, index, function, relation, bound = atom.symbol.arguments
+        if firing.arguments[0] == number:
+            inside = sorted(elements.get((firing, index), ()), key=_element_order)
+            strict = relation.name in ("gt", "lt")
+            group = Group(function.name, strict, bound, tuple(inside))
+            groups.setdefault(firing, []).append((index, group))
+    found = []
+    for atom in atoms.by_signature("_s", 6):
+        asked, tag, head, premises, absent, bindings = atom.symbol.arguments
+        if asked != number:
+            continue
+        is_number = tag.type == clingo.SymbolType.Number
+        found.append(
+            Firing(
+                tag.number if is_number else tag.arguments[0].number,
+                head,
+                tuple(dict.fromkeys(premises.arguments)),
+                tuple(dict.fromkeys(absent.arguments)),
+                tuple(bindings.arguments),
+                tuple(group for _, group in sorted(groups.get(atom.symbol, ()), key=_index)),
+                None if is_number else tag,
+            )
+        )
+    return found
+
+
+class _Tally:
+    """What has been counted of a group, and whether that is enough."""
+
+    def __init__(self, group: Group) -> None:
+        self._group = group
+        self._counted: set[clingo.Symbol] = set()
+        self._total = 0
+        self._end: clingo.Symbol | None = None
+        tuples = {element.tuple for element in group.elements}
+        self._needs_all = group.function == "all" or (
+            group.function == "sum" and any(_number(_weight(t)) < 0 for t in tuples)
+        )
+        self._missing = len(tuples)
+
+    def add(self, element: Element) -> None:
+        """Count an element."""
+        if element.tuple in self._counted:
+            return
+        self._counted.add(element.tuple)
+        self._missing -= 1
+        weight = _weight(element.tuple)
+        self._total += 1 if self._group.function == "count" else max(0, _number(weight))
+        pick = min if self._group.function == "min" else max
+        self._end = weight if self._end is None else pick(self._end, weight)
+
+    @property
+    def is_enough(self) -> bool:
+        """Say whether the firing rests on what has been counted."""
+        function, bound, strict = self._group.function, self._group.bound, self._group.strict
+        if function == "none":
+            return True
+        if self._needs_all:
+            return not self._missing
+        if function == "min":
+            end = clingo.Supremum if self._end is None else self._end
+            return end < bound or (end == bound and not strict)
+        value = clingo.Number(self._total)
+        if function == "max":
+            value = clingo.Infimum if self._end is None else self._end
+        return value > bound or (value == bound and not strict)
+
+
+class _Waiting:
+    """What a firing still waits for: premises, and groups that are not enough."""
+
+    def __init__(self, firing: Firing) -> None:
+        self.firing = firing
+        self.open = 0
+        self.tallies = [_Tally(group) for group in firing.groups]
+
+
+class _Part:
+    """An element that waits for premises."""
+
+    def __init__(self, group: int, element: Element, open_premises: int) -> None:
+        self.group = group
+        self.element = element
+        self.open = open_premises
+
+
+def least_heights(
+    firings: Sequence[Firing], given: Set[clingo.Symbol] | Mapping[clingo.Symbol, object]
+) -> tuple[dict[clingo.Symbol, Firing], dict[clingo.Symbol, int]]:
+    """Return for each atom its firing of least height, and the heights; given atoms have none.
+
+    Ties go to the first rule, then to the first bindings.
+    """
+    heads = {firing.head for firing in firings}
+    users: dict[clingo.Symbol, list[tuple[_Waiting, _Part | None]]] = {}
+    level: list[Firing] = []
+
+    def still_open(atoms: Atoms) -> set[clingo.Symbol]:
+        return {atom for atom in atoms if atom in heads and atom not in given}
+
+    for firing in firings:
+        waiting = _Waiting(firing)
+        for premise in still_open(firing.premises):
+            users.setdefault(premise, []).append((waiting, None))
+            waiting.open += 1
+        for index, group in enumerate(firing.groups):
+            for element in group.elements:
+                inside = still_open(element.premises)
+                waits = _Part(index, element, len(inside))
+                for premise in inside:
+                    users.setdefault(premise, []).append((waiting, waits))
+                if not inside:
+                    waiting.tallies[index].add(element)
+            waiting.open += not waiting.tallies[index].is_enough
+        if not waiting.open:
+            level.append(firing)
+    best: dict[clingo.Symbol, Firing] = {}
+    heights: dict[clingo.Symbol, int] = {}
+    height = 0
+    while level:
+        height += 1
+        new: dict[clingo.Symbol, Firing] = {}
+        for firing in level:
+            if firing.head in best:
+                continue
+            rival = new.get(firing.head)
+            if rival is None or _order(firing) < _order(rival):
+                new[firing.head] = firing
+        best |= new
+        heights |= dict.fromkeys(new, height)
+        level = []
+        for atom in new:
+            for waiting, part in users.get(atom, ()):
+                if part is not None:
+                    part.open -= 1
+                    if part.open:
+                        continue
+                    tally = waiting.tallies[part.group]
+                    was_enough = tally.is_enough
+                    tally.add(part.element)
+                    if was_enough or not tally.is_enough:
+                        continue
+                waiting.open -= 1
+                if not waiting.open:
+                    level.append(waiting.firing)
+    return best, heights
+
+
+def _order(firing: Firing) -> tuple[int, Atoms]:
+    return firing.rule, firing.bindings
+
+
+def _element_order(element: Element) -> tuple[Atoms, clingo.Symbol]:
+    return element.premises, element.tuple
+
+
+def _index(pair: tuple[clingo.Symbol, Group]) -> clingo.Symbol:
+    return pair[0]
+
+
+def _weight(told_apart: clingo.Symbol) -> clingo.Symbol:
+    return told_apart.arguments[0] if told_apart.arguments else clingo.Number(0)
+
+
+def _number(weight: clingo.Symbol) -> int:
+    return weight.number if weight.type == clingo.SymbolType.Number else 0

@@ -1,0 +1,239 @@
+"""Rules that find how near each rule comes to an absent atom, and which literal fails.
+
+For a body `b1, b2, b3` in an order in which each can be tested, the instances of all literals but
+one are looked for, and those of the first few. The nearest instance lacks one literal alone;
+otherwise it is one of the longest beginning, and the literal behind that fails for it. So what is
+said to fail is false, whichever instance is shown. (The idea is that of answers to why-not
+questions by the frontier picky, Chapman and Jagadish 2009.)
+"""
+
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+
+import clingo
+from clingo import ast
+
+from mars_asp.rulebook import Rule
+from mars_asp.trace.order import global_variables, in_order, needs, provided
+from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
+from mars_asp.trace.rewrite import AGGREGATES, Rewriter, Terms, unsigned, variables_of
+
+_TYPE = ast.ASTType
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One way to come near an absent atom: the instances of some literals of a rule.
+
+    `fails` is the literal left out, `None` where a choice could be made and was not; `kept`
+    counts those before it that hold, and `alone` says that all others do.
+    """
+
+    pattern: int
+    rule: int
+    fails: ast.AST | None
+    kept: int
+    alone: bool
+
+
+class NearMisses:
+    """Writes the rules that find near misses; `candidates` says what their numbers stand for."""
+
+    def __init__(self, rewriter: Rewriter) -> None:
+        """Write with the rewriter's open predicates."""
+        self._rewriter = rewriter
+        self.candidates: list[Candidate] = []
+
+    def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
+        """Return what finds near misses of a rule; `_near(k,index,w(Parts))` asks."""
+        lines: list[str] = []
+        for statement in rule.ast.unpool():
+            for head, condition in _heads(statement.head):
+                literals = (*statement.body, *condition)
+                lines += self._misses(rule, number, head, literals, pattern, index)
+        return "\n".join(lines)
+
+    def _misses(
+        self,
+        rule: Rule,
+        number: int,
+        head: ast.AST,
+        literals: Sequence[ast.AST],
+        pattern: clingo.Symbol,
+        index: int,
+    ) -> Iterator[str]:
+        match = _Match()
+        if not match.atom(head, pattern):
+            return
+        literals = (*map(_literal, match.tests), *literals)
+        shared = global_variables(head, literals)
+        asked = f"_near(k,{index},w({','.join(match.arguments)}))"
+        order = list(in_order(literals, match.bound, shared))
+        for place, (literal, before) in enumerate(order):
+            first = [other for other, _ in order[:place]]
+            candidate = Candidate(index, number, literal, place, place == len(literals) - 1)
+            yield from self._candidate(candidate, asked, first, before, shared)
+            others = [other for other, _ in order if other is not literal]
+            if candidate.alone or not others:
+                continue
+            around = list(in_order(others, match.bound, shared))
+            bound = match.bound.union(*(needs(other, shared) for other in others))
+            if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
+                candidate = Candidate(index, number, literal, place, True)
+                yield from self._candidate(candidate, asked, others, bound, shared)
+        offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
+        if offers and len(order) == len(literals):
+            candidate = Candidate(index, number, None, len(order), True)
+            every = [literal for literal, _ in order]
+            yield from self._candidate(candidate, asked, every, match.bound | shared, shared)
+
+    def _candidate(
+        self,
+        candidate: Candidate,
+        asked: str,
+        kept: Sequence[ast.AST],
+        bound: Set[str],
+        shared: Set[str],
+    ) -> Iterator[str]:
+        terms = Terms("N")
+        joined, lack, tests = self._instead(candidate.fails, terms, set(bound), shared)
+        tag = f"near({len(self.candidates)},{lack})"
+        self.candidates.append(candidate)
+        names = {name for name in bound if not name.startswith("_")}
+        yield from self._rewriter.instance(
+            candidate.rule, tag, "none", [asked, *tests], (*kept, *joined), terms, names, False
+        )
+
+    def _instead(
+        self, literal: ast.AST | None, terms: Terms, bound: set[str], shared: Set[str]
+    ) -> tuple[tuple[ast.AST, ...], str, list[str]]:
+        """Return what stands in the body instead of a literal, and a term for what it lacks.
+
+        That is `no(P)` where pattern P is absent, `holds(A)` where atom A should not hold, the
+        `value` of an aggregate, `test` for what the bindings show, and `taken` for a choice.
+        """
+        if literal is None:
+            return (), "taken", []
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            local = _Renamed(variables_of((literal,)) - shared)
+            inner, condition = local(literal.literal), tuple(map(local, literal.condition))
+            if inner.atom.ast_type != _TYPE.SymbolicAtom:
+                return (), "test", []
+            names = bound.union(*(variables_of((part,)) for part in condition))
+            _, lack, tests = self._instead(inner, terms, names, shared)
+            if lack.startswith("no("):
+                tests = [self._rewriter.renamed(inner.update(sign=ast.Sign.Negation))]
+            return condition, lack, tests
+        if literal.atom.ast_type == _TYPE.SymbolicAtom:
+            symbol = literal.atom.symbol
+            if literal.sign == ast.Sign.Negation:
+                shown = terms.atom(symbol)
+                return (), f"holds({shown})", [self._rewriter.source(shown, symbol)]
+            sign, function = unsigned(symbol)
+            named = [terms.named(argument) for argument in function.arguments]
+            bound |= variables_of(named) - variables_of(function.arguments)
+            parts = [pattern_term(argument, bound) for argument in named]
+            inside = f"({','.join(parts)})" if parts else ""
+            return (), f"no({sign}{function.name}{inside})", []
+        if literal.atom.ast_type not in AGGREGATES:
+            return (), "test", []
+        value = ast.Variable(literal.location, "_Value")
+        guard = ast.Guard(ast.ComparisonOperator.Equal, value)
+        atom = literal.atom.update(left_guard=guard, right_guard=None)
+        return (literal.update(atom=atom, sign=ast.Sign.NoSign),), "value(_Value)", []
+
+
+class _Renamed(ast.Transformer):
+    """Gives local variables names that no other literal has."""
+
+    def __init__(self, names: Set[str]) -> None:
+        self._names = names
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node.update(name=f"_L{node.name}") if node.name in self._names else node
+
+
+class _Match:
+    """A rule's head against a pattern: parameters, tests, and the variables that become bound."""
+
+    def __init__(self) -> None:
+        self.arguments: list[str] = []
+        self.tests: list[str] = []
+        self.bound: set[str] = set()
+        self._holes: dict[str, str] = {}
+
+    def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
+        """Match an atom; return whether that can succeed."""
+        sign, function = unsigned(head)
+        kind = (function.name, len(function.arguments), not sign)
+        if kind != (pattern.name, len(pattern.arguments), pattern.positive):
+            return False
+        return all(map(self._term, function.arguments, pattern.arguments))
+
+    def _fresh(self) -> str:
+        return f"_H{len(self.arguments)}_{len(self.tests)}_{len(self._holes)}"
+
+    def _term(self, term: ast.AST, pattern: clingo.Symbol) -> bool:
+        if is_hole(pattern):
+            name = pattern.arguments[0].string
+            if name != "_" and self._holes.setdefault(name, str(term)) != str(term):
+                self.tests.append(f"{self._holes[name]} = {term}")
+            return True
+        if not has_holes(pattern):
+            self.arguments.append(self._fixed(term))
+            return True
+        if term.ast_type == _TYPE.Variable:
+            self.tests.append(f"{term.name} = {self._skeleton(pattern)}")
+            return True
+        if term.ast_type != _TYPE.Function:
+            return False
+        same = (term.name, len(term.arguments)) == (pattern.name, len(pattern.arguments))
+        return same and all(map(self._term, term.arguments, pattern.arguments))
+
+    def _fixed(self, term: ast.AST) -> str:
+        """Return what matches a part without holes; arithmetic becomes a test."""
+        plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
+        names = variables_of((term,))
+        if plain and provided(term) == names and ".." not in str(term):
+            self.bound |= names
+            return str(term)
+        name = self._fresh()
+        self.bound.add(name)
+        self.tests.append(f"{name} = {term}")
+        return name
+
+    def _skeleton(self, pattern: clingo.Symbol) -> str:
+        if is_hole(pattern):
+            name = pattern.arguments[0].string
+            fresh = self._fresh()
+            return self._holes.setdefault(name if name != "_" else fresh, fresh)
+        if not has_holes(pattern):
+            name = self._fresh()
+            self.arguments.append(name)
+            self.bound.add(name)
+            return name
+        inside = ",".join(map(self._skeleton, pattern.arguments))
+        comma = "," if not pattern.name and len(pattern.arguments) == 1 else ""
+        return f"{pattern.name}({inside}{comma})"
+
+
+def _literal(text: str) -> ast.AST:
+    found: list[ast.AST] = []
+    ast.parse_string(f"x :- {text}.", found.append)
+    literal: ast.AST = found[-1].body[0]
+    return literal
+
+
+def _heads(head: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+    """Yield the atoms that a head can give, each with its condition."""
+    found: list[tuple[ast.AST, Sequence[ast.AST]]] = []
+    if head.ast_type == _TYPE.Literal:
+        found = [(head, ())]
+    elif head.ast_type in (_TYPE.Aggregate, _TYPE.Disjunction):
+        found = [(element.literal, tuple(element.condition)) for element in head.elements]
+    elif head.ast_type == _TYPE.HeadAggregate:
+        inner = [element.condition for element in head.elements]
+        found = [(element.literal, tuple(element.condition)) for element in inner]
+    for literal, condition in found:
+        if literal.atom.ast_type == _TYPE.SymbolicAtom:
+            yield literal.atom.symbol, condition

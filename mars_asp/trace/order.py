@@ -1,0 +1,112 @@
+"""An order in which the literals of a rule's body can be tested, each when its turn comes.
+
+A literal's turn comes when the variables that it cannot bind itself are bound; tests come before
+what binds more. This is the left-to-right safety of Datalog engines (Ullman 1988, chapter 12).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence, Set
+from functools import partial
+
+from clingo import ast
+
+from mars_asp.trace.rewrite import AGGREGATES, variables_of
+
+_TYPE = ast.ASTType
+_INVERTIBLE = (ast.BinaryOperator.Plus, ast.BinaryOperator.Minus)
+
+
+def global_variables(head: ast.AST, literals: Iterable[ast.AST]) -> set[str]:
+    """Return the variables of a rule that are not local to an aggregate or condition."""
+    found = variables_of((head,))
+    for literal in literals:
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            continue
+        if literal.atom.ast_type in AGGREGATES:
+            found |= variables_of(_guards(literal.atom))
+        else:
+            found |= variables_of((literal,))
+    return found
+
+
+def in_order(
+    literals: Sequence[ast.AST], bound: Set[str], shared: Set[str]
+) -> Iterator[tuple[ast.AST, set[str]]]:
+    """Yield each literal with the variables that are bound before it.
+
+    `shared` are the rule's global variables. Literals whose turn never comes are left out.
+    """
+    names = set(bound)
+    waiting = list(literals)
+    while waiting:
+        ready = [(literal, _provides(literal, names, shared)) for literal in waiting]
+        turns = [(literal, new) for literal, new in ready if new is not None]
+        if not turns:
+            return
+        literal, new = min(turns, key=partial(_turn, names))
+        yield literal, set(names)
+        names |= new
+        waiting = [other for other in waiting if other is not literal]
+
+
+def needs(literal: ast.AST, shared: Set[str]) -> set[str]:
+    """Return the global variables that a literal names."""
+    return variables_of((literal,)) & shared
+
+
+def provided(term: ast.AST) -> set[str]:
+    """Return the variables that a match of the term binds."""
+    if term.ast_type == _TYPE.Variable:
+        return set() if term.name == "_" else {term.name}
+    if term.ast_type == _TYPE.Function:
+        return {name for argument in term.arguments for name in provided(argument)}
+    if term.ast_type == _TYPE.BinaryOperation and term.operator_type in _INVERTIBLE:
+        sides = (term.left, term.right)
+        if any(side.ast_type == _TYPE.SymbolicTerm for side in sides):
+            return {side.name for side in sides if side.ast_type == _TYPE.Variable} - {"_"}
+    return set()
+
+
+def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
+    """Return a sort key: tests first, then what joins with variables that are bound."""
+    literal, new = turn
+    return bool(new - names), not variables_of((literal,)) & names
+
+
+def _guards(atom: ast.AST) -> list[ast.AST]:
+    return [g.term for g in (atom.left_guard, atom.right_guard) if g is not None]
+
+
+def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] | None:
+    """Return the variables that a literal binds, or `None` while its turn has not come."""
+    if literal.ast_type == _TYPE.ConditionalLiteral or literal.sign != ast.Sign.NoSign:
+        return set() if needs(literal, shared) <= bound else None
+    atom = literal.atom
+    if atom.ast_type == _TYPE.SymbolicAtom:
+        symbol = atom.symbol
+        while symbol.ast_type == _TYPE.UnaryOperation:
+            symbol = symbol.argument
+        new = provided(symbol)
+        return new if variables_of((atom,)) <= bound | new else None
+    if atom.ast_type == _TYPE.Comparison:
+        return _equated(atom, bound)
+    if atom.ast_type in AGGREGATES:
+        new = set()
+        for guard in (atom.left_guard, atom.right_guard):
+            if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                new |= provided(guard.term)
+        inside = variables_of(tuple(atom.elements)) & shared
+        return new if inside <= bound and variables_of(_guards(atom)) <= bound | new else None
+    return set() if needs(literal, shared) <= bound else None
+
+
+def _equated(atom: ast.AST, bound: Set[str]) -> set[str] | None:
+    if variables_of((atom,)) <= bound:
+        return set()
+    if len(atom.guards) != 1 or atom.guards[0].comparison != ast.ComparisonOperator.Equal:
+        return None
+    left, right = atom.term, atom.guards[0].term
+    for pattern, value in ((left, right), (right, left)):
+        new = provided(pattern)
+        if variables_of((value,)) <= bound and variables_of((pattern,)) <= bound | new:
+            return new
+    return None

@@ -1,0 +1,226 @@
+"""Why an atom, node or consequence is not there, and what it would cost to have it.
+
+>>> answer = why_not(load_project("config.mars"), load_rulebook(), "DataSplitter(FeelForce)")
+>>> answer.trace.attempts[0].fails
+"2 <= { at(R,S,T); edge(S,T,T',A) }"
+"""
+
+import difflib
+import re
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import clingo
+from clingo import ast
+
+from mars_asp.analysis import Analysis, analyse
+from mars_asp.atom import Fact
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.explain import explainer_for, symbol_of
+from mars_asp.model import NODE_NAMES
+from mars_asp.project import Project, project_facts
+from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.rulebook import Rulebook
+from mars_asp.source import point
+from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
+from mars_asp.trace.values import Trace
+
+#: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
+_AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
+    "data_splitter": lambda name: clingo.Function("splitter", [name, hole()]),
+    "data_transformer": lambda name: clingo.Function("transformer", [name, hole()]),
+    "arbitration_node": lambda name: clingo.Function(
+        "full", [name, clingo.Function("run", [hole()])]
+    ),
+    "control_splitter": lambda name: clingo.Function(
+        "control_splitter", [clingo.Function("base", [name])]
+    ),
+}
+_CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
+_DEFINED = re.compile(r"^#defined\s+(\w+)/(\d+)\s*\.", re.MULTILINE)
+_NAME = re.compile(r"[a-z_][\w']*")
+#: Of many atoms that would do, so many are tried for the cheapest realisation.
+MOST_TRIED = 100
+
+
+@dataclass(frozen=True)
+class WhyNot:
+    """The answer: `present` where it holds after all.
+
+    `extra` is what the cheapest realisation with `offered` costs more, by level; `None` where no
+    realisation has such an atom, or where it is nothing that is chosen. `choosable` tells these
+    two apart.
+    """
+
+    subject: str
+    atom: str
+    trace: Trace
+    present: bool
+    choosable: bool
+    offered: str | None
+    extra: Mapping[int, int] | None
+    analysis: Analysis
+
+
+def why_not(
+    project: Project,
+    rulebook: Rulebook,
+    subject: str,
+    depth: int = 8,
+    seconds: float | None = None,
+) -> WhyNot:
+    """Explain an absence: of an atom, `KIND(NAME)` of a consequence, or `NODE(NAME)` of a node.
+
+    Variables of an atom stand for any value. Raises:
+        MarsError: the subject names no predicate, kind, node or constant that there is.
+        TimeoutError: no specification was found in the seconds given.
+    """
+    deadline = None if seconds is None else time.monotonic() + seconds
+    facts = tuple(project_facts(project))
+    pattern = _Vocabulary(project, rulebook, facts).pattern(subject)
+    analysis = analyse(facts, rulebook, project.configuration.span)
+    synthesis = None
+    choosable = (pattern.name, len(pattern.arguments)) in {
+        head for rule in rulebook.rules if rule.stage == "resolve" for head in rule.heads
+    }
+    if choosable:
+        synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+    explainer = explainer_for(rulebook, facts, analysis, synthesis)
+    atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
+    matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
+    taken = synthesis.resolution.taken if synthesis is not None else frozenset()
+    for atom, is_fact in sorted(matching):
+        if is_fact or atom in taken:
+            trace = explainer.why([atom])[atom]
+            return WhyNot(subject, str(atom), trace, True, choosable, None, None, analysis)
+    shown = shown_pattern(pattern)
+    trace = explainer.why_not(pattern, depth)
+    offered, extra = None, None
+    if synthesis is not None:
+        offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
+    return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
+
+
+def _cheapest(
+    synthesis: Synthesis,
+    analysis: Analysis,
+    atoms: Iterable[clingo.Symbol],
+    deadline: float | None,
+) -> tuple[str | None, Mapping[int, int] | None]:
+    """Return which of some atoms costs least to have, and what that costs more."""
+    best: tuple[list[int], str, Mapping[int, int]] | None = None
+    for atom in sorted(atoms)[:MOST_TRIED]:
+        extra = analysis.grounding.extra_cost(atom, deadline)
+        if extra is None:
+            continue
+        # From the highest level down: nodes before conversions before lines.
+        key = [extra[level] for level in sorted(extra, reverse=True)]
+        if best is None or (key, str(atom)) < best[:2]:
+            best = (key, str(atom), extra)
+    return (None, None) if best is None else (best[1], best[2])
+
+
+class _Vocabulary:
+    """What a subject may name."""
+
+    def __init__(self, project: Project, rulebook: Rulebook, facts: Iterable[Fact]) -> None:
+        self._path = project.configuration.path
+        self._predicates = {head for rule in rulebook.rules for head in rule.heads}
+        self._kinds: set[str] = set()
+        self._constants: set[str] = set()
+        for rule in rulebook.rules:
+            if rule.text.startswith("consequence("):
+                self._kinds.add(rule.text.removeprefix("consequence(").partition(",")[0])
+            self._constants |= set(_NAME.findall(rule.text))
+        for _, text in rulebook.texts:
+            self._predicates |= {(name, int(arity)) for name, arity in _DEFINED.findall(text)}
+        self._strings: set[str] = {name.text for name in project.configuration.modules}
+        for fact in facts:
+            symbol = symbol_of(fact.atom)
+            self._predicates.add((symbol.name, len(symbol.arguments)))
+            self._note(symbol)
+
+    def _note(self, symbol: clingo.Symbol) -> None:
+        if symbol.type == clingo.SymbolType.String:
+            self._strings.add(symbol.string)
+        elif symbol.type == clingo.SymbolType.Function:
+            self._constants.add(symbol.name)
+            for argument in symbol.arguments:
+                self._note(argument)
+
+    def pattern(self, subject: str) -> clingo.Symbol:
+        """Return what a subject asks for."""
+        call = _CALL.fullmatch(subject)
+        if call is not None:
+            name = call[2] if call[2] is not None else call[3]
+            words = {word: kind for kind, word in NODE_NAMES.items()}
+            kind = words.get(call[1], call[1])
+            if kind in _AT_MODULE and name:
+                return _AT_MODULE[kind](self._string(name))
+            if call[1] in self._kinds:
+                about = hole() if not name else self._string(name)
+                kind_term = clingo.Function(call[1])
+                return clingo.Function("consequence", [kind_term, hole(), about, hole()])
+            if not any(call[1] == known for known, _ in self._predicates):
+                raise self._unknown_predicate(call[1])
+        return self._atom(subject)
+
+    def _atom(self, subject: str) -> clingo.Symbol:
+        statements: list[ast.AST] = []
+        try:
+            ast.parse_string(f"{subject}.", statements.append, logger=lambda *_: None)
+            (rule,) = statements[1:]
+            found = pattern_of(rule.head.atom.symbol)
+        except (RuntimeError, ValueError, AttributeError):
+            raise self._wrong(
+                f"`{subject}` is no atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
+            ) from None
+        kind = (found.name, len(found.arguments))
+        if kind not in self._predicates:
+            raise self._other_arity(*kind)
+        return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
+
+    def _known(self, term: clingo.Symbol) -> clingo.Symbol:
+        """Check the constants of a term; a variable with the name of a module is that module."""
+        if is_hole(term):
+            name = term.arguments[0].string
+            return clingo.String(name) if name in self._strings else term
+        if term.type == clingo.SymbolType.String:
+            return self._string(term.string)
+        if term.type != clingo.SymbolType.Function:
+            return term
+        if term.name and term.name not in self._constants:
+            raise self._unknown("constant", term.name, self._constants)
+        return clingo.Function(term.name, list(map(self._known, term.arguments)), term.positive)
+
+    def _string(self, name: str) -> clingo.Symbol:
+        if name not in self._strings:
+            raise self._unknown("name", name, self._strings)
+        return clingo.String(name)
+
+    def _other_arity(self, name: str, arity: int) -> MarsError:
+        same = sorted(f"{name}/{n}" for other, n in self._predicates if other == name)
+        if not same:
+            return self._unknown_predicate(name)
+        return self._wrong(
+            f"no rule and no fact gives `{name}` with {arity} arguments",
+            f"there is {' and '.join(f'`{kind}`' for kind in same)}",
+        )
+
+    def _unknown_predicate(self, name: str) -> MarsError:
+        if name in self._strings:
+            return self._wrong(
+                f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
+            )
+        known = {known for known, _ in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        return self._unknown("predicate, kind of consequence or kind of node", name, known)
+
+    def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:
+        near = difflib.get_close_matches(name, sorted(known), 1)
+        help_text = f"did you mean `{near[0]}`?" if near else "see `mars-asp rules list`"
+        return self._wrong(f"there is no {what} `{name}`", help_text)
+
+    def _wrong(self, message: str, help_text: str) -> MarsError:
+        place = point(self._path, 1, 1)
+        return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))

@@ -1,0 +1,49 @@
+"""Small programs for the tests of traces: rules as text, solved by clingo."""
+
+from collections.abc import Iterable
+
+import clingo
+from clingo import ast
+
+from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.source import Span
+from mars_asp.trace import Explainer
+
+
+def rulebook_of(text: str) -> Rulebook:
+    """Return the rules of a program, each with its text as its message."""
+    rules: list[Rule] = []
+
+    def add(statement: ast.AST) -> None:
+        if statement.ast_type == ast.ASTType.Rule:
+            begin = statement.location.begin
+            span = Span("program", begin.line, begin.column, begin.line, begin.column)
+            name = f"program/{len(rules)}"
+            rules.append(Rule(name, str(statement), None, span, str(statement), statement, "base"))
+
+    ast.parse_string(text, add)
+    return Rulebook(tuple(rules), (("base", text),))
+
+
+def explainer_of(
+    text: str, given: Iterable[str] = ()
+) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
+    """Return an explainer of a program's first answer set, and that; `None` where there is none.
+
+    `given` are atoms, as facts of the input.
+    """
+    facts = {clingo.parse_term(atom): Span("facts", 1, 1, 1, 1) for atom in given}
+    control = clingo.Control(["--seed=1", "--warn=none"])
+    control.add("base", [], text + "".join(f"\n{fact}." for fact in facts))
+    control.ground([("base", [])])
+    found: list[frozenset[clingo.Symbol]] = []
+    control.solve(on_model=lambda model: found.append(frozenset(model.symbols(atoms=True))))
+    if not found:
+        return None
+    rulebook = rulebook_of(text)
+    opened = {
+        (atom.symbol.name, len(atom.symbol.arguments))
+        for atom in control.symbolic_atoms
+        if not atom.is_fact
+    }
+    return Explainer(rulebook, control, facts, found[0], opened), found[0]

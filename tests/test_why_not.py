@@ -1,0 +1,119 @@
+"""Why an atom is absent: the nearest instance of each rule and the premise that fails."""
+
+import json
+
+import clingo
+import pytest
+
+from mars_asp.trace import Attempt, Missing
+from mars_asp.trace.pattern import hole
+from tests.documents import run
+from tests.programs import explainer_of
+from tests.test_command_line import mars
+
+LEVEL0 = "examples/level0/config.mars"
+
+
+def attempts(program: str, atom: str) -> list[Attempt]:
+    found = explainer_of(program)
+    assert found is not None
+    trace = found[0].why_not(clingo.parse_term(atom), 9)
+    assert isinstance(trace, Missing)
+    return list(trace.attempts)
+
+
+@pytest.mark.parametrize(
+    ("program", "fails", "cause", "value"),
+    [
+        ("q(1..3). p(X) :- q(X), r(X).", "q(X)", "q(5)", None),
+        ("q(5). r(5). p(X) :- q(X), not r(X).", "not r(X)", "r(5)", None),
+        ("q(5). r(7). p(X) :- q(X), not not r(X).", "not not r(X)", "r(5)", None),
+        ("q(5). p(X) :- q(X), X > 7.", "X > 7", None, None),
+        ("q(4). p(X + 1) :- q(X), r(X, Y).", "r(X,Y)", "r(4,Y)", None),
+        ("q(5). s(1..2). p(X) :- q(X), 3 <= #count { Y : s(Y) }.", None, None, "2"),
+        ("q(5). s(1..2). p(X) :- q(X), 3 { s(Y) }.", None, None, "2"),
+        ("q(5). s(1..2). p(X) :- q(X), #sum { Y : s(Y) } < 3.", None, None, "3"),
+        ("q(5). s(1..2). t(1). p(X) :- q(X), t(Y) : s(Y).", "t(Y): s(Y)", "t(2)", None),
+        ("q(5). p(X) :- q(X), r(1..2).", "r((1..2))", "r(1)", None),
+        ("q(5). p(X) :- q(X), r(f(X, Y), _).", "r(f(X,Y),_)", "r(f(5,Y),_)", None),
+        ("q(5). { p(X) } :- q(X), r(X).", "r(X)", "r(5)", None),
+        ("q(5). { p(X) : r(X) } :- q(X).", "r(X)", "r(5)", None),
+        ("q(5). { p(X) } :- q(X). :- p(X).", None, None, None),
+    ],
+)
+def test_what_fails(program: str, fails: str | None, cause: str | None, value: str | None) -> None:
+    (attempt,) = attempts(program, "p(5)")
+    if fails is not None:
+        assert attempt.fails == fails
+    assert (None if attempt.cause is None else attempt.cause.atom) == cause
+    assert (None if attempt.value is None else str(attempt.value)) == value
+
+
+def test_a_premise_alone_is_nearer_than_two() -> None:
+    (attempt,) = attempts("q(5,1..2). r(2). p(X) :- q(X,Y), r(Y), s(Y).", "p(5)")
+    assert attempt.fails == "s(Y)"
+    assert attempt.cause is not None
+    assert attempt.cause.atom == "s(2)"
+
+
+def test_absence_is_followed_through_rules_and_ends_where_it_turns_in_a_circle() -> None:
+    (attempt,) = attempts("p(X) :- q(X). q(X) :- r(X). r(X) :- p(X).", "p(1)")
+    names = []
+    cause = attempt.cause
+    while isinstance(cause, Missing):
+        names.append(cause.atom)
+        cause = cause.attempts[0].cause
+    assert names == ["q(1)", "r(1)"]
+    assert cause is not None
+    assert cause.atom == "p(1)"
+
+
+def test_holes_of_one_name_are_one_value() -> None:
+    found = explainer_of("q(1,2). p(X,Y) :- q(X,Y).")
+    assert found is not None
+    trace = found[0].why_not(clingo.Function("p", [hole("X"), hole("X")]), 3)
+    assert isinstance(trace, Missing)
+    assert trace.attempts[0].fails == "X = Y"
+
+
+@pytest.mark.parametrize(
+    ("atom", "mentions"),
+    [
+        ("DataSpliter(FeelForce)", "did you mean `DataSplitter`"),
+        ("DataSplitter(FeelFroce)", "did you mean `FeelForce`"),
+        ("data_divergenc(FeelForce)", "did you mean `data_divergence`"),
+        ("splitter(FeelForce)", "there is `splitter/2`"),
+        ('splitter("FeelForce",origins)', "did you mean `origin`"),
+        ("FeelForce", "DataSplitter(FeelForce)"),
+        ("a b", "is no atom"),
+        ("p(1..3)", "there is no predicate"),
+        ("priority(1..3,1)", "is no atom"),
+        ("", "is no atom"),
+    ],
+)
+def test_mistakes(atom: str, mentions: str) -> None:
+    done = mars("explain", LEVEL0, "--why-not", atom)
+    assert done.returncode == 2
+    assert mentions in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_what_is_there_is_said_to_be_there() -> None:
+    found = json.loads(
+        run(f"mars-asp explain {LEVEL0} --why-not DataSplitter(Runaway) --format json")
+    )
+    assert found["present"]
+    assert found["traces"][0]["kind"] == "derived"
+
+
+def test_json_of_an_absence() -> None:
+    found = json.loads(
+        run(f"mars-asp explain {LEVEL0} --why-not data_divergence(FeelForce) --format json")
+    )
+    assert not found["present"]
+    (trace,) = found["traces"]
+    assert trace["kind"] == "absent"
+    assert trace["premises"][0]["rule"]["id"] == "data/divergence"
+    last = trace["premises"][0]["premises"][0]["premises"][0]
+    assert last["fails"] == "N > 1"
+    assert last["bindings"]["N"] == "1"
