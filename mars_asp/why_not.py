@@ -23,6 +23,7 @@ from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import point
+from mars_asp.trace import absence
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
 from mars_asp.trace.values import Trace
 
@@ -86,16 +87,17 @@ def why_not(
     }
     if choosable:
         synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
-    explainer = explainer_for(rulebook, facts, analysis, synthesis)
+    resolution = None if synthesis is None else synthesis.resolution
+    explainer = explainer_for(rulebook, facts, analysis, resolution)
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
-    taken = synthesis.resolution.taken if synthesis is not None else frozenset()
+    taken = frozenset() if resolution is None else resolution.taken
     for atom, is_fact in sorted(matching):
         if is_fact or atom in taken:
             trace = explainer.why([atom])[atom]
             return WhyNot(subject, str(atom), trace, True, choosable, None, None, analysis)
     shown = shown_pattern(pattern)
-    trace = explainer.why_not(pattern, depth)
+    trace = absence.why_not(explainer, pattern, depth)
     offered, extra = None, None
     if synthesis is not None:
         offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)

@@ -6,6 +6,7 @@ import clingo
 import pytest
 
 from mars_asp.trace import Attempt, Missing
+from mars_asp.trace.absence import why_not
 from mars_asp.trace.pattern import hole
 from tests.documents import run
 from tests.programs import explainer_of
@@ -17,7 +18,7 @@ LEVEL0 = "examples/level0/config.mars"
 def attempts(program: str, atom: str) -> list[Attempt]:
     found = explainer_of(program)
     assert found is not None
-    trace = found[0].why_not(clingo.parse_term(atom), 9)
+    trace = why_not(found[0], clingo.parse_term(atom), 9)
     assert isinstance(trace, Missing)
     return list(trace.attempts)
 
@@ -71,7 +72,7 @@ def test_absence_is_followed_through_rules_and_ends_where_it_turns_in_a_circle()
 def test_holes_of_one_name_are_one_value() -> None:
     found = explainer_of("q(1,2). p(X,Y) :- q(X,Y).")
     assert found is not None
-    trace = found[0].why_not(clingo.Function("p", [hole("X"), hole("X")]), 3)
+    trace = why_not(found[0], clingo.Function("p", [hole("X"), hole("X")]), 3)
     assert isinstance(trace, Missing)
     assert trace.attempts[0].fails == "X = Y"
 

@@ -5,6 +5,7 @@ import json
 import linecache
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
@@ -16,7 +17,9 @@ from mars_asp.source import Span
 from mars_asp.trace.text import DEPTH, trace_json, traces_text
 from mars_asp.trace.values import Absent, Trace
 from mars_asp.visible import visible
-from mars_asp.why_not import WhyNot, why_not
+
+if TYPE_CHECKING:
+    from mars_asp.why_not import WhyNot
 
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
@@ -59,6 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
+    from mars_asp.why_not import why_not
+
     levels = _MOST_LEVELS if arguments.depth is None else 2 * arguments.depth
     try:
         rulebook = rulebook_for(arguments)
@@ -88,7 +93,7 @@ def _cost(cost: Mapping[int, int]) -> dict[str, int]:
     return {name: cost.get(level, 0) for name, level in levels.items()}
 
 
-def _price(answer: WhyNot) -> str:
+def _price(answer: "WhyNot") -> str:
     if answer.extra is None:
         return "no realisation has it"
     more = [f"{count:+} {name}" for name, count in _cost(answer.extra).items() if count]

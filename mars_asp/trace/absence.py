@@ -7,16 +7,62 @@ import clingo
 
 from mars_asp.analysis import fill
 from mars_asp.rulebook import Rule
+from mars_asp.trace.explainer import Explainer
 from mars_asp.trace.firings import Firing
-from mars_asp.trace.near import Candidate
-from mars_asp.trace.pattern import shown_pattern
+from mars_asp.trace.near import Candidate, NearMisses
+from mars_asp.trace.pattern import can_be_followed, fixed_parts, shown_pattern
 from mars_asp.trace.proofs import bindings_of
 from mars_asp.trace.values import Absent, Attempt, Missing, Trace
 
 Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 
 
-def nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str]:
+def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
+    """Return what keeps an atom from holding; holes of the pattern are any value.
+
+    Each level below is one more grounding; at most `depth` of them.
+    """
+    near = NearMisses(explainer.rewriter)
+    found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
+    pending = [pattern]
+    for _ in range(depth):
+        if not pending:
+            break
+        attempts = _come_near(explainer, near, pending)
+        found |= attempts
+        lacking = (f.lacks.arguments[1] for a in attempts.values() for _, f in a if f.lacks)
+        parts = dict.fromkeys(lack.arguments[0] for lack in lacking if lack.name == "no")
+        pending = [part for part in parts if part not in found and can_be_followed(part)]
+    true = {atom for a in found.values() for _, firing in a for atom in _believed(firing)}
+    return _absence(pattern, found, explainer.rules, explainer.why(sorted(true)))
+
+
+def _come_near(
+    explainer: Explainer, near: NearMisses, patterns: Sequence[clingo.Symbol]
+) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
+    """Return for each pattern, rule by rule, the candidate that comes nearest."""
+    lines = []
+    asked = []
+    for index, pattern in enumerate(patterns):
+        kind = (pattern.name, len(pattern.arguments))
+        parts = clingo.Function("w", fixed_parts(pattern))
+        asked.append(("_near", [clingo.Number(index), parts]))
+        for number, rule in enumerate(explainer.rules):
+            if kind in rule.heads:
+                lines.append(near.text(rule, number, pattern, index))
+    best: dict[tuple[int, int], tuple[Candidate, Firing]] = {}
+    for firing in explainer.firings("\n".join(lines), asked):
+        candidate = near.candidates[firing.rule]
+        key = (candidate.pattern, candidate.rule)
+        if key not in best or _nearness(candidate, firing) < _nearness(*best[key]):
+            best[key] = (candidate, firing)
+    found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {p: [] for p in patterns}
+    for (index, _), attempt in sorted(best.items(), key=lambda item: item[0]):
+        found[patterns[index]].append(attempt)
+    return found
+
+
+def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str]:
     """Return a sort key: a choice that was not made, one literal alone, then most that hold."""
     return (
         candidate.fails is not None,
@@ -26,7 +72,7 @@ def nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str
     )
 
 
-def believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
+def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
     """Return the true atoms that a near miss is told with."""
     lack = _lack(firing)
     if lack.name == "holds":
@@ -38,7 +84,7 @@ def believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
     return tuple(dict.fromkeys((*premises, *sorted(counted))))
 
 
-def absence(
+def _absence(
     pattern: clingo.Symbol,
     found: Found,
     rules: Sequence[Rule],
@@ -61,16 +107,16 @@ def absence(
     if not found[pattern]:
         return Absent(shown)
     attempts = []
-    for candidate, firing in sorted(found[pattern], key=lambda attempt: nearness(*attempt)[:3]):
+    for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
         lack = _lack(firing)
         cause: Trace | None = None
         held: tuple[Trace, ...] = ()
         if lack.name == "no":
-            cause = absence(lack.arguments[0], found, rules, true, {*above, pattern}, known)
+            cause = _absence(lack.arguments[0], found, rules, true, {*above, pattern}, known)
         elif lack.name == "holds":
             cause = true[lack.arguments[0]]
         else:
-            held = tuple(true[atom] for atom in believed(firing))
+            held = tuple(true[atom] for atom in _believed(firing))
         rule, bindings = rules[candidate.rule], bindings_of(firing)
         attempts.append(
             Attempt(
