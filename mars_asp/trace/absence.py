@@ -124,7 +124,7 @@ def _absence(
                 rule,
                 fill(rule.because, bindings),
                 bindings,
-                None if candidate.fails is None else str(candidate.fails),
+                candidate.fails,
                 lack.arguments[0] if lack.name == "value" else None,
                 cause,
                 held,

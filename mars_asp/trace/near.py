@@ -7,6 +7,7 @@ said to fail is false, whichever instance is shown. (The idea is that of answers
 questions by the frontier picky, Chapman and Jagadish 2009.)
 """
 
+import re
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
@@ -19,6 +20,7 @@ from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
 from mars_asp.trace.rewrite import AGGREGATES, Rewriter, Terms, unsigned, variables_of
 
 _TYPE = ast.ASTType
+_MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Candidate:
 
     pattern: int
     rule: int
-    fails: ast.AST | None
+    fails: str | None
     kept: int
     alone: bool
 
@@ -71,32 +73,35 @@ class NearMisses:
         order = list(in_order(literals, match.bound, shared))
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
-            candidate = Candidate(index, number, literal, place, place == len(literals) - 1)
-            yield from self._candidate(candidate, asked, first, before, shared)
+            fails = match.shown(literal)
+            candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
+            yield from self._candidate(candidate, literal, asked, first, before, shared)
             others = [other for other, _ in order if other is not literal]
             if candidate.alone or not others:
                 continue
             around = list(in_order(others, match.bound, shared))
             bound = match.bound.union(*(needs(other, shared) for other in others))
             if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
-                candidate = Candidate(index, number, literal, place, True)
-                yield from self._candidate(candidate, asked, others, bound, shared)
+                candidate = Candidate(index, number, fails, place, True)
+                yield from self._candidate(candidate, literal, asked, others, bound, shared)
         offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
         if offers and len(order) == len(literals):
             candidate = Candidate(index, number, None, len(order), True)
             every = [literal for literal, _ in order]
-            yield from self._candidate(candidate, asked, every, match.bound | shared, shared)
+            bound = match.bound | shared
+            yield from self._candidate(candidate, None, asked, every, bound, shared)
 
     def _candidate(
         self,
         candidate: Candidate,
+        left_out: ast.AST | None,
         asked: str,
         kept: Sequence[ast.AST],
         bound: Set[str],
         shared: Set[str],
     ) -> Iterator[str]:
         terms = Terms("N")
-        joined, lack, tests = self._instead(candidate.fails, terms, set(bound), shared)
+        joined, lack, tests = self._instead(left_out, terms, set(bound), shared)
         tag = f"near({len(self.candidates)},{lack})"
         self.candidates.append(candidate)
         names = {name for name in bound if not name.startswith("_")}
@@ -161,6 +166,8 @@ class _Match:
         self.tests: list[str] = []
         self.bound: set[str] = set()
         self._holes: dict[str, str] = {}
+        #: What stands in the atom where a name was made up.
+        self._meant: dict[str, str] = {}
 
     def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
         """Match an atom; return whether that can succeed."""
@@ -170,8 +177,14 @@ class _Match:
             return False
         return all(map(self._term, function.arguments, pattern.arguments))
 
-    def _fresh(self) -> str:
-        return f"_H{len(self.arguments)}_{len(self.tests)}_{len(self._holes)}"
+    def shown(self, literal: ast.AST) -> str:
+        """Return a literal's text with what is asked for instead of names that were made up."""
+        return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
+
+    def _fresh(self, meant: str) -> str:
+        name = f"_H{len(self._meant)}"
+        self._meant[name] = meant
+        return name
 
     def _term(self, term: ast.AST, pattern: clingo.Symbol) -> bool:
         if is_hole(pattern):
@@ -180,7 +193,7 @@ class _Match:
                 self.tests.append(f"{self._holes[name]} = {term}")
             return True
         if not has_holes(pattern):
-            self.arguments.append(self._fixed(term))
+            self.arguments.append(self._fixed(term, pattern))
             return True
         if term.ast_type == _TYPE.Variable:
             self.tests.append(f"{term.name} = {self._skeleton(pattern)}")
@@ -190,14 +203,14 @@ class _Match:
         same = (term.name, len(term.arguments)) == (pattern.name, len(pattern.arguments))
         return same and all(map(self._term, term.arguments, pattern.arguments))
 
-    def _fixed(self, term: ast.AST) -> str:
+    def _fixed(self, term: ast.AST, pattern: clingo.Symbol) -> str:
         """Return what matches a part without holes; arithmetic becomes a test."""
         plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
         names = variables_of((term,))
         if plain and provided(term) == names and ".." not in str(term):
             self.bound |= names
             return str(term)
-        name = self._fresh()
+        name = self._fresh(str(pattern))
         self.bound.add(name)
         self.tests.append(f"{name} = {term}")
         return name
@@ -205,10 +218,10 @@ class _Match:
     def _skeleton(self, pattern: clingo.Symbol) -> str:
         if is_hole(pattern):
             name = pattern.arguments[0].string
-            fresh = self._fresh()
+            fresh = self._fresh(name)
             return self._holes.setdefault(name if name != "_" else fresh, fresh)
         if not has_holes(pattern):
-            name = self._fresh()
+            name = self._fresh(str(pattern))
             self.arguments.append(name)
             self.bound.add(name)
             return name

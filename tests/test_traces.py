@@ -1,0 +1,93 @@
+"""Traces and absences of random programs are true, well-founded and of least height.
+
+`python -m tests.test_traces FIRST LAST` tries the programs of as many seeds as you like.
+"""
+
+import random
+import sys
+from collections.abc import Iterable
+from dataclasses import replace
+
+import clingo
+import pytest
+
+from mars_asp.rulebook import Rule
+from mars_asp.source import Span
+from mars_asp.trace import Absent, Derived, Given
+from mars_asp.trace.absence import why_not
+from tests.programs import explainer_of, rulebook_of
+from tests.random_programs import atoms_besides, random_program
+from tests.trace_checker import could_give, faults, height, least_heights
+
+#: So many absent atoms of a program are asked about, each over so many levels.
+_ASKED, _LEVELS = 2, 9
+
+
+def wrong_in(seed: int) -> list[str] | None:
+    """Return what is wrong with the explanations of a random program; `None` without answer set."""
+    text, facts = random_program(seed)
+    found = explainer_of(text, facts)
+    if found is None:
+        return None
+    explainer, true = found
+    given = frozenset(map(clingo.parse_term, facts))
+    traces = explainer.why(sorted(true))
+    least = least_heights(explainer.rules, given, true)
+    wrong = [
+        f"{atom} has a trace of height {height(trace)}, least is {least.get(atom)}"
+        for atom, trace in traces.items()
+        if height(trace) != least.get(atom)
+    ]
+    absent = [clingo.parse_term(atom) for atom in atoms_besides(map(str, true))]
+    rng = random.Random(seed)
+    for atom in rng.sample(absent, min(_ASKED, len(absent))):
+        missing = why_not(explainer, atom, _LEVELS)
+        wrong += faults([missing], given, true)
+        said = {id(attempt.rule) for attempt in getattr(missing, "attempts", ())}
+        wrong += [
+            f"nothing is said of {rule.text} for {atom}"
+            for rule in explainer.rules
+            if id(rule) not in said and could_give(rule, atom)
+        ]
+    return wrong + faults(traces.values(), given, true)
+
+
+@pytest.mark.parametrize("first", range(0, 160, 20))
+def test_random_programs(first: int) -> None:
+    answered = 0
+    for seed in range(first, first + 20):
+        wrong = wrong_in(seed)
+        assert not wrong, f"{random_program(seed)}\n{wrong}"
+        answered += wrong is not None
+    assert answered > 10
+
+
+def step(atom: str, rule: Rule, *premises: Given | Derived | Absent, **values: int) -> Derived:
+    bindings = {name: clingo.Number(value) for name, value in values.items()}
+    return Derived(atom, rule, None, bindings, premises)
+
+
+def test_the_checker_finds_what_is_wrong() -> None:
+    rules = rulebook_of("p(X) :- q(X), not r(X). r(X) :- r(X). q(1..2).").rules
+    true = frozenset(map(clingo.parse_term, ["p(1)", "q(1)", "q(2)", "r(2)"]))
+    q1, q2 = (step(f"q({n})", rules[2]) for n in (1, 2))
+    good = step("p(1)", rules[0], q1, Absent("r(1)"), X=1)
+    assert faults([good], frozenset(), true) == []
+    bad: Iterable[Derived | Given | Absent] = [
+        replace(good, premises=(q2,)),
+        replace(good, atom="p(2)", premises=(q2,), bindings={"X": clingo.Number(2)}),
+        replace(good, premises=(Given("q(1)", Span("x", 1, 1, 1, 1)),)),
+        replace(good, rule=rules[2], premises=()),
+        Absent("q(_)"),
+        step("r(2)", rules[1], step("r(2)", rules[1], X=2), X=2),
+    ]
+    assert all(faults([trace], frozenset(), true) for trace in bad)
+
+
+if __name__ == "__main__":
+    results = {seed: wrong_in(seed) for seed in range(int(sys.argv[1]), int(sys.argv[2]))}
+    faulty = {seed: wrong for seed, wrong in results.items() if wrong}
+    for seed, wrong in faulty.items():
+        print(seed, *random_program(seed), *wrong, sep="\n")
+    unanswered = sum(wrong is None for wrong in results.values())
+    print(f"{len(results)} programs, {unanswered} without answer set, {len(faulty)} with faults")

@@ -1,0 +1,233 @@
+"""Whether traces and absences are true, judged apart from what finds them.
+
+Rules are rewritten so that clingo itself judges: a positive literal `p(X)` becomes `in(P,p(X))`,
+true for what a step P may rest on; what is negated or a mere condition becomes `true(p(X))`, true
+for the answer set. An aggregate that more elements can only make true must be true of both; one
+that they can only make false, of the answer set; of any other, P must have all elements.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+
+import clingo
+from clingo import ast
+
+from mars_asp.rulebook import Rule
+from mars_asp.trace import Absent, Attempt, Derived, Given, Missing, Trace
+
+Values = Mapping[str, clingo.Symbol]
+_TYPE = ast.ASTType
+_AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+_UP = (ast.ComparisonOperator.LessEqual, ast.ComparisonOperator.LessThan)
+_DOWN = (ast.ComparisonOperator.GreaterEqual, ast.ComparisonOperator.GreaterThan)
+
+
+class _Reading(ast.Transformer):
+    """Puts values for variables, and for atoms where they are looked up."""
+
+    def __init__(self, place: str | None, values: Values) -> None:
+        self.place, self.values = place, values
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        value = self.values.get(node.name)
+        return node if value is None else ast.SymbolicTerm(node.location, value)
+
+    def visit_Literal(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        plain = node.sign == ast.Sign.NoSign
+        if node.atom.ast_type != _TYPE.SymbolicAtom:
+            reading = self if plain else _Reading(None, self.values)
+            return node.update(**reading.visit_children(node))
+        term = self.visit(node.atom.symbol)
+        sign = ("", "not ", "not not ")[node.sign]
+        looked_up = f"in({self.place},{term})" if plain and self.place else f"true({term})"
+        return literal_of(f"{sign}{looked_up}")
+
+
+def literal_of(text: str) -> ast.AST:
+    """Return a body literal's syntax tree."""
+    found: list[ast.AST] = []
+    ast.parse_string(f":- {text}.", found.append)
+    literal: ast.AST = found[-1].body[0]
+    return literal
+
+
+def _body(literals: Iterable[ast.AST], place: str | None, values: Values) -> Iterator[str]:
+    """Yield literals that hold when what is in `place`, and the answer set, make them hold."""
+    resting, true = _Reading(place, values), _Reading(None, values)
+    for literal in literals:
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            condition = ", ".join(str(true(part)) for part in literal.condition)
+            yield f"{resting(literal.literal)} : {condition}"
+        elif literal.sign == ast.Sign.NoSign and literal.atom.ast_type in _AGGREGATES:
+            yield str(true(literal))
+            need = _need(literal.atom)
+            if need == "enough":
+                yield str(resting(literal))
+            for element in literal.atom.elements if need == "all" else ():
+                parts = [getattr(element, "literal", None), *element.condition]
+                inside = [part for part in parts if part is not None]
+                condition = ", ".join(str(true(part)) for part in inside)
+                yield from (f"{resting(part)} : {condition}" for part in inside)
+        else:
+            yield str(resting(literal))
+
+
+def _need(atom: ast.AST) -> str:
+    """Say how many elements support an aggregate; weights are taken to be positive."""
+    least = getattr(atom, "function", None) == ast.AggregateFunction.Min
+    up, down = (_DOWN, _UP) if least else (_UP, _DOWN)
+    left = [] if atom.left_guard is None else [atom.left_guard.comparison]
+    right = [] if atom.right_guard is None else [atom.right_guard.comparison]
+    if any(c in up for c in left) or any(c in down for c in right):
+        return "enough"
+    return "none" if all(c in down for c in left) and all(c in up for c in right) else "all"
+
+
+def _heads(rule: Rule) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+    head = rule.ast.head
+    if head.ast_type == _TYPE.Literal:
+        yield head, ()
+    for element in getattr(head, "elements", ()):
+        inner = element.condition if head.ast_type == _TYPE.HeadAggregate else element
+        yield inner.literal, tuple(inner.condition)
+
+
+def _instances(rule: Rule, place: str | None, values: Values, given: str) -> Iterator[str]:
+    """Yield bodies, one for each head, that bind `_H` to what the rule gives."""
+    for head, condition in _heads(rule):
+        if head.atom.ast_type == _TYPE.SymbolicAtom:
+            symbol = _Reading(None, values)(head.atom.symbol)
+            body = _body((*rule.ast.body, *condition), place, values)
+            yield "; ".join([given, f"_H = {symbol}", *body])
+
+
+def _solved(lines: Iterable[str], true: Iterable[clingo.Symbol]) -> frozenset[clingo.Symbol]:
+    control = clingo.Control(["--warn=none"])
+    facts = [f"true({atom})." for atom in true]
+    control.add("base", [], "\n".join(["#defined true/1. #defined in/2.", *facts, *lines]))
+    control.ground()
+    found: list[frozenset[clingo.Symbol]] = []
+    control.solve(on_model=lambda model: found.append(frozenset(model.symbols(atoms=True))))
+    (only,) = found
+    return only
+
+
+def least_heights(
+    rules: Iterable[Rule], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
+) -> dict[clingo.Symbol, int]:
+    """Return each true atom's height, by deriving level after level until nothing is new."""
+    lines = [f"level(0..{len(true)}).", *(f"in(0,{atom})." for atom in given)]
+    lines.append("in(_N+1,_A) :- in(_N,_A); level(_N).")
+    for rule in rules:
+        for body in _instances(rule, "_N", {}, "level(_N)"):
+            lines.append(f"in(_N+1,_H) :- {body}; true(_H).")
+    heights: dict[clingo.Symbol, int] = {}
+    for atom in _solved(lines, true):
+        if atom.match("in", 2):
+            level, inside = atom.arguments
+            heights[inside] = min(level.number, heights.get(inside, level.number))
+    return heights
+
+
+class _Claims:
+    """What traces say, as rules that say it to clingo, and what is wrong at first sight."""
+
+    def __init__(self, given: Set[clingo.Symbol]) -> None:
+        self.given = given
+        self.wrong: list[str] = []
+        self.lines: list[str] = []
+        self.said: dict[clingo.Symbol, str] = {}
+        self._below: dict[int, frozenset[str]] = {}
+
+    def claim(self, said: str, *bodies: str) -> None:
+        """Claim that one of some bodies holds."""
+        number = len(self.said)
+        self.said[clingo.Function("ok", [clingo.Number(number)])] = said
+        self.lines.extend(f"ok({number}) :- {body}." for body in bodies)
+
+    def claim_not(self, said: str, body: str) -> None:
+        """Claim that no instance of a body holds."""
+        self.lines.append(f"holds({len(self.said)}) :- {body}.")
+        self.claim(said, f"not holds({len(self.said)})")
+
+    def look(self, trace: Trace | Attempt) -> frozenset[str]:
+        """Check a trace once; return the atoms in and below it."""
+        if id(trace) in self._below:
+            return self._below[id(trace)]
+        inside: frozenset[str] = frozenset()
+        match trace:
+            case Given(atom):
+                if clingo.parse_term(atom) not in self.given:
+                    self.wrong.append(f"{atom} is not given")
+            case Absent(atom) if atom.startswith("not "):
+                self.claim(f"not {atom}", f"true({atom[4:]})")
+            case Absent(atom):
+                self.claim_not(f"no {atom}", f"true({atom})")
+            case Derived():
+                inside = frozenset[str]().union(*map(self.look, trace.premises))
+                self.step(trace)
+                if trace.atom in inside:
+                    self.wrong.append(f"{trace.atom} is among its own reasons")
+            case Missing():
+                self.claim_not(f"no {trace.atom}", f"true({trace.atom})")
+                for attempt in trace.attempts:
+                    self.attempt(attempt)
+            case _:
+                self.wrong.append(f"{trace} is no reason")
+        self._below[id(trace)] = inside | {trace.atom}
+        return self._below[id(trace)]
+
+    def step(self, step: Derived) -> None:
+        """Claim that a rule gives an atom from the premises of a step."""
+        place = f"step({len(self.said)})"
+        rests = [p.atom for p in step.premises if isinstance(p, Given | Derived)]
+        self.lines.extend(f"in({place},{atom})." for atom in rests)
+        bodies = _instances(step.rule, place, step.bindings, f"_H = {step.atom}")
+        self.claim(f"{step.atom} by {step.rule.text} from {rests}", *bodies)
+
+    def attempt(self, attempt: Attempt) -> None:
+        """Claim that what is said to fail does fail."""
+        said = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
+        if attempt.fails is None:
+            bodies = _instances(attempt.rule, None, attempt.bindings, f"_H = {attempt.atom}")
+            self.claim(said, *bodies)
+            if attempt.rule.ast.head.ast_type == _TYPE.Literal:
+                self.wrong.append(f"{attempt.rule.text} is no choice")
+        else:
+            literal = literal_of(attempt.fails)
+            if literal.ast_type == _TYPE.ConditionalLiteral:
+                (failing,) = _body((literal,), None, attempt.bindings)
+            else:
+                failing = str(_Reading(None, attempt.bindings)(literal))
+            self.claim_not(said, failing)
+        for part in (attempt.cause, *attempt.held):
+            if part is not None:
+                self.look(part)
+
+
+def faults(
+    traces: Iterable[Trace], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
+) -> list[str]:
+    """Return what is wrong with traces: a step, a leaf, or an atom among its own reasons."""
+    claims = _Claims(given)
+    for trace in traces:
+        claims.look(trace)
+    held = _solved(claims.lines, true)
+    return claims.wrong + [said for atom, said in claims.said.items() if atom not in held]
+
+
+def height(trace: Trace) -> int:
+    """Return a trace's height; what is given or absent has none."""
+    if not isinstance(trace, Derived):
+        return 0
+    return 1 + max(map(height, trace.premises), default=0)
+
+
+def could_give(rule: Rule, atom: clingo.Symbol) -> bool:
+    """Say whether a head of a rule is an atom for values from 0 to 3 of its variables."""
+    lines = []
+    for head, _ in _heads(rule):
+        if re.match(rf"{atom.name}\b", str(head)):
+            values = "; ".join(f"{name} = 0..3" for name in ("X", "Y"))
+            lines.append(f"ok :- {values}; {head.atom.symbol} = {atom}.")
+    return bool(lines) and clingo.Function("ok") in _solved(lines, ())
