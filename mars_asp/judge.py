@@ -148,7 +148,7 @@ def _services(trial: Trial) -> Iterator[Fact]:
 
 
 def _control(trial: Trial) -> Iterator[Fact]:
-    plan, now = trial.executor.plan, trial.executor.schedule.now
+    now = trial.executor.schedule.now
     for link in trial.executor.links:
         if link.kind == "control" and link.delivered and link.client in trial.executor.effectors:
             yield _fact(link.span, "commanded_by", link.client, link.source)
@@ -161,23 +161,10 @@ def _control(trial: Trial) -> Iterator[Fact]:
         for (since, holder), (until, _) in pairwise(changes):
             if holder and until > since:
                 yield _seen("held", name, holder, since // MILLISECOND, until // MILLISECOND)
-        for link in plan.control_in[name]:
-            own = [(f.since, f.until) for f in arbiter.forces if f.controller == link.source]
-            for since, until in _merged(own):
-                yield _seen(
-                    "in_force", name, link.source, since // MILLISECOND, until // MILLISECOND
-                )
-
-
-def _merged(stretches: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Join a controller's stretches of time; a later message replaces the one before."""
-    joined: list[tuple[int, int]] = []
-    for since, until in sorted(stretches):
-        if joined and since <= joined[-1][1]:
-            joined[-1] = joined[-1][0], until
-        else:
-            joined.append((since, until))
-    return joined
+        for link, stretches in arbiter.in_force:
+            for start, end in stretches:
+                told = start // MILLISECOND, end // MILLISECOND
+                yield _seen("in_force", name, link.source, *told)
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:

@@ -163,12 +163,19 @@ def test_flat_sends_at_each_end_the_mean_per_function_of_what_came_in_the_period
     assert got == [(100, 3), (200, 7)]
 
 
-def test_flat_takes_a_stated_period_and_a_50_hz_controller_outvotes_a_10_hz_one() -> None:
+@pytest.mark.parametrize(("stated", "first"), [("", 100), (" period 50", 50), (" period 200", 200)])
+def test_flat_sends_every_100_ms_or_at_a_stated_period(stated: str, first: int) -> None:
+    text = "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by A"
+    got, _ = arbitrated({"A": {30: 7}}, 0.4, text, f"specification flat{stated}")
+    assert got == [(first, 7)]
+
+
+def test_flat_outvotes_a_10_hz_controller_by_a_50_hz_one() -> None:
     text = "P is_controlled_by ArbitrationNode\n" + "\n".join(
         f"ArbitrationNode is_controlled_by {name}" for name in "AB"
     )
     scripts: dict[str, Script] = {"A": {k: 12 for k in range(20, 101, 20)}, "B": {100: 0}}
-    got, _ = arbitrated(scripts, 0.1, text, "specification flat period 100")
+    got, _ = arbitrated(scripts, 0.1, text, "specification flat")
     assert got == [(100, 10)]
 
 

@@ -147,9 +147,11 @@ def test_a_splitter_polls_what_answers_requests() -> None:
         ("NotifyOnMax", [1, 3, 2, 3, 4], [1, 3, 4]),
         ("NotifyOnMin(3)", [4, 3, 5, 1, 1], [3, 1, 1]),
         ("NotifyOnMin", [4, 3, 5, 3, 1], [4, 3, 1]),
+        ("NotifyOnMin", [4, 5, 3, 3, 1], [4, 3, 1]),
         ("NotifyOnValue(5, 0.5)", [4, 4.6, 5.4, 6, 5.5], [4.6, 5.5]),
         ("NotifyOnValue(5)", [4, 5, 5, 6, 5], [5, 5]),
         ("NotifyOnChange", [1, 1, 2, 2, 1], [1, 2, 1]),
+        ("NotifyOnChange(0.5)", [7, 7.5, 7.75, 7.25], [7, 7.75]),
         ("NotifyOnChange(0.5)", [0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2], [0, 0.6, 1.2]),
     ],
 )
@@ -250,6 +252,51 @@ def test_a_request_passes_a_splitter_that_keeps_the_latest() -> None:
         0.1,
     )
     assert inbox.got == [(0, 0), (100, 10)]
+
+
+def test_a_link_delivers_at_once() -> None:
+    inbox = Inbox()
+    executor = executed(
+        "A uses_data_from S",
+        [sensor("S", "NotifyAtFrequency", 8), sink("A")],
+        {"S": counter(), "A": inbox},
+        0.25,
+    )
+    assert inbox.got == [(0, 0), (125, 1), (250, 2)]
+    assert executor.links[0].oldest == 0
+
+
+def test_a_sensor_without_a_frequency_samples_at_the_period_of_its_device() -> None:
+    inbox, _ = split("NotifyWhenReady", None, "", 0.25, period=ms(80))
+    assert inbox.got == [(0, 0), (80, 1), (160, 2), (240, 3)]
+
+
+def test_a_splitter_copies_in_the_order_of_the_specification_and_waits_for_no_slow_client() -> None:
+    order: list[str] = []
+    inbox = Inbox()
+
+    def noting(name: str) -> Callable[[int], int]:
+        def call(value: int) -> int:
+            order.append(name)
+            return value
+
+        return call
+
+    executed(
+        "DataSplitter1 uses_data_from S\nB uses_data_from DataSplitter1\n"
+        "D uses_data_from DataSplitter1\nC uses_data_from DataSplitter1\nA uses_data_from D",
+        [sensor("S", "NotifyAtFrequency", 10), sink("B"), data_out("D"), sink("C"), sink("A")],
+        {
+            "S": counter(),
+            "B": noting("B"),
+            "D": Behaviour(noting("D"), delay=ms(70)),
+            "C": noting("C"),
+            "A": inbox,
+        },
+        0.1,
+    )
+    assert order == ["B", "D", "C"] * 2
+    assert inbox.got == [(70, 0)]
 
 
 def test_a_splitter_copies_in_the_same_instant_and_no_failing_client_holds_up_another() -> None:

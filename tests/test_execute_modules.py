@@ -51,6 +51,57 @@ def test_an_algorithm_at_a_frequency_computes_on_its_clock_with_what_came_in_tha
     assert inbox.got == [(0, 0), (100, 5), (200, 10)]
 
 
+def test_an_algorithm_in_a_conditional_mode_computes_on_each_input_and_sends_some() -> None:
+    inbox, called = Inbox(), []
+
+    def double(x: int) -> int:
+        called.append(x)
+        return 2 * x
+
+    executed(
+        "D uses_data_from S\nA uses_data_from D",
+        [sensor("S", "NotifyAtFrequency", 10), data_out("D", "NotifyOnMax(4)"), sink("A")],
+        {"S": counter(), "D": double, "A": inbox},
+        0.3,
+    )
+    assert called == [0, 1, 2, 3]
+    assert inbox.got == [(200, 4), (300, 6)]
+
+
+def test_a_controller_computes_on_each_input() -> None:
+    inbox = Inbox()
+    executed(
+        "C uses_data_from S\nC uses_data_from T\nP is_controlled_by C",
+        [sensor("S"), sensor("T"), control_out("C"), effector("P", "Trans_Z")],
+        {
+            "S": Behaviour(counter(), ms(100)),
+            "T": Behaviour(counter(), ms(150)),
+            "C": lambda s, t: ("Trans_Z", 10 * s + t),
+            "P": inbox,
+        },
+        0.2,
+    )
+    assert inbox.got == [(at, {"Trans_Z": rate}) for at, rate in ((0, 0), (100, 10), (150, 11))] + [
+        (200, {"Trans_Z": 21})
+    ]
+
+
+def test_a_command_that_another_of_its_instant_overtakes_is_counted() -> None:
+    inbox = Inbox()
+    executor = executed(
+        "P is_controlled_by C\nP is_controlled_by D",
+        [control_out("C"), control_out("D"), effector("P", "Trans_Z")],
+        {
+            "C": Behaviour(lambda: ("Trans_Z", 1), ms(100)),
+            "D": Behaviour(lambda: ("Trans_Z", 2), ms(50)),
+            "P": inbox,
+        },
+        0.1,
+    )
+    assert [(at, command["Trans_Z"]) for at, command in inbox.got] == [(0, 2), (50, 2), (100, 2)]
+    assert [link.dropped["overtaken"] for link in executor.links] == [2, 0]
+
+
 def test_a_processing_delay_passes_before_a_result_is_sent() -> None:
     inbox = Inbox()
     executed(

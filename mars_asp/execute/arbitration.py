@@ -1,7 +1,7 @@
 """ArbitrationNodes: flat averages, hierarchical priorities with holds."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mars_asp.execute.link import Link, Message, Observer
 from mars_asp.execute.schedule import Schedule
@@ -22,16 +22,6 @@ class Holding:
     since: int
     why: str
     through: str = NOBODY
-
-
-@dataclass(frozen=True, slots=True)
-class Force:
-    """A message of `controller` was in force at `node` from `since` until `until` (ns)."""
-
-    node: str
-    controller: str
-    since: int
-    until: int
 
 
 class FlatArbitration:
@@ -83,6 +73,7 @@ class _Input:
     until: int = -1
     arrival: int = -1
     suppressed: int = 0
+    in_force: list[tuple[int, int]] = field(default_factory=list)
 
 
 class HierarchicalArbitration:
@@ -107,7 +98,6 @@ class HierarchicalArbitration:
         self.inputs: list[_Input] = []
         self.winner: _Input | None = None
         self.holdings: list[Holding] = []
-        self.forces: list[Force] = []
 
     def input(self, link: Link, hold: int) -> Callable[[Message], None]:
         """Return what takes the commands of one controller, each in force for `hold` ns."""
@@ -120,6 +110,11 @@ class HierarchicalArbitration:
         """Return how many messages of each input something higher kept from being forwarded."""
         return {source.link.source: source.suppressed for source in self.inputs}
 
+    @property
+    def in_force(self) -> tuple[tuple[Link, Sequence[tuple[int, int]]], ...]:
+        """Return each input, and from when until when (ns) a message of it was in force."""
+        return tuple((source.link, source.in_force) for source in self.inputs)
+
     def receive(self, source: _Input, message: Message) -> None:
         """Take a message; forward it at once if it wins."""
         now = self.schedule.now
@@ -130,7 +125,11 @@ class HierarchicalArbitration:
         # One count for all arbiters of a run orders the messages of a whole cascade.
         arrival = self.schedule.next_arrival() if message.arrival is None else message.arrival
         source.arrival = arrival
-        self.forces.append(Force(self.name, source.link.source, now, until))
+        since = now
+        if source.in_force and now <= source.in_force[-1][1]:
+            # A later message replaces the one before.
+            since, _ = source.in_force.pop()
+        source.in_force.append((since, until))
         self.schedule.at(until, self.rank, lambda: self.expire(source))
         best = self.best()
         if best is source:

@@ -40,7 +40,8 @@ class Link:
     """One relationship of the specification, and what has passed over it.
 
     `dropped` counts by reason: `lowered` (a rate that was to be lowered), `unread` (overtaken
-    before it was requested), `failed` (an exception). `hold` and ages are in ns.
+    before it was requested), `overtaken` (by another command of the instant), `failed` (an
+    exception). `hold` and ages are in ns.
     """
 
     kind: Literal["data", "control"]

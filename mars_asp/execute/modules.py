@@ -16,8 +16,8 @@ class Sensor:
     """Samples its device at a rate, or, without one, when it is asked."""
 
     def __init__(self, name: str, behaviour: Behaviour, hz: Fraction | None, schedule: Schedule):
-        self.name, self.behaviour, self.schedule = name, behaviour, schedule
-        self.call = behaviour.call
+        self.name, self.schedule = name, schedule
+        self.call, self.delay = behaviour.call, behaviour.delay
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
         if hz is None and behaviour.period is not None:
@@ -37,8 +37,8 @@ class Sensor:
             return
         made = self.schedule.now
         message = message_of((reading, made, self.name, None, None))
-        if self.behaviour.delay:
-            due = made + self.behaviour.delay
+        if self.delay:
+            due = made + self.delay
             self.schedule.at(due, SENSORS, lambda: offer_all(self.offers, message))
         else:
             for offer in self.offers:
@@ -63,8 +63,9 @@ class Algorithm:
         triggered: bool,
         pulls: bool,
     ) -> None:
-        self.name, self.behaviour, self.schedule = name, behaviour, schedule
-        self.call, self.commands, self.triggered = behaviour.call, commands, triggered
+        self.name, self.schedule = name, schedule
+        self.call, self.delay = behaviour.call, behaviour.delay
+        self.commands, self.triggered = commands, triggered
         self.rank = schedule.control if commands else DATA
         self.queue = schedule.queue(self.rank)
         self.offers: list[Offer] = []
@@ -87,12 +88,12 @@ class Algorithm:
         queue, run = self.queue, self.run
 
         def keep(message: Message) -> None:
-            latest[index] = message.value
+            latest[index] = message[0]
             if unheard:
                 unheard.discard(index)
 
         def trigger(message: Message) -> None:
-            latest[index] = message.value
+            latest[index] = message[0]
             if unheard:
                 unheard.discard(index)
             queue(run)
@@ -133,8 +134,8 @@ class Algorithm:
             return
         made = self.schedule.now
         message = message_of((result, made, self.name, None, None))
-        if self.behaviour.delay:
-            due = made + self.behaviour.delay
+        if self.delay:
+            due = made + self.delay
             self.schedule.at(due, self.rank, lambda: offer_all(self.offers, message))
         else:
             for offer in self.offers:
@@ -148,6 +149,7 @@ class Effector:
         self.name, self.behaviour, self.schedule = name, behaviour, schedule
         self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
         self.message: Message | None = None
+        self.awaited: Link | None = None
         self.inputs: list[Link] = []
         self.applied: list[tuple[int, str, dict[str, float]]] = []
         self.timeouts = 0
@@ -155,11 +157,13 @@ class Effector:
     def input(self, link: Link) -> Callable[[Message], None]:
         """Return what takes the commands of one link."""
         self.inputs.append(link)
-        return self.receive
+        return lambda message: self.receive(link, message)
 
-    def receive(self, message: Message) -> None:
+    def receive(self, link: Link, message: Message) -> None:
         """Take a command; it is applied when everything else of the instant is done."""
-        self.message = message
+        if self.awaited is not None:
+            self.awaited.dropped["overtaken"] += 1
+        self.message, self.awaited = message, link
         self.queue(lambda: self.apply(message))
         if message.value:
             due = self.schedule.now + self.timeout
@@ -169,6 +173,7 @@ class Effector:
         """Carry a command out, unless a later one of the same instant took its place."""
         if message is not self.message:
             return
+        self.awaited = None
         try:
             self.behaviour.call(message.value)
         except Exception as error:  # a device's fault must not end the run

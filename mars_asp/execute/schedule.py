@@ -106,15 +106,16 @@ class Schedule:
 
     def _settle(self) -> None:
         """Run the events of this instant, the lowest rank first, until none is left."""
-        done, rank = 0, 0
+        rank = 0
         while rank < len(self._queues):
             queue = self._queues[rank]
             if not queue:
                 rank += 1
                 continue
-            take = queue.popleft
             while queue:
-                take()()
-                done += 1
+                actions = tuple(queue)
+                queue.clear()
+                for action in actions:
+                    action()
+                self.events += len(actions)
             rank = 0
-        self.events += done
