@@ -23,20 +23,22 @@ def _visible_character(character: str) -> str:
     return character.encode("unicode_escape", "surrogatepass").decode("ascii")
 
 
-def write_whole(path: str, text: str) -> None:
-    """Write a file whole or not at all; keep its mode and follow links.
+def write_whole(path: str, content: str | bytes) -> None:
+    """Write a file whole or not at all; keep its mode and follow links. Text is written as UTF-8.
 
     Raises:
         OSError: the file cannot be written.
     """
+    if isinstance(content, str):
+        content = content.encode()
     target = Path(os.path.realpath(path))
     if target.exists() and not stat.S_ISREG(target.stat().st_mode):
-        target.write_text(text, encoding="utf-8")
+        target.write_bytes(content)
         return
     handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
             file.flush()
             os.fsync(file.fileno())
         mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask()

@@ -1,6 +1,7 @@
 """Scenarios, requirements and the verb `run`."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -154,6 +155,48 @@ def test_injected_faults(fault: str, delivered: int, failed: int) -> None:
     made = trial(f"{BASE}{HAND}[faults]\nC = {{ {fault} }}\n")
     link = made.executor.links[0]
     assert (link.delivered, link.dropped["failed"]) == (delivered, failed)
+
+
+def test_a_scenario_declares_a_processing_delay(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text("def go():\n    return 'Trans_Z', 100\n")
+    binding = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+    driven = [
+        trial(BASE + binding + delay, folder=tmp_path).body.driven
+        for delay in ("", "delay = 500\n")
+    ]
+    assert driven == pytest.approx([300, 250])
+
+
+def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "c.mars").write_text(
+        "@specification\n@modules P, C, D\nP is_controlled_by C\nP is_controlled_by D\n"
+    )
+    hands = "".join(HAND.replace(".C]", f".{name}]") for name in "CD")
+    (tmp_path / "s.toml").write_text(BASE + hands)
+    words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
+    assert run_command(words) == 1
+    assert re.search(r"C -> P +10\.33 +0 +31 overtaken", capfd.readouterr().out)
+    assert run_command([*words, "--format", "json"]) == 1
+    links = json.loads(capfd.readouterr().out)["links"]
+    assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
+
+
+def test_analysis_runs_no_behaviour(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A source is text to analysis; only a run imports it."""
+    ran = tmp_path / "ran"
+    (tmp_path / "b.py").write_text(
+        f"open({str(ran)!r}, 'w')\n# @module_start\n# @module_name C\n# @ControlOut Trans_Z\n"
+        "def go() -> tuple[str, float]:\n    return 'Trans_Z', 100\n# @module_end\n"
+    )
+    config = tmp_path / "c.mars"
+    config.write_text("@configuration\n@sources b.py\n@modules P, C\nP is_controlled_by C\n")
+    (tmp_path / "s.toml").write_text(BASE + "[bindings.C]\nperiod = 100\n")
+    for verb in ("check", "analyse", "synthesise", "explain"):
+        assert run_command([verb, str(config)]) == 0
+        assert not ran.exists()
+    assert run_command(["run", str(config), "--scenario", str(tmp_path / "s.toml")]) == 0
+    assert ran.exists()
+    assert "100.0 %" in capfd.readouterr().out
 
 
 def test_module_state_does_not_leak_from_one_run_into_the_next(tmp_path: Path) -> None:

@@ -44,6 +44,9 @@ LAYERS = [
     "trial",
     "judge",
     "plot",
+    "replay",
+    "record",
+    "foxglove",
     "cli",
 ]
 

@@ -73,6 +73,16 @@ def test_rates_are_limited_and_turning_while_driving_is_timed() -> None:
     assert [body.driven, body.both] == pytest.approx([300, 2], rel=1e-3)
 
 
+def test_functions_that_a_command_does_not_name_are_zero() -> None:
+    body = Body(World(), Pose(0, 0, 0), 200)
+    body.obey({"Trans_Z": 100}, 0)
+    body.obey({"Rotn_Y": 10}, 1)
+    body.advance(2)
+    pose = body.pose
+    assert (pose.forward, pose.side, pose.heading) == pytest.approx((100, 0, 10))
+    assert body.both == 0
+
+
 def test_either_axis_may_be_up() -> None:
     body = Body(World(), Pose(0, 0, 0), 200, up="z", command={"Trans_Y": 10})
     body.advance(1)

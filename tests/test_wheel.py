@@ -26,4 +26,5 @@ def test_the_wheel_works_outside_the_checkout(tmp_path: Path) -> None:
         text=True,
     )
     assert done.stdout == (ROOT / "tests" / "specifications" / "level0.mars").read_text()
-    assert (site / "mars_asp" / "rules" / "vocabulary.lp").is_file()
+    for carried in ("rules/vocabulary.lp", "replay.html", "replay.js"):
+        assert (site / "mars_asp" / carried).is_file()

@@ -3,16 +3,16 @@
 import argparse
 import json
 import sys
-import time
 from dataclasses import replace
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli import _positive
+from mars_asp.cli.live import live_line
+from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.visible import visible, write_whole
+from mars_asp.visible import visible
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -36,17 +36,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )
-    parser.add_argument("--plot", metavar="OUT.svg", help="draw the way and who held control")
-    parser.add_argument("--record", metavar="OUT.jsonl", help="write every event, one a line")
+    add_outputs(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
     from mars_asp.judge import judge
+    from mars_asp.record import Record
     from mars_asp.scenario import load_scenario
     from mars_asp.trace.text import trace_json
     from mars_asp.trial import stage_trial
 
+    check_packages(arguments)
     project = read_project(arguments)
     scenario = load_scenario(Path(arguments.scenario))
     if arguments.seed is not None:
@@ -57,17 +58,12 @@ def run(arguments: argparse.Namespace) -> int:
     if specification is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
-    record: list[str] = []
-    observe = _recorder(record) if arguments.record else None
+    record = Record()
+    observe = record.observe if arguments.record else None
     trial = stage_trial(specification, project.modules, scenario, observe)
     _carry_out(trial, arguments)
     judgement = judge(trial)
-    if arguments.record:
-        write_whole(arguments.record, "".join(f"{line}\n" for line in record))
-    if arguments.plot:
-        from mars_asp.plot import plot_run
-
-        write_whole(arguments.plot, plot_run(trial))
+    write_outputs(trial, record, arguments)
     if arguments.format == "json":
         result = run_json(trial, judgement)
         if arguments.explain:
@@ -96,48 +92,14 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     return None if found is None else found.specification.configuration
 
 
-def _recorder(lines: list[str]) -> Any:
-    def observe(at: int, what: str, where: str, value: object) -> None:
-        event = {"ns": at, "event": what, "where": where, "value": _plain(value)}
-        lines.append(json.dumps(event, default=repr, allow_nan=False))
-
-    return observe
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: what is not finite becomes null."""
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
-    if isinstance(value, dict):
-        return {str(key): _plain(part) for key, part in value.items()}
-    return value
-
-
 def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
     """Run to the end, with a live line where a person is watching."""
-    duration, started = trial.scenario.duration, time.monotonic()
-    live = sys.stderr.isatty() and not arguments.quiet
-    at = 0.0
-    while at < duration:
-        at = min(duration, at + _GLANCE)
-        trial.run_until(at)
-        if live:
-            print(f"\r\033[2K{_line(trial, time.monotonic() - started)}", end="", file=sys.stderr)
-    if live:
-        print(file=sys.stderr)
-
-
-def _line(trial: "Trial", wall: float) -> str:
-    effector = trial.executor.effectors.get(trial.scenario.robot["module"])
-    holder = effector.message.origin if effector and effector.message else ""
-    dropped = sum(link.dropped.total() for link in trial.executor.links)
-    seconds = trial.body.seconds
-    return visible(
-        f"{seconds:6.1f} s  {seconds / max(wall, 1e-9):5.0f}x  control: {holder or 'nobody':<12} "
-        f"least clearance {trial.body.clearance:6.0f} mm  dropped {dropped}"
-    )
+    duration, at = trial.scenario.duration, 0.0
+    with live_line(arguments) as show:
+        while at < duration:
+            at = min(duration, at + _GLANCE)
+            trial.run_until(at)
+            show(trial)
 
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:

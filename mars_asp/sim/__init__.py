@@ -1,7 +1,8 @@
 """A planar kinematic simulator; knows nothing of ASP. Lengths in mm, angles in degrees.
 
 The plane is seen from above: `forward` and `side` coordinates, a heading that grows from forward
-towards side. With y up these are z and x, with z up x and y (`planar_functions`).
+towards side, which is to the left. With y up these are z and x, with z up x and y
+(`planar_functions`).
 """
 
 from mars_asp.sim.body import Body, Pose, move

@@ -67,6 +67,15 @@ class Body:
     track: list[tuple[float, Pose]] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
 
+    def __post_init__(self) -> None:
+        """Note where it starts."""
+        self.track.append((self.seconds, self.pose))
+
+    @property
+    def way(self) -> list[tuple[float, Pose]]:
+        """Return where it was at times (s) no more than 0.1 s apart, up to now."""
+        return [*self.track, (self.seconds, self.pose)]
+
     def obey(self, command: Mapping[str, float], seconds: float) -> None:
         """Move on to a time, then take a command; functions that it does not name are zero."""
         self.advance(seconds)
@@ -123,5 +132,5 @@ class Body:
         self.driven += hypot(pose.forward - self.pose.forward, pose.side - self.pose.side)
         self.both += (at - self.seconds) * both
         self.pose, self.seconds = pose, at
-        if not self.track or at - self.track[-1][0] >= 0.05:
+        if at - self.track[-1][0] >= 0.05:
             self.track.append((at, pose))

@@ -1,0 +1,64 @@
+"""The line on standard error that shows a run while it goes on, where a person is watching."""
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from mars_asp.visible import visible
+
+if TYPE_CHECKING:
+    from mars_asp.trial import Trial
+
+#: Seconds between two lines: more often is not read, and a terminal takes time.
+_PATIENCE = 0.1
+
+
+@contextmanager
+def live_line(arguments: argparse.Namespace) -> "Iterator[Callable[[Trial], None]]":
+    """Yield what shows how far a run is; the line is gone at the end."""
+    if arguments.quiet or not sys.stderr.isatty():
+        yield lambda trial: None
+        return
+    columns, started, shown = _columns(), time.monotonic(), -_PATIENCE
+
+    def show(trial: "Trial") -> None:
+        nonlocal shown
+        wall = time.monotonic() - started
+        if wall - shown >= _PATIENCE:
+            shown = wall
+            write(visible(run_line(trial, wall))[:columns])
+
+    def write(line: str) -> None:
+        # A line that fills the last column, or is longer, would stay when it is to be replaced.
+        print(f"\r{line.ljust(columns)}\r{line}", end="", file=sys.stderr, flush=True)
+
+    try:
+        yield show
+    finally:
+        write("")
+
+
+def _columns() -> int:
+    try:
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns
+    except (OSError, ValueError):
+        columns = 0
+    # A terminal that does not know its size says 0.
+    return (columns or 80) - 1
+
+
+def run_line(trial: "Trial", wall: float) -> str:
+    """Return where a run stands after `wall` seconds of computing."""
+    effector = trial.executor.effectors.get(trial.scenario.robot["module"])
+    holder = effector.message.origin if effector and effector.message else ""
+    dropped = sum(link.dropped.total() for link in trial.executor.links)
+    seconds = trial.body.seconds
+    return (
+        f"{seconds:6.1f} of {trial.scenario.duration:g} s  {seconds / max(wall, 1e-9):5.0f}x  "
+        f"least clearance {trial.body.clearance:6.0f} mm  dropped {dropped}  "
+        f"in control: {holder or 'nobody'}"
+    )

@@ -1,0 +1,81 @@
+"""What a run leaves behind: a plot, a page that plays it, a record."""
+
+import argparse
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.source import point
+from mars_asp.visible import write_whole
+
+if TYPE_CHECKING:
+    from mars_asp.record import Record
+    from mars_asp.trial import Trial
+
+#: What is imported for files of an ending, and the extra that brings it.
+_NEEDED = {".mcap": ("mcap", "mcap")}
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Add the options that name files to write."""
+    for option, endings, text in (
+        ("--plot", (".svg",), "draw the way and who held control"),
+        ("--replay", (".html",), "write a page that plays the run"),
+        ("--record", (".jsonl", ".mcap"), "write every event, one a line or for Foxglove"),
+    ):
+        metavar = f"OUT{'|'.join(endings)}"
+        parser.add_argument(option, metavar=metavar, type=_ending(*endings), help=text)
+
+
+def _ending(*endings: str) -> Callable[[str], str]:
+    """Return what refuses a file's name that does not say what to write."""
+
+    def check(path: str) -> str:
+        if not path.endswith(endings):
+            message = f"cannot tell what to write to `{path}`: end it in {' or '.join(endings)}"
+            raise argparse.ArgumentTypeError(message)
+        return path
+
+    return check
+
+
+def check_packages(arguments: argparse.Namespace) -> None:
+    """Refuse, before anything runs, what could not be written afterwards.
+
+    Raises:
+        MarsError: an optional package is not installed.
+    """
+    problems = []
+    for path in (arguments.plot, arguments.replay, arguments.record):
+        for ending, (package, extra) in _NEEDED.items():
+            if path is not None and path.endswith(ending) and find_spec(package) is None:
+                message = f"`{ending}` needs the package `{package}`, which is not installed"
+                help_text = f"`pip install 'mars-asp[{extra}]'`, or choose another ending"
+                place = point(path, 1, 1)
+                problems.append(Diagnostic("package", "error", message, place, (), help_text))
+    if problems:
+        raise MarsError(problems)
+
+
+def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespace) -> None:
+    """Write what was asked for, each file whole or not at all."""
+    if arguments.plot:
+        from mars_asp.plot import plot_run
+
+        write_whole(arguments.plot, plot_run(trial))
+    if arguments.replay:
+        from mars_asp.replay import replay_page
+
+        title = f"{trial.scenario.path}, seed {trial.scenario.seed}"
+        write_whole(arguments.replay, replay_page(trial, title))
+    if arguments.record:
+        write_whole(arguments.record, _recorded(trial, record, arguments.record))
+
+
+def _recorded(trial: "Trial", record: "Record", path: str) -> str | bytes:
+    if path.endswith(".jsonl"):
+        return record.lines()
+    from mars_asp.foxglove import mcap_bytes
+
+    return mcap_bytes(trial, record.events)

@@ -1,0 +1,171 @@
+"use strict";
+const run = JSON.parse(document.getElementById("run").textContent);
+const [svg, slider, play, speed] = ["#picture svg", "#slider", "#play", "#speed"].map(
+  (name) => document.querySelector(name));
+const [robot, moving] = [svg.querySelector("#robot"), svg.querySelectorAll(".moving")];
+const cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
+let [now, asked, frame, before] = [0, null, 0, 0];
+
+// Which entry is the last that begins (its first member) at or before a time; -1 before the first.
+function indexAt(entries, time) {
+  let [low, high] = [0, entries.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (entries[middle][0] <= time) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
+function pixels(forward, side) {
+  const { corner, scale, margin } = run.view;
+  return [margin + (corner[1] - side) * scale, margin + (corner[0] - forward) * scale];
+}
+
+function poseAt(time) {
+  const index = Math.max(0, indexAt(run.poses, time));
+  const [from, to] = [run.poses[index], run.poses[index + 1] ?? run.poses[index]];
+  const share = to[0] > from[0] ? Math.max(0, (time - from[0]) / (to[0] - from[0])) : 0;
+  return from.map((value, k) => value + share * (to[k] - value)).slice(1);
+}
+
+// There and back for ever, as the simulator moves it.
+function placeAt([x, y, tx, ty, rate], time) {
+  const way = Math.hypot(tx - x, ty - y);
+  const gone = way ? (time * rate) % (2 * way) : 0;
+  const share = way ? Math.min(gone, 2 * way - gone) / way : 0;
+  return pixels(x + share * (tx - x), y + share * (ty - y));
+}
+
+// Names come from files of others: they only ever become text.
+function element(name, text, className) {
+  const made = document.createElement(name);
+  made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+function seconds(time) {
+  return `${time.toFixed(2)} s`;
+}
+
+function stretchAt(input, time) {
+  const stretch = input.in_force[indexAt(input.in_force, time)];
+  if (!stretch) return [false, "not heard yet"];
+  return time < stretch[1]
+    ? [true, `in force until ${seconds(stretch[1])}`]
+    : [false, `silent since ${seconds(stretch[1])}`];
+}
+
+function verdict(arbiter, holding) {
+  const input = arbiter.inputs.find(({ name }) => name === asked);
+  if (!input) return null;
+  if (holding && holding[2] === asked) return `${asked} won: ${holding[3]}.`;
+  if (!stretchAt(input, now)[0]) return `${asked} did not want control.`;
+  const winner = arbiter.inputs.find(({ name }) => holding && name === holding[2]);
+  if (!winner) return null;
+  return winner.priority > input.priority
+    ? `${asked} lost to ${winner.name}: priority ${input.priority} against ${winner.priority}.`
+    : `${asked} lost to ${winner.name}: of equal priority, and heard earlier.`;
+}
+
+function explain(arbiter) {
+  const section = document.createElement("section");
+  section.append(element("h2", arbiter.node));
+  if (arbiter.period_ms !== undefined) {
+    section.append(element("p", `sends the mean of each ${arbiter.period_ms} ms`));
+    return section;
+  }
+  const holding = arbiter.holdings[indexAt(arbiter.holdings, now)];
+  const told = holding
+    ? `${holding[1] || "nobody"} holds control since ${seconds(holding[0])}: ${holding[3]}`
+    : "nothing has been heard";
+  section.append(element("p", told, "told"));
+  const answer = verdict(arbiter, holding);
+  if (answer) section.append(element("p", answer, "verdict"));
+  const table = document.createElement("table");
+  for (const input of arbiter.inputs) {
+    const row = document.createElement("tr");
+    row.className = input.name === asked ? "asked" : "";
+    const wins = holding && holding[2] === input.name ? "wins" : "";
+    row.append(element("td", input.name, wins), element("td", `priority ${input.priority}`));
+    row.append(element("td", stretchAt(input, now)[1]));
+    table.append(row);
+  }
+  section.append(table);
+  return section;
+}
+
+function show(time) {
+  now = Math.min(Math.max(time, 0), run.duration);
+  const [forward, side, heading] = poseAt(now);
+  const [x, y] = pixels(forward, side);
+  robot.setAttribute("transform", `translate(${x} ${y}) rotate(${-heading})`);
+  run.moving.forEach((circle, k) => {
+    const [cx, cy] = placeAt(circle, now);
+    moving[k].setAttribute("cx", cx);
+    moving[k].setAttribute("cy", cy);
+  });
+  const { left, wide, top, bottom } = run.lanes;
+  cursor.setAttribute("d", `M${left + now * wide} ${top}V${bottom}`);
+  slider.value = now;
+  document.getElementById("time").textContent = seconds(now);
+  const command = run.commands[indexAt(run.commands, now)];
+  const rates = Object.entries(command ? command[2] : {});
+  const obeyed = rates.length
+    ? `${command[1] || "nobody"}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}`
+    : "nobody: it rests";
+  const collisions = indexAt(run.contacts.map((at) => [at]), now) + 1;
+  document.getElementById("state").textContent =
+    `The robot obeys ${obeyed}. It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
+    `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
+  document.getElementById("why").replaceChildren(...run.arbiters.map(explain));
+}
+
+function stop() {
+  cancelAnimationFrame(frame);
+  frame = 0;
+  play.textContent = "Play";
+}
+
+function go(stamp) {
+  show(now + ((stamp - before) / 1000) * Number(speed.value));
+  before = stamp;
+  if (now < run.duration) frame = requestAnimationFrame(go);
+  else stop();
+}
+
+function toggle() {
+  if (frame) return stop();
+  if (now >= run.duration) show(0);
+  play.textContent = "Stop";
+  before = performance.now();
+  frame = requestAnimationFrame(go);
+}
+
+cursor.setAttribute("stroke", "black");
+cursor.setAttribute("pointer-events", "none");
+svg.append(cursor);
+slider.max = run.duration;
+slider.addEventListener("input", () => {
+  stop();
+  show(Number(slider.value));
+});
+play.addEventListener("click", toggle);
+document.addEventListener("keydown", (event) => {
+  if (event.target === slider || event.target === speed) return;
+  const step = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
+  if (step) show(now + step);
+  else if (event.key === " " && event.target !== play) toggle();
+  else return;
+  event.preventDefault();
+});
+svg.addEventListener("click", (event) => {
+  if (!event.target.classList.contains("lane")) return;
+  stop();
+  asked = event.target.dataset.name;
+  const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(
+    svg.getScreenCTM().inverse());
+  show((at.x - run.lanes.left) / run.lanes.wide);
+});
+show(0);

@@ -1,0 +1,279 @@
+"""The page that plays a run: what is in it, and what it does in a browser."""
+
+import json
+import re
+import shutil
+import subprocess
+from base64 import b64encode
+from functools import cache
+from hashlib import sha256
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mars_asp.execute.arbitration import Holding
+from mars_asp.execute.link import Observer
+from mars_asp.language import parse_text
+from mars_asp.plot import Picture, plot_run
+from mars_asp.replay import replay_json, replay_page
+from mars_asp.scenario import read_scenario
+from mars_asp.sim import Pose
+from mars_asp.trial import Trial, stage_trial
+
+#: `High` is silent from 1 to 2 s; `Low` always speaks. Holds are 2.5 periods of 100 ms.
+SPECIFICATION = """@specification hierarchical
+@modules P, Low, High, ArbitrationNode
+P is_controlled_by ArbitrationNode
+ArbitrationNode is_controlled_by Low 3
+ArbitrationNode is_controlled_by High 7
+"""
+SCENARIO = """duration = 3
+[robot]
+module = "P"
+[world]
+walls = [[[2000, -900], [2000, 900], [-900, 900]]]
+circles = [[1000, -700, 100]]
+moving = [{ from = [0, 800], to = [1000, 800], radius = 50, speed = 500 }]
+marks = [{ at = [500, 0], colour = "red" }]
+[devices.Low]
+kind = "joystick"
+script = [[0, "Trans_Z", 200]]
+[devices.High]
+kind = "joystick"
+script = [[0, "Rotn_Y", 10]]
+[faults.High]
+kind = "silent"
+from = 1
+until = 2
+"""
+HOSTILE = """</script></svg>"'><img src=x onerror=alert(1)>&\u202e\x00"""
+
+
+def trial(scenario: str = SCENARIO, observe: Observer | None = None) -> Trial:
+    made = stage_trial(
+        parse_text(SPECIFICATION, "x.mars").configuration,
+        {},
+        read_scenario(scenario, Path("s.toml")),
+        observe,
+    )
+    made.run_until(3.0)
+    return made
+
+
+@cache
+def page() -> str:
+    return replay_page(trial(), "a title")
+
+
+def hostile_page() -> str:
+    """Return a page all of whose texts try to break out of where they stand."""
+    made = trial(SCENARIO.replace('"red"', json.dumps(HOSTILE)))
+    arbiter = made.executor.arbiters["ArbitrationNode"]
+    arbiter.holdings.append(Holding("ArbitrationNode", HOSTILE, 0, HOSTILE, HOSTILE))
+    made.executor.effectors["P"].applied.insert(0, (0, HOSTILE, {HOSTILE: 1.0}))
+    return replay_page(made, HOSTILE)
+
+
+def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
+    told = replay_json(trial())
+    assert told["poses"][0] == [0, 0, 0, 0]
+    assert told["poses"][-1][0] == 3
+    assert told["moving"] == [[0, 800, 1000, 800, 500]]
+    (arbiter,) = told["arbiters"]
+    assert arbiter["holdings"] == [
+        [0, "Low", "Low", "alone in force"],
+        [0, "High", "High", "highest priority in force"],
+        [1.15, "Low", "Low", "the hold of High ran out"],
+        [2, "High", "High", "highest priority in force"],
+    ]
+    low, high = arbiter["inputs"]
+    assert (low["name"], low["priority"], low["in_force"]) == ("Low", 3, [[0, 3.25]])
+    assert (high["name"], high["priority"]) == ("High", 7)
+    assert high["in_force"] == [[0, 1.15], [2, 3.25]]
+    assert [c[1] for c in told["commands"]] == ["High", "Low", "High"]
+
+
+def test_a_page_fetches_nothing_and_lets_only_its_own_script_run() -> None:
+    text = page()
+    assert re.findall(r"https?://[^\"]*", text) == ["http://www.w3.org/2000/svg"] * 2
+    assert not re.search(r"\b(src|href|action)\s*=|@import|url\((?!#)|fetch\(|import\(", text)
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
+    assert policy
+    script = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    digest = b64encode(sha256(script[0].encode()).digest()).decode()
+    assert len(script) == 1
+    assert policy[1] == (
+        f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'"
+    )
+
+
+def test_no_text_of_others_becomes_markup() -> None:
+    text, plain = hostile_page(), page()
+    assert "<img" not in text
+    for tag in ("script", "svg", "body", "g"):
+        assert text.count(f"</{tag}>") == plain.count(f"</{tag}>")
+    assert not re.search("[\u202e\x00]", text)
+    (data,) = re.findall(r'id="run">(.*?)</script>', text, re.DOTALL)
+    assert json.loads(data)["commands"][0][2] == {HOSTILE: 1.0}
+
+
+def test_the_same_run_gives_the_same_page() -> None:
+    assert page() == replay_page(trial(), "a title")
+
+
+def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
+    made = trial()
+    made.body.pose = Pose(0, 0, 30)
+    at = [Picture(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
+    assert at[1][1] < at[0][1]
+    assert at[2][0] < at[0][0]
+    assert "rotate(-30.0)" in plot_run(made)
+
+
+def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
+    picture = plot_run(trial())
+    assert re.findall(r'class="lane" data-name="(\w+)"', picture) == ["High", "Low"]
+    wanted, held = re.findall(r"<g opacity.*?</g>", picture, re.DOTALL)
+    spans = {
+        name: [float(width) for width in re.findall(rf'width="([\d.]+)"[^>]*"{colour}"', held)]
+        for name, colour in (("High", "#0072b2"), ("Low", "#d55e00"))
+    }
+    second = 530 / 3
+    assert spans["High"] == pytest.approx([1.15 * second, second], abs=0.01)
+    assert spans["Low"] == pytest.approx([0.85 * second], abs=0.01)
+    assert f'width="{3 * second:.2f}"' in wanted
+
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
+in_a_browser = pytest.mark.skipif(
+    CHROMIUM is None, reason="no Chromium: a browser is no Python package that we could ask for"
+)
+
+
+def rendered(path: Path, text: str) -> str:
+    """Return a page's elements after its scripts have run for two seconds of its time."""
+    path.write_text(text, encoding="utf-8")
+    words = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000"]
+    done = subprocess.run(
+        [str(CHROMIUM), *words, f"--user-data-dir={path.parent}", "--dump-dom", path.as_uri()],
+        capture_output=True,
+        check=True,
+        timeout=180,
+    )
+    return done.stdout.decode()
+
+
+def probed(path: Path, probe: str) -> dict[str, Any]:
+    """Run a script in the page; return what it puts into `told`."""
+    script = f"""<script>
+      const told = {{}};
+      const text = (name) => document.querySelector(name).textContent;
+      const click = (name, share) => {{
+        const lane = document.querySelector(`.lane[data-name="${{name}}"]`);
+        const box = lane.getBoundingClientRect();
+        lane.dispatchEvent(new MouseEvent("click", {{
+          bubbles: true, clientX: box.left + share * box.width, clientY: box.top + 3 }}));
+      }};
+      {probe}
+      setTimeout(() => {{ document.documentElement.dataset.told = JSON.stringify(told); }}, 1500);
+    </script></body>"""
+    text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page())
+    shown = rendered(path, text.replace("</body>", script))
+    found = re.search(r'data-told="([^"]*)"', shown)
+    assert found, shown
+    result: dict[str, Any] = json.loads(unescape(found[1]))
+    return result
+
+
+@in_a_browser
+def test_the_script_runs_under_its_policy_and_names_stay_text(tmp_path: Path) -> None:
+    shown = rendered(tmp_path / "run.html", hostile_page())
+    assert '<output id="time">0.00 s</output>' in shown
+    assert "<img" not in shown
+    assert "The robot obeys" in shown
+
+
+@in_a_browser
+def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
+    told = probed(
+        tmp_path / "run.html",
+        """
+        const say = () => [text("#time"), text(".told"), text(".verdict"), text(".asked"),
+                           text(".wins"), text("#state").split(".")[0]];
+        click("Low", 0.25); told.lost = say();
+        click("Low", 0.5); told.won = say();
+        click("High", 0.5); told.silent = say();
+        told.fetched = performance.getEntriesByType("resource").length;
+        """,
+    )
+    assert told["lost"] == [
+        "0.75 s",
+        "High holds control since 0.00 s: highest priority in force",
+        "Low lost to High: priority 3 against 7.",
+        "Lowpriority 3in force until 3.25 s",
+        "High",
+        "The robot obeys High: Rotn_Y 10",
+    ]
+    assert told["won"] == [
+        "1.50 s",
+        "Low holds control since 1.15 s: the hold of High ran out",
+        "Low won: the hold of High ran out.",
+        "Lowpriority 3in force until 3.25 s",
+        "Low",
+        "The robot obeys Low: Trans_Z 200",
+    ]
+    assert told["silent"][2:4] == [
+        "High did not want control.",
+        "Highpriority 7silent since 1.15 s",
+    ]
+    assert told["fetched"] == 0
+
+
+@in_a_browser
+def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(tmp_path: Path) -> None:
+    told = probed(
+        tmp_path / "run.html",
+        """
+        const scrub = (time) => {
+          const slider = document.querySelector("#slider");
+          slider.value = time;
+          slider.dispatchEvent(new Event("input"));
+          const place = document.querySelector("#robot").getAttribute("transform");
+          const circle = document.querySelector(".moving").getAttribute("cy");
+          return [...place.match(/-?[\\d.]+/g), circle].map(Number);
+        };
+        [told.start, told.middle, told.end] = [scrub(0), scrub(1.5), scrub(3)];
+        told.scale = run.view.scale;
+        scrub(0);
+        const key = (name) => document.body.dispatchEvent(
+          new KeyboardEvent("keydown", { key: name, bubbles: true }));
+        key("ArrowRight"); key("ArrowRight"); key("ArrowLeft");
+        told.stepped = text("#time");
+        scrub(0);
+        // A browser whose time is not real draws few frames, or none: timers stand for them.
+        window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 20);
+        window.cancelAnimationFrame = clearTimeout;
+        document.querySelector("#play").click();
+        told.playing = text("#play");
+        setTimeout(() => {
+          told.gone = parseFloat(text("#time"));
+          key(" ");
+          told.stopped = text("#play");
+        }, 1400);
+        """,
+    )
+    # Seen from above with forward up, side is left and a heading grows counter-clockwise.
+    scale, start, end = told["scale"], told["start"], told["end"]
+    made = trial()
+    assert start[2] == 0
+    assert [(start[1] - end[1]) / scale, (start[0] - end[0]) / scale, -end[2]] == pytest.approx(
+        [made.body.pose.forward, made.body.pose.side, made.body.pose.heading], abs=0.01
+    )
+    # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
+    moved = [(start[3] - told[when][3]) / scale for when in ("middle", "end")]
+    assert moved == pytest.approx([750, 500], abs=0.01)
+    assert told["stepped"] == "0.10 s"
+    assert (told["playing"], told["stopped"]) == ("Stop", "Play")
+    assert told["gone"] == pytest.approx(1.4, abs=0.1)
