@@ -86,7 +86,7 @@ def compare(count: int) -> tuple[float, float]:
     x, y, heading = (float(value) for value in env.robot.state[:3, 0])
     seen = 1000 * np.array(env.robot.get_lidar_scan()["ranges"])
     ours = world.rays((1000 * x, 1000 * y), ANGLES + heading, REACH, 0.0)
-    assert np.abs(np.minimum(ours, REACH) - seen).max() < 5.0, "the worlds differ"
+    assert np.abs(np.minimum(ours, REACH) - seen).max() < 1.0, "the worlds differ"
     they = timed(lambda step: env.step([AHEAD / 1000, TURN]))
     return they, timed(lambda step: read(step * STEP))
 
