@@ -1,8 +1,12 @@
-"""Measure the paper's case study over seeded worlds: `python benchmarks/case_study.py [WORLDS]`."""
+"""Measure the paper's case study over seeded worlds: `python benchmarks/case_study.py [WORLDS]`.
 
-import sys
-from collections.abc import Sequence
-from dataclasses import replace
+Prints a table and, with `--picture OUT.svg`, draws it.
+"""
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from html import escape
 from math import sqrt
 from multiprocessing import Pool
 from pathlib import Path
@@ -80,29 +84,91 @@ def wilson(hits: int, n: int) -> tuple[float, float]:
     return max(0.0, (centre - half) / scale), min(1.0, (centre + half) / scale)
 
 
-def row(name: str, rows: Sequence[Row]) -> str:
-    """Return one line of the table."""
-    n = len(rows)
-    struck = sum(collisions > 0 for collisions, *_ in rows)
-    low, high = wilson(struck, n)
-    driven = [r[2] / 1000 for r in rows]
-    half = 1.96 * stdev(driven) / sqrt(n)
-    return (
-        f"| {name} | {struck} of {n} ({100 * low:.1f}-{100 * high:.1f} %) "
-        f"| {mean(min(r[1], 3000.0) for r in rows):.0f} "
-        f"| {mean(driven):.2f} ± {half:.2f} | {mean(r[3] for r in rows):.2f} |"
-    )
+@dataclass(frozen=True)
+class Result:
+    """One system over all worlds; shares in percent, ways in m, intervals of 95 %."""
+
+    name: str
+    rows: Sequence[Row]
+
+    @property
+    def struck(self) -> int:
+        return sum(collisions > 0 for collisions, *_ in self.rows)
+
+    @property
+    def share(self) -> tuple[float, float, float]:
+        """Return the share of worlds with a collision, between its bounds."""
+        low, high = wilson(self.struck, len(self.rows))
+        return 100 * low, 100 * self.struck / len(self.rows), 100 * high
+
+    @property
+    def driven(self) -> tuple[float, float, float]:
+        """Return the mean way, between its bounds."""
+        ways = [row[2] / 1000 for row in self.rows]
+        half = 1.96 * stdev(ways) / sqrt(len(ways))
+        return mean(ways) - half, mean(ways), mean(ways) + half
+
+    def line(self) -> str:
+        """Return one line of the table."""
+        low, _, high = self.share
+        least, way, _ = self.driven
+        return (
+            f"| {self.name} | {self.struck} of {len(self.rows)} ({low:.1f}-{high:.1f} %) "
+            f"| {mean(min(row[1], 3000.0) for row in self.rows):.0f} "
+            f"| {way:.2f} ± {way - least:.2f} | {mean(row[3] for row in self.rows):.2f} |"
+        )
+
+
+def picture(results: Sequence[Result]) -> str:
+    """Return an SVG: two columns of points with their intervals, one row for each system."""
+    height = 24 * len(results) + 70
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="880" height="{height}" '
+        'font-family="sans-serif" font-size="12">',
+        '<rect width="100%" height="100%" fill="white"/>',
+        *(
+            f'<text x="10" y="{24 * k + 48}">{escape(result.name)}</text>'
+            for k, result in enumerate(results)
+        ),
+        *_column(280, "worlds with a collision, %", 60, [r.share for r in results]),
+        *_column(600, "driven in 30 s, m", 5, [r.driven for r in results]),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _column(
+    left: int, title: str, most: int, intervals: Sequence[tuple[float, float, float]]
+) -> Iterator[str]:
+    """Yield an axis from 0 to `most`, and a point with a bar for each interval."""
+    scale, bottom = 250 / most, 24 * len(intervals) + 36
+    yield f'<text x="{left}" y="18" font-weight="bold">{title}</text>'
+    for tick in range(0, most + 1, max(1, most // 6)):
+        x = left + tick * scale
+        yield f'<path d="M{x:.1f} 28V{bottom}" stroke="#ddd"/>'
+        yield f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick}</text>'
+    for k, (low, middle, high) in enumerate(intervals):
+        y, from_, at, to = 24 * k + 44, *(left + value * scale for value in (low, middle, high))
+        yield f'<path d="M{from_:.1f} {y}H{to:.1f}" stroke="#0072b2" stroke-width="3"/>'
+        yield f'<circle cx="{at:.1f}" cy="{y}" r="4" fill="#d55e00"/>'
 
 
 def main() -> None:
-    worlds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("worlds", nargs="?", type=int, default=200)
+    parser.add_argument("--picture", type=Path, metavar="OUT.svg")
+    arguments = parser.parse_args()
     print("| system | worlds with a collision (95 %) | clearance, mm | driven, m | s both |")
     print("|---|---|---|---|---|")
+    results = []
     with Pool(2) as pool:
         for name, text in variants().items():
             specification = specified(text)
-            tasks = [(specification, seed) for seed in range(worlds)]
-            print(row(name, pool.map(one_world, tasks, 10)), flush=True)
+            tasks = [(specification, seed) for seed in range(arguments.worlds)]
+            results.append(Result(name, pool.map(one_world, tasks, 10)))
+            print(results[-1].line(), flush=True)
+    if arguments.picture:
+        arguments.picture.write_text(picture(results), encoding="utf-8")
 
 
 if __name__ == "__main__":
