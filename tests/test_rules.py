@@ -36,6 +36,7 @@ TOGETHER = (
     "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",
     "hears(R, B, inherited(M))",
+    "voice(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
 )
 

@@ -124,21 +124,7 @@ def mutations(specification: Configuration, rng: random.Random) -> Iterator[Conf
         yield replace(specification, relationships=(*lines[:index], changed, *lines[index + 1 :]))
 
 
-SEEDS = range(120)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_synthesis_is_accepted(seed: int) -> None:
-    found = synthesised(described(seed))
-    if found is None:
-        # Only what no splitter makes of a request is beyond resolving here.
-        assert "NotifyOnMax" in described(seed) or "NotifyWhenReady" in described(seed)
-        return
-    project, specification = found
-    assert verify(specification, project, RULEBOOK) == ()
-
-
-@pytest.mark.parametrize("seed", SEEDS[:40])
+@pytest.mark.parametrize("seed", range(40))
 def test_a_changed_synthesis_is_refused(seed: int) -> None:
     found = synthesised(described(seed))
     if found is None:
