@@ -12,6 +12,7 @@ from mars_asp.synthesis import Specification, specify
 
 #: The levels of the minimisation in `rules/resolve`.
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
+COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 #: What the specification is built from: predicates of `rules/resolve` and of the consequences.
 _READ = (
     ("splitter", 2),

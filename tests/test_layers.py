@@ -37,6 +37,7 @@ LAYERS = [
     "explain",
     "capability",
     "why_not",
+    "diff",
     "sim",
     "execute",
     "scenario",

@@ -22,6 +22,7 @@ VERBS = {
     "explain": "why each consequence and node is there, down to lines",
     "run": "execute a specification on the simulator and judge the run",
     "can": "is the robot able to do something, or several things at one time",
+    "diff": "what changed between two configurations, and the lines that caused it",
     "verify": "does a specification realise a configuration, and is it minimal",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "export": "write the mount tree as `urdf`",

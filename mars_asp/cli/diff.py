@@ -1,0 +1,126 @@
+"""Compare two configurations: consequences, nodes and costs, with the lines that changed them."""
+
+import argparse
+import json
+import linecache
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.reason import read_project, rulebook_for
+from mars_asp.cli.report import colours
+from mars_asp.cli.style import paint
+from mars_asp.diff import Change, Difference, diff
+from mars_asp.resolve import COSTS, Synthesis
+from mars_asp.source import Span
+from mars_asp.synthesis import Node
+from mars_asp.visible import visible
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    parser.add_argument("old", metavar="OLD", help="a `.mars` file")
+    parser.add_argument("new", metavar="NEW", help="a `.mars` file, as it is now")
+    parser.epilog = "exit status: 1 where an error appeared, else 0, whether or not they differ"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print what changed; 1 where an error appeared, 3 where no time was left."""
+    old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
+    try:
+        found = diff(old, new, rulebook_for(arguments), arguments.time_limit)
+    except TimeoutError:
+        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
+        return 3
+    if arguments.format == "json":
+        json.dump(difference_json(found), sys.stdout)
+        print()
+    else:
+        for line in _text(found, colours(arguments, sys.stdout), arguments.quiet):
+            print(line)
+    return int(found.has_new_errors)
+
+
+def difference_json(found: Difference) -> dict[str, object]:
+    """Return a difference with the keys that `docs/what-if.md` names."""
+    return {
+        "consequences": [_change_json(c, consequence_json(c.item)) for c in found.consequences],
+        "nodes": [_change_json(c, _node_json(c, found)) for c in found.nodes],
+        "cost": {"old": _cost_json(found.old), "new": _cost_json(found.new)},
+        "added": [_line_json(span) for span in found.added],
+        "removed": [_line_json(span) for span in found.removed],
+    }
+
+
+def _change_json(change: Change[Any], item: dict[str, object]) -> dict[str, object]:
+    return {
+        "change": change.how,
+        **item,
+        "added": [_line_json(span) for span in change.added],
+        "removed": [_line_json(span) for span in change.removed],
+    }
+
+
+def _node_json(change: Change[Node], found: Difference) -> dict[str, object]:
+    node = change.item
+    return {"name": node.name, "kind": node.kind, "resolves": list(_resolves(change, found))}
+
+
+def _cost_json(synthesis: Synthesis | None) -> dict[str, int] | None:
+    if synthesis is None:
+        return None
+    return {name: synthesis.cost(level) for name, level in COSTS.items()}
+
+
+def _line_json(span: Span) -> dict[str, object]:
+    return {**location_json(span), "text": _line_at(span)}
+
+
+def _resolves(change: Change[Node], found: Difference) -> tuple[str, ...]:
+    synthesis = found.old if change.new is None else found.new
+    return () if synthesis is None else synthesis.specification.resolves[change.item.name]
+
+
+def _text(found: Difference, coloured: bool, quiet: bool) -> Iterator[str]:
+    for change in found.consequences:
+        consequence = change.item
+        word = paint(f"{change.how} {consequence.kind}", consequence.severity, coloured)
+        yield f"{word}: {visible(consequence.message)}"
+        yield from _causes(change)
+    for node in found.nodes:
+        reasons = ", ".join(_resolves(node, found))
+        word = paint(f"{node.how} {visible(node.item.name)}", "strong", coloured)
+        yield f"{word}, which resolves {visible(reasons)}" if reasons else word
+        yield from _causes(node)
+    if quiet:
+        return
+    if found.is_empty:
+        count = len(found.added) + len(found.removed)
+        lines = f"{count} line{'s' * (count > 1)} changed, but"
+        yield f"{lines} no consequence and no node" if count else "nothing changed"
+    yield from _costs(found)
+
+
+def _causes(change: Change[Any]) -> Iterator[str]:
+    if not change.added and not change.removed:
+        yield "    no line that it rests on changed"
+    for sign, spans in (("-", change.removed), ("+", change.added)):
+        for span in spans:
+            yield visible(f"    {sign} {span.path}:{span.line}: {_line_at(span)}")
+
+
+def _costs(found: Difference) -> Iterator[str]:
+    if found.old is None or found.new is None:
+        sides = [side for side, s in (("OLD", found.old), ("NEW", found.new)) if s is None]
+        yield f"no specification realises {' or '.join(sides)}"
+        return
+    parts = []
+    for name, level in COSTS.items():
+        old, new = found.old.cost(level), found.new.cost(level)
+        parts.append(f"{name} {old}" if old == new else f"{name} {old} -> {new}")
+    yield f"cost: {', '.join(parts)}"
+
+
+def _line_at(span: Span) -> str:
+    return linecache.getline(span.path, span.line).strip()
