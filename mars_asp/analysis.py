@@ -12,6 +12,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.atom import Fact
+from mars_asp.conflict import check_packs
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
 from mars_asp.rulebook import Rule, Rulebook
@@ -59,12 +60,14 @@ def analyse(facts: Iterable[Fact], rulebook: Rulebook, configuration: Span) -> A
     `configuration` is where a consequence is placed that concerns no line.
 
     Raises:
-        MarsError: clingo refuses the rules.
+        MarsError: clingo refuses the rules, or rule packs leave no answer.
     """
     facts = tuple(facts)
     speakers = [rule for rule in rulebook.rules if _speaks(rule)]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
-    grounding = Grounding(f"{rulebook.text('base')}\n{said}", facts_text(facts))
+    text = facts_text(facts)
+    grounding = Grounding(f"{rulebook.text('base')}\n{said}", text)
+    check_packs(grounding.control, rulebook, text)
     places = {fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"}
     participants = _collect(grounding, "participant", 5)
     concerned = _collect(grounding, "concerns", 4)

@@ -19,7 +19,7 @@ from mars_asp.spelling import nearest
 
 KEYS = ("id", "because", "help")
 #: What a rule pack from elsewhere may derive besides predicates of its own.
-EXTENSIBLE = frozenset({("consequence", 4), ("participant", 5), ("concerns", 4)})
+EXTENSIBLE = frozenset({("consequence", 4), ("participant", 5), ("concerns", 4), ("edit", 5)})
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _HOLE = re.compile(r"\{([^{}]*)\}")
 
@@ -56,11 +56,13 @@ class Rule:
 class Rulebook:
     """All rules, in the order of their files, and the texts that clingo is given.
 
-    The stage of a file in `rules/` is `base`, in a folder below it the folder's name.
+    The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
+    `packs` texts, all of the base, are rule packs from elsewhere.
     """
 
     rules: tuple[Rule, ...]
     texts: tuple[tuple[str, str], ...]
+    packs: int = 0
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -98,6 +100,7 @@ def load_rulebook(
             shown = "rules/" + path.relative_to(root).as_posix()
             _load_file(path, shown, stage, rules, texts, problems, strict)
     own = tuple(rules)
+    built_in = len(texts)
     for path in _pack_files(extra, problems):
         first = len(rules)
         _load_file(path, str(path), "base", rules, texts, problems, True)
@@ -105,7 +108,7 @@ def load_rulebook(
     problems += _repeated(rules)
     if problems:
         raise MarsError(problems)
-    return Rulebook(tuple(rules), tuple(texts))
+    return Rulebook(tuple(rules), tuple(texts), len(texts) - built_in)
 
 
 def _head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:

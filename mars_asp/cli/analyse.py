@@ -98,6 +98,8 @@ def _text(analysis: Analysis, coloured: bool, quiet: bool) -> Iterator[str]:
         return
     count = len(analysis.consequences)
     yield "nothing to resolve" if not count else f"{count} consequence{'s' * (count > 1)}"
+    if analysis.has_errors:
+        yield "`mars-asp explain FILE --repair` looks for edits that remove the errors"
     if analysis.unchecked:
         names = ", ".join(f"`{name}`" for name in analysis.unchecked)
         yield visible(f"not checked, for nothing describes them: {names}")

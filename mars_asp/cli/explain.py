@@ -31,6 +31,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "subject", nargs="?", metavar="SUBJECT", help="a module, node, consequence kind or atom"
     )
+    parser.add_argument(
+        "--repair", action="store_true", help="the smallest edits that remove each error"
+    )
     parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
         "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
@@ -46,6 +49,10 @@ def run(arguments: argparse.Namespace) -> int:
     subject = arguments.subject or arguments.about
     if arguments.why_not is not None:
         return _why_not(project, arguments)
+    if arguments.repair:
+        from mars_asp.cli.repair import run_repair
+
+        return run_repair(project, arguments, subject)
     try:
         answer = explain(project, rulebook_for(arguments), subject, arguments.time_limit)
     except TimeoutError:

@@ -21,7 +21,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        load_rulebook([Path(path) for path in packs], ("resolve", "verify", "run"), strict=True)
+        load_rulebook(
+            [Path(path) for path in packs], ("resolve", "repair", "verify", "run"), strict=True
+        )
         print("nothing wrong")
         return 0
     rulebook = rulebook_for(arguments)

@@ -1,0 +1,97 @@
+"""What `explain --repair` prints: findings and the edits that remove them."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+
+from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.reason import rulebook_for
+from mars_asp.cli.report import colours
+from mars_asp.cli.style import paint
+from mars_asp.edits import Line
+from mars_asp.project import Project
+from mars_asp.repair import STAGES, Edit, Mend, Repair, repairs
+from mars_asp.resolve import COSTS
+from mars_asp.visible import visible
+
+
+def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
+    """Print repairs; 1 where an error is left without one that is shown."""
+    found = repairs(project, rulebook_for(arguments, STAGES), subject, arguments.time_limit)
+    if arguments.format == "json":
+        json.dump({"subject": subject, "repairs": [_repair_json(r) for r in found]}, sys.stdout)
+        print()
+    else:
+        for line in _text(found, colours(arguments, sys.stdout)):
+            print(line)
+    return int(any(repair.consequence.severity == "error" for repair in found))
+
+
+def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
+    if not found:
+        yield "nothing to repair"
+    for repair in found:
+        consequence = repair.consequence
+        span = consequence.spans[0]
+        kind = paint(consequence.kind, consequence.severity, coloured)
+        place = visible(f"{span.path}:{span.line}:{span.column}")
+        yield f"{place}: {kind}: {visible(consequence.message)}"
+        for number, mend in enumerate(repair.mends, 1):
+            yield from _mend_text(number, mend)
+        if not repair.mends:
+            end = "" if repair.complete else ", and more were left"
+            yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
+
+
+def _mend_text(number: int, mend: Mend) -> Iterator[str]:
+    messages = "; ".join(visible(edit.message) for edit in mend.edits)
+    rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
+    yield f"  {number}. {messages}  [{rules}]"
+    for line in mend.lines:
+        place = visible(f"{line.span.path}:{line.span.line}")
+        for sign, text in (("-", line.old), ("+", line.new)):
+            if text is not None:
+                yield f"       {sign} {place}: {visible(text)}"
+    for warning in mend.warnings:
+        yield f"       then warns: {visible(warning.message)}"
+    if mend.errors:
+        yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
+    elif mend.synthesis is not None:
+        costs = ", ".join(f"{name} {mend.synthesis.cost(level)}" for name, level in COSTS.items())
+        yield f"       then realised; cost: {costs}"
+
+
+def _repair_json(repair: Repair) -> dict[str, object]:
+    return {
+        "consequence": consequence_json(repair.consequence),
+        "repairs": [_mend_json(mend) for mend in repair.mends],
+        "tried": repair.tried,
+        "complete": repair.complete,
+    }
+
+
+def _mend_json(mend: Mend) -> dict[str, object]:
+    synthesis = mend.synthesis
+    cost = synthesis and {name: synthesis.cost(level) for name, level in COSTS.items()}
+    return {
+        "edits": [_edit_json(edit) for edit in mend.edits],
+        "lines": [_line_json(line) for line in mend.lines],
+        "warnings": [consequence_json(warning) for warning in mend.warnings],
+        "errors_left": mend.errors,
+        "cost": cost,
+    }
+
+
+def _edit_json(edit: Edit) -> dict[str, object]:
+    span = edit.rule.span
+    return {
+        "edit": str(edit.term),
+        "message": edit.message,
+        "weight": edit.weight,
+        "rule": {"id": edit.rule.id, "path": span.path, "line": span.line},
+    }
+
+
+def _line_json(line: Line) -> dict[str, object]:
+    return {**location_json(line.span), "old": line.old, "new": line.new}

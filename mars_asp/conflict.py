@@ -1,0 +1,87 @@
+"""Rule packs that leave no answer set: a minimal set of their rules that do so together.
+
+The set is found by leaving out one rule after the other, as deletion filters do (Chinneck and
+Dravnieks 1991); every rule that is kept is needed. The built-in rules alone always have an answer.
+"""
+
+from collections.abc import Sequence
+
+import clingo
+from clingo import ast
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.rulebook import Rule, Rulebook
+
+_OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
+
+
+def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None:
+    """Check that the rules of packs have an answer set with facts.
+
+    `control` holds all rules of the base and the facts, grounded; without packs nothing is done.
+
+    Raises:
+        MarsError: there is none; the conflicting rules with their places.
+    """
+    if not rulebook.packs or control.solve().satisfiable:
+        return
+    packs = rulebook.texts[-rulebook.packs :]
+    fixed = [text for stage, text in rulebook.texts[: -rulebook.packs] if stage == "base"]
+    fixed += [_other_statements(text) for _, text in packs]
+    conflict = _minimal(_rules_of_packs(rulebook, packs), "\n".join([*fixed, facts]))
+    first, *others = conflict
+    count = len(conflict)
+    message = "this rule excludes" if count == 1 else f"these {count} rules together exclude"
+    raise MarsError(
+        (
+            Diagnostic(
+                "rules-inconsistent",
+                "error",
+                f"{message} every answer for this configuration",
+                first.span,
+                tuple((rule.span, f"with `{_one_line(rule)}`") for rule in others),
+                "drop or weaken one of them; a pack derives `consequence/4` instead of refusing",
+                first.text.partition("\n")[0],
+            ),
+        )
+    )
+
+
+def _rules_of_packs(rulebook: Rulebook, packs: Sequence[tuple[str, str]]) -> list[Rule]:
+    """Return the rules of packs, which stand last."""
+    count = sum(_is_rule(statement) for _, text in packs for statement in _statements(text))
+    return list(rulebook.rules[len(rulebook.rules) - count :])
+
+
+def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:
+    kept = list(rules)
+    for rule in rules:
+        rest = [other for other in kept if other is not rule]
+        if not _has_answer(rest, fixed):
+            kept = rest
+    return kept
+
+
+def _has_answer(rules: Sequence[Rule], fixed: str) -> bool:
+    control = clingo.Control(_OPTIONS)
+    control.add("base", [], "\n".join([fixed, *(rule.text for rule in rules)]))
+    control.ground()
+    return bool(control.solve().satisfiable)
+
+
+def _other_statements(text: str) -> str:
+    return "\n".join(str(s) for s in _statements(text) if not _is_rule(s))
+
+
+def _is_rule(statement: ast.AST) -> bool:
+    return statement.ast_type == ast.ASTType.Rule
+
+
+def _statements(text: str) -> list[ast.AST]:
+    found: list[ast.AST] = []
+    ast.parse_string(text, found.append)
+    return [s for s in found if s.ast_type not in (ast.ASTType.Program, ast.ASTType.Comment)]
+
+
+def _one_line(rule: Rule) -> str:
+    return " ".join(rule.text.split())

@@ -1,0 +1,152 @@
+"""The smallest edits that remove findings, each tried here in another way as well."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+
+from mars_asp.analysis import Analysis, analyse
+from mars_asp.cli import run_here
+from mars_asp.edits import Line, apply_edits
+from mars_asp.language import parse_text
+from mars_asp.model import Configuration
+from mars_asp.project import Project, load_project, project_facts
+from mars_asp.repair import STAGES, Mend, repairs
+from mars_asp.rulebook import load_rulebook
+from tests.documents import ROOT, run
+from tests.test_properties import configurations, few
+
+RULEBOOK = load_rulebook(stages=STAGES)
+CASES = sorted((ROOT / "tests/repair").glob("*/"))
+
+
+@pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
+def test_cases(folder: Path, update_golden: bool) -> None:
+    found = run(f"mars-asp explain {folder.relative_to(ROOT)}/config.mars --repair")
+    if update_golden:
+        (folder / "expected.txt").write_text(found)
+    assert found == (folder / "expected.txt").read_text()
+
+
+def test_every_rule_proposes_an_edit_that_a_case_shows() -> None:
+    shown = "".join((folder / "expected.txt").read_text() for folder in CASES)
+    ids = [rule.id for rule in RULEBOOK.rules if ("edit", 5) in rule.heads]
+    assert ids
+    assert [name for name in ids if name not in shown] == []
+
+
+def _analyse(project: Project) -> Analysis:
+    return analyse(project_facts(project), RULEBOOK, project.configuration.span)
+
+
+def _errors(analysis: Analysis) -> list[tuple[str, str]]:
+    return sorted((c.kind, c.subject) for c in analysis.consequences if c.severity == "error")
+
+
+@pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
+def test_edits_written_into_the_file_remove_the_finding(folder: Path) -> None:
+    path = str(folder / "config.mars")
+    project = load_project(path)
+    before = _analyse(project)
+    for repair in repairs(project, RULEBOOK):
+        finding = (repair.consequence.kind, repair.consequence.subject)
+        for mend in repair.mends:
+            text = _edited(Path(path).read_text(), mend.lines)
+            if text is None:
+                continue
+            after = _analyse(load_project(path, text=text))
+            kinds = [(c.kind, c.subject) for c in after.consequences]
+            assert finding not in kinds or kinds.count(finding) < [
+                (c.kind, c.subject) for c in before.consequences
+            ].count(finding)
+            assert len(_errors(after)) == mend.errors
+
+
+def _edited(text: str, lines: tuple[Line, ...]) -> str | None:
+    """Write changed lines of relationships into a text; nothing where others change."""
+    written = text.split("\n")
+    for line in lines:
+        old = line.old or ""
+        if " uses_data_from " not in old and " is_" not in old:
+            return None
+        assert written[line.span.line - 1] == old
+        written[line.span.line - 1] = line.new or ""
+    return "\n".join(written)
+
+
+@settings(few, max_examples=6)
+@given(configurations)
+def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Configuration) -> None:
+    project = Project(configuration, {}, ())
+    before = _errors(_analyse(project))
+    for repair in repairs(project, RULEBOOK):
+        finding = (repair.consequence.kind, repair.consequence.subject)
+        assert len({len(mend.edits) for mend in repair.mends}) <= 1
+        for mend in repair.mends:
+            after = _solved(project, mend)
+            count = [(c.kind, c.subject) for c in after.consequences].count(finding)
+            was = [(c.kind, c.subject) for c in _analyse(project).consequences].count(finding)
+            assert count < was
+            assert not set(_errors(after)) - set(before)
+            assert (mend.synthesis is None) == bool(mend.errors)
+
+
+def _solved(project: Project, mend: Mend) -> Analysis:
+    edited, _ = apply_edits(project, [edit.term for edit in mend.edits])
+    return _analyse(edited)
+
+
+def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(ROOT / "tests/repair/mode/config.mars")
+    assert run_here(["explain", path, "--repair", "--format", "json"]) == 1
+    found = json.loads(capsys.readouterr().out)["repairs"]
+    assert [repair["consequence"]["kind"] for repair in found] == ["service_infeasible"]
+    first = found[0]["repairs"][0]
+    assert [edit["rule"]["id"] for edit in first["edits"]] == ["require/offered"]
+    assert first["lines"][0]["new"] == "Screen uses_data_from Camera RequestWhenReady"
+    assert first["cost"] == {"nodes": 0, "conversion": 0, "relationships": 1}
+
+
+def test_a_subject_chooses_the_findings(capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(ROOT / "tests/repair/roles/config.mars")
+    for subject, count in (("Lamp", 1), ("class_mismatch", 3), ("class_mismatch(Notes)", 1)):
+        run_here(["explain", path, subject, "--repair", "--format", "json"])
+        assert len(json.loads(capsys.readouterr().out)["repairs"]) == count
+
+
+def test_a_pack_may_propose_edits_for_its_own_findings(tmp_path: Path) -> None:
+    pack = tmp_path / "lonely.lp"
+    pack.write_text(
+        "%! id: lonely/finding\n%! because: `{M}` stands on nothing\n"
+        "consequence(lonely, error, M, ground) :- module(M), not is_mounted_on(_, M, _, _, _).\n"
+        "%! id: lonely/edit\n%! because: do without `{M}`\n"
+        "edit(lonely, M, ground, unname(M), 1) :- consequence(lonely, _, M, ground).\n"
+        "%! id: lonely/nonsense\n%! because: polish `{M}`\n"
+        "edit(lonely, M, ground, polish(M), 1) :- consequence(lonely, _, M, ground).\n"
+    )
+    configuration = parse_text("@configuration\n@modules Rock\n", "c.mars").configuration
+    book = load_rulebook([pack], STAGES)
+    [repair] = repairs(Project(configuration, {}, ()), book)
+    assert [str(edit.term) for mend in repair.mends for edit in mend.edits] == ['unname("Rock")']
+
+
+def test_conflicting_rules_of_packs_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "three.lp"
+    pack.write_text(
+        "noisy(S) :- uses_data_from(_, _, S).\n"
+        "quiet(S) :- module(S), not loud(S).\n"
+        "other(X) :- module(X).\n"
+        "#show other/1.\n"
+        ":- noisy(S), quiet(S).\n"
+    )
+    path = str(ROOT / "examples/figure04-divergence/config.mars")
+    for verb in ("analyse", "synthesise", "explain", "check"):
+        assert run_here([verb, path, "--rules", str(pack)]) == 2
+        told = capsys.readouterr().err
+        assert [f":{line}:" in told for line in (1, 2, 3, 4, 5)] == [True, True, False, False, True]
+    pack.write_text("odd :- not odd.\n")
+    assert run_here(["analyse", path, "--rules", str(pack)]) == 2
+    assert ":1:1: error: this rule excludes every answer" in capsys.readouterr().err
