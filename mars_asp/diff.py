@@ -122,9 +122,8 @@ class _Side:
         )
         self.lines = _lines(self.facts)
         self.changed: frozenset[Span] = frozenset()
-        self.explainer: Explainer = explainer_for(
-            rulebook, self.facts, self.analysis, self.synthesis
-        )
+        resolution = None if self.synthesis is None else self.synthesis.resolution
+        self.explainer: Explainer = explainer_for(rulebook, self.facts, self.analysis, resolution)
 
     def compare(self, other: "_Side") -> None:
         """Find the lines that the other side does not have, repetitions counted."""
