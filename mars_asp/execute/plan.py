@@ -169,7 +169,7 @@ class Plan:
         if len(inputs) != 1:
             return None
         mode, stated = self.carried(inputs[0])
-        if mode.name == ON_REQUEST:
+        if mode.name not in (AT_FREQUENCY, WHEN_READY):
             return None
         return stated or self.rate(inputs[0].source, seen | {name})
 
