@@ -5,7 +5,6 @@
 "2 <= { at(R,S,T); edge(S,T,T',A) }"
 """
 
-import difflib
 import re
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -23,6 +22,7 @@ from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import point
+from mars_asp.spelling import nearest
 from mars_asp.trace import absence
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
 from mars_asp.trace.values import Trace
@@ -219,8 +219,8 @@ class _Vocabulary:
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:
-        near = difflib.get_close_matches(name, sorted(known), 1)
-        help_text = f"did you mean `{near[0]}`?" if near else "see `mars-asp rules list`"
+        near = nearest(name, known)
+        help_text = f"did you mean `{near}`?" if near else "see `mars-asp rules list`"
         return self._wrong(f"there is no {what} `{name}`", help_text)
 
     def _wrong(self, message: str, help_text: str) -> MarsError:
