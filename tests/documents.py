@@ -4,6 +4,8 @@ import io
 import os
 import re
 import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -21,12 +23,14 @@ def commands(document: Path) -> Iterator[tuple[str, str]]:
 
 
 def run(command: str, folder: Path = ROOT) -> str:
-    """Run a `mars-asp` or `cat` command in a folder; return what it prints."""
+    """Run a `mars-asp`, `python` or `cat` command in a folder; return what it prints."""
     from mars_asp.cli import run_here
 
     words = shlex.split(command)
     if words[0] == "cat":
         return "".join((folder / name).read_text(encoding="utf-8") for name in words[1:])
+    if words[0] == "python":
+        return _run_script(words[1:], folder)
     assert words[0] == "mars-asp", command
     here = Path.cwd()
     output = io.StringIO()
@@ -37,6 +41,18 @@ def run(command: str, folder: Path = ROOT) -> str:
     finally:
         os.chdir(here)
     return output.getvalue()
+
+
+def _run_script(words: list[str], folder: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, *words],
+        check=False,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    return done.stdout + done.stderr
 
 
 def refresh(document: Path) -> None:

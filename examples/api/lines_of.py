@@ -1,0 +1,50 @@
+"""Print for each node of a specification the lines of the user's files that made it necessary.
+
+    python lines_of.py CONFIG
+"""
+
+import sys
+from collections.abc import Iterator
+
+from mars_asp.diagnostic import MarsError
+from mars_asp.explain import explain
+from mars_asp.project import load_project
+from mars_asp.rulebook import load_rulebook
+from mars_asp.source import Span
+from mars_asp.trace import Derived, Given, Trace
+
+
+def places(trace: Trace) -> Iterator[Span]:
+    """Yield where the given facts at the leaves of a trace were written."""
+    waiting, seen = [trace], set()
+    while waiting:
+        step = waiting.pop()
+        if isinstance(step, Given) and step.span is not None:
+            yield step.span
+        elif isinstance(step, Derived) and id(step) not in seen:
+            seen.add(id(step))
+            waiting.extend(step.premises)
+
+
+def main(path: str) -> int:
+    """Print the lines; return 2 where the configuration is wrong."""
+    try:
+        project = load_project(path)
+        explanation = explain(project, load_rulebook())
+    except MarsError as error:
+        for problem in error.diagnostics:
+            print(f"{problem.span.path}:{problem.span.line}: {problem.message}", file=sys.stderr)
+        return 2
+    nodes = () if explanation.synthesis is None else explanation.synthesis.specification.nodes
+    names = {node.name for node in nodes}
+    for topic in explanation.topics:
+        name = topic.title.split()[0]
+        if name in names:
+            print(name)
+            for span in sorted(set(places(topic.trace))):
+                print(f"    {span.path}:{span.line}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
