@@ -21,6 +21,8 @@ from mars_asp.visible import visible
 if TYPE_CHECKING:
     from mars_asp.why_not import WhyNot
 
+#: Deep enough to say which premise fails; why that one does is the next question.
+ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
 
@@ -39,7 +41,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
     )
     parser.add_argument(
-        "--depth", metavar="N|all", default=str(DEPTH), type=_depth, help="how deep (default 4)"
+        "--depth",
+        metavar="N|all",
+        default=argparse.SUPPRESS,
+        type=_depth,
+        help=f"how deep (default {DEPTH}, of what is absent {ABSENCE_DEPTH})",
     )
 
 
@@ -71,7 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     from mars_asp.why_not import why_not
 
-    levels = _MOST_LEVELS if arguments.depth is None else 2 * arguments.depth
+    depth = getattr(arguments, "depth", ABSENCE_DEPTH)
+    levels = _MOST_LEVELS if depth is None else 2 * depth
     try:
         rulebook = rulebook_for(arguments)
         answer = why_not(project, rulebook, arguments.why_not, levels, arguments.time_limit)
@@ -88,7 +95,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
     if isinstance(answer.trace, Absent):
         title += ": no line says so, and no rule could give it"
-    for line in _lines([(title, answer.trace)], arguments):
+    for line in _lines([(title, answer.trace)], depth, arguments):
         print(line)
     if not answer.present and answer.choosable and not arguments.quiet:
         print(_price(answer))
@@ -117,7 +124,8 @@ def _depth(text: str) -> int | None:
 
 
 def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
-    yield from _lines([(topic.title, topic.trace) for topic in answer.topics], arguments)
+    topics = [(topic.title, topic.trace) for topic in answer.topics]
+    yield from _lines(topics, getattr(arguments, "depth", DEPTH), arguments)
     if arguments.quiet:
         return
     if not answer.topics:
@@ -126,9 +134,11 @@ def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
         yield _summary(answer)
 
 
-def _lines(topics: Sequence[tuple[str, Trace]], arguments: argparse.Namespace) -> Iterator[str]:
+def _lines(
+    topics: Sequence[tuple[str, Trace]], depth: int | None, arguments: argparse.Namespace
+) -> Iterator[str]:
     coloured = colours(arguments, sys.stdout)
-    for line in traces_text(topics, line_at, arguments.depth):
+    for line in traces_text(topics, line_at, depth):
         title = not line.startswith(" ")
         if title:
             yield ""
