@@ -6,14 +6,16 @@ Comments `%! key: text` directly above a rule give it an `id`, a `because` (its 
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from typing import TypeAlias
 
 from clingo import ast
 
+from mars_asp import gate
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.gate import gate_text
+from mars_asp.kept import keep, recall, version_of
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
@@ -33,13 +35,24 @@ class Rule:
     help: str | None
     span: Span
     text: str
-    ast: ast.AST
     stage: str
+
+    @cached_property
+    def ast(self) -> ast.AST:
+        """Return clingo's syntax tree of the text."""
+        statements: list[ast.AST] = []
+        ast.parse_string(self.text, statements.append)
+        return next(s for s in statements if s.ast_type == ast.ASTType.Rule)
 
     @cached_property
     def heads(self) -> frozenset[tuple[str, int]]:
         """Return the predicates that the head can derive, as (name, arity)."""
         return frozenset(_head_signatures(self.ast))
+
+    def __getstate__(self) -> dict[str, object]:
+        """Keep the heads, for most questions need no more of the tree, which cannot be kept."""
+        written = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {**written, "heads": self.heads}
 
     @property
     def is_choice(self) -> bool:
@@ -50,6 +63,10 @@ class Rule:
     def holes(self) -> tuple[str, ...]:
         """Return the variables that `because` and `help` name, each once."""
         return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))
+
+
+#: Rules, and texts by their stage.
+_BuiltIn: TypeAlias = tuple[tuple[Rule, ...], tuple[tuple[str, str], ...]]
 
 
 @dataclass(frozen=True)
@@ -91,15 +108,9 @@ def load_rulebook(
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong.
     """
-    root = rules_directory()
-    rules: list[Rule] = []
-    texts: list[tuple[str, str]] = []
     problems: list[Diagnostic] = []
-    for folder, stage in [(root, "base"), *((root / name, name) for name in stages)]:
-        for path in sorted(folder.glob("*.lp")):
-            shown = "rules/" + path.relative_to(root).as_posix()
-            _load_file(path, shown, stage, rules, texts, problems, strict)
-    own = tuple(rules)
+    own, written = _built_in(stages, strict, problems)
+    rules, texts = list(own), list(written)
     built_in = len(texts)
     for path in _pack_files(extra, problems):
         first = len(rules)
@@ -109,6 +120,30 @@ def load_rulebook(
     if problems:
         raise MarsError(problems)
     return Rulebook(tuple(rules), tuple(texts), len(texts) - built_in)
+
+
+def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -> _BuiltIn:
+    """Return the built-in rules and texts, as they were kept while no file has changed."""
+    root = rules_directory()
+    found = [
+        (path, stage)
+        for folder, stage in [(root, "base"), *((root / name, name) for name in stages)]
+        for path in sorted(folder.glob("*.lp"))
+    ]
+    name = "-".join(("rules", *stages))
+    makers = (Path(__file__), Path(gate.__file__))
+    version = version_of((*makers, *(path for path, _ in found)))
+    kept: _BuiltIn | None = None if strict else recall(name, version)
+    if kept is not None:
+        return kept
+    rules: list[Rule] = []
+    texts: list[tuple[str, str]] = []
+    for path, stage in found:
+        shown = "rules/" + path.relative_to(root).as_posix()
+        _load_file(path, shown, stage, rules, texts, problems, strict)
+    if not problems:
+        keep(name, version, (tuple(rules), tuple(texts)))
+    return tuple(rules), tuple(texts)
 
 
 def _head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
@@ -147,7 +182,7 @@ def _load_file(
     strict: bool,
 ) -> None:
     try:
-        text = gate_text(path, shown)
+        text = gate.gate_text(path, shown)
         statements: list[ast.AST] = []
         # Columns count bytes in clingo: what is not ASCII becomes one byte before it is parsed.
         masked = re.sub(r"[^\x00-\x7f]", "`", text)
@@ -206,7 +241,7 @@ def _rules_of(
         if pending and begin.line != last_line + 1:
             problems += _unbound(pending)
             pending = {}
-        rule = _rule(statement, pending, span, lines, stage, stem)
+        rule = _rule(pending, span, lines, stage, stem)
         problems += _wrong_id(rule, pending, stem)
         pending = {}
         yield rule
@@ -237,7 +272,6 @@ def _note_metadata(
 
 
 def _rule(
-    statement: ast.AST,
     metadata: dict[str, tuple[str, Span]],
     span: Span,
     lines: Sequence[str],
@@ -254,7 +288,6 @@ def _rule(
         given.get("help"),
         span,
         "\n".join(written),
-        statement,
         stage,
     )
 

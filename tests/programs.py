@@ -19,7 +19,7 @@ def rulebook_of(text: str) -> Rulebook:
             begin = statement.location.begin
             span = Span("program", begin.line, begin.column, begin.line, begin.column)
             name = f"program/{len(rules)}"
-            rules.append(Rule(name, str(statement), None, span, str(statement), statement, "base"))
+            rules.append(Rule(name, str(statement), None, span, str(statement), "base"))
 
     ast.parse_string(text, add)
     return Rulebook(tuple(rules), (("base", text),))

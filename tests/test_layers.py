@@ -22,6 +22,7 @@ LAYERS = [
     "frames",
     "physical",
     "urdf",
+    "kept",
     "gate",
     "rulebook",
     "rule_cases",

@@ -1,0 +1,49 @@
+"""Values that are dear to make, kept with Python's own compiled files.
+
+What is kept is trusted like those files. It is made anew for another version of its maker, and
+never kept where Python keeps none of its own.
+"""
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import pickle
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from mars_asp import __version__
+
+
+def version_of(files: Iterable[Path]) -> str:
+    """Return what changes with any of the files that a value is made from or by."""
+    stats = ((path, path.stat()) for path in files)
+    told = [f"{path}:{found.st_mtime_ns}:{found.st_size}" for path, found in stats]
+    return hashlib.sha256("\0".join([__version__, sys.version, *told]).encode()).hexdigest()
+
+
+def recall(name: str, version: str) -> Any:
+    """Return what was kept under a name; `None` where that is nothing, or of another version."""
+    try:
+        written, value = pickle.loads(_place(name).read_bytes())
+    except Exception:  # whatever is wrong with the file, it holds nothing
+        return None
+    return value if written == version else None
+
+
+def keep(name: str, version: str, value: object) -> None:
+    """Keep a value under a name, whole or not at all."""
+    if sys.dont_write_bytecode:
+        return
+    place = _place(name)
+    part = place.with_name(f"{place.name}.{os.getpid()}")
+    with contextlib.suppress(OSError):
+        part.write_bytes(pickle.dumps((version, value)))
+        part.replace(place)
+
+
+def _place(name: str) -> Path:
+    compiled = Path(importlib.util.cache_from_source(__file__))
+    return compiled.with_name(f"{name}.{sys.implementation.cache_tag}.kept")
