@@ -14,15 +14,24 @@ itself, so arithmetic needs no second reading.
 import re
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeAlias
 
 from clingo import ast
 
+from mars_asp.kept import keep, recall, version_of
 from mars_asp.rulebook import Rule
 
 Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
 AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+#: Stands for the number of a rule where its explanation rules are kept; no rule can hold it.
+_NUMBER = "\0"
+MOST_KEPT = 5000
+#: A rule's text and those of its predicates that are open.
+_Key: TypeAlias = tuple[str, frozenset[Signature]]
+#: Explanation rules, and the name of what cannot be traced.
+_Written: TypeAlias = tuple[str, str | None]
 
 
 @dataclass
@@ -34,12 +43,33 @@ class Rewriter:
     unsupported: dict[int, str] = field(default_factory=dict)
 
     def text(self, rules: Sequence[Rule], numbers: Iterable[int]) -> str:
-        """Return the explanation rules of the rules with these numbers."""
-        lines: list[str] = []
+        """Return the explanation rules of the rules with these numbers.
+
+        What a rule is rewritten into depends on its text and on which of its predicates are open,
+        so it is kept from one command to the next.
+        """
+        version = version_of((Path(__file__), Path(ast.__file__)))
+        known: dict[_Key, _Written] = recall("firings", version) or {}
+        used: dict[_Key, _Written] = {}
+        parts: list[str] = []
         for number in numbers:
-            for statement in rules[number].ast.unpool():
-                lines += self._rule(number, statement)
-        return "\n".join(lines)
+            key = (
+                rules[number].text,
+                frozenset(s for s in self.open if s[0] in rules[number].text),
+            )
+            used[key] = known.get(key) or self._written(number, rules[number])
+            text, unsupported = used[key]
+            parts.append(text.replace(_NUMBER, str(number)))
+            if unsupported is not None:
+                self.unsupported[number] = unsupported
+        if not used.keys() <= known.keys():
+            keep("firings", version, {**known, **used} if len(known) < MOST_KEPT else used)
+        return "\n".join(parts)
+
+    def _written(self, number: int, rule: Rule) -> "_Written":
+        """Return the explanation rules of a rule, and the construct that cannot be traced."""
+        lines = [line for s in rule.ast.unpool() for line in self._rule(number, s)]
+        return "\n".join(lines), self.unsupported.get(number)
 
     def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
         head = statement.head
@@ -69,7 +99,7 @@ class Rewriter:
         literals = (*body, *condition)
         asked = asking(shown)
         names = variables_of((head, *Terms.definitions_of(literals)))
-        yield from self.instance(number, str(number), shown, [asked], literals, terms, names)
+        yield from self.instance(number, _NUMBER, shown, [asked], literals, terms, names)
 
     def instance(
         self,

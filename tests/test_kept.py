@@ -1,0 +1,59 @@
+"""What is kept between commands is what would be made anew, or nothing."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from mars_asp import kept
+from mars_asp.rulebook import load_rulebook
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setattr(kept, "_place", lambda name: tmp_path / name)
+    return tmp_path
+
+
+def test_what_is_kept_is_recalled(place: Path) -> None:
+    kept.keep("a", "1", ("x", 2))
+    assert kept.recall("a", "1") == ("x", 2)
+    assert [path.name for path in place.iterdir()] == ["a"]
+
+
+def test_nothing_is_recalled_of_another_version(place: Path) -> None:
+    kept.keep("a", "1", 2)
+    assert kept.recall("a", "2") is None
+
+
+@pytest.mark.parametrize("content", [b"", b"no pickle", b"\x80\x04N.", b"\x80\x04."])
+def test_a_broken_file_holds_nothing(place: Path, content: bytes) -> None:
+    (place / "a").write_bytes(content)
+    assert kept.recall("a", "1") is None
+
+
+def test_nothing_is_kept_where_python_keeps_nothing(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    kept.keep("a", "1", 2)
+    assert list(place.iterdir()) == []
+
+
+def test_a_version_changes_with_its_files(tmp_path: Path) -> None:
+    path = tmp_path / "maker"
+    path.write_text("one")
+    version = kept.version_of([path])
+    assert kept.version_of([path]) == version
+    path.write_text("another")
+    assert kept.version_of([path]) != version
+
+
+def test_recalled_rules_are_those_that_were_read(place: Path) -> None:
+    read = load_rulebook()
+    assert list(place.iterdir())
+    recalled = load_rulebook()
+    assert recalled == read
+    assert [rule.heads for rule in recalled.rules] == [rule.heads for rule in read.rules]
+    assert str(recalled.rules[-1].ast) == str(read.rules[-1].ast)
