@@ -5,7 +5,7 @@ from decimal import Decimal
 
 from clingo import Symbol
 
-from mars_asp.annotations.representations import canonical_names
+from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import (
@@ -60,6 +60,15 @@ def described_modules(
     }
 
 
+def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
+    """Return the representations that rules are told of, in the form in which they are told."""
+    return _names(described_modules(configuration, modules))
+
+
+def _names(described: Mapping[str, Module]) -> Names:
+    return canonical_names(sorted(set(_representations(described.values()))))
+
+
 def numbered_annotations(
     configuration: Configuration, described: Mapping[str, Module]
 ) -> Iterator[tuple[int, Module, Service | Function]]:
@@ -105,7 +114,7 @@ class _Compiler:
         self.facts: list[Fact] = []
         self.problems: list[Diagnostic] = []
         self.worded: set[tuple[str, Term]] = set()
-        names = canonical_names(sorted(set(_representations(self.described.values()))))
+        names = _names(self.described)
         self.canonical, self.ambiguous = names.canonical, names.ambiguous
 
     def compile(self) -> tuple[Fact, ...]:

@@ -16,7 +16,7 @@ import clingo
 from mars_asp.gate import gate_text
 from mars_asp.rulebook import Rulebook
 
-STAGES = ("resolve", "verify", "run", "can")
+STAGES = ("resolve", "verify", "cost", "run", "can")
 _EXPECTED = re.compile(r"^%=(.*)$", re.MULTILINE)
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 _BY_DEFAULT = (("consequence", 4),)

@@ -1,15 +1,16 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.analysis import fill
+from mars_asp.annotations.representations import canonical_names
 from mars_asp.atom import Atom, Fact
-from mars_asp.facts import configuration_facts, facts_text
+from mars_asp.facts import configuration_facts, facts_text, representation_names
 from mars_asp.model import Configuration
 from mars_asp.project import Project, project_facts
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.solve import Grounding
+from mars_asp.solve import Grounding, Resolution
 
 _VIOLATION = "violation"
 
@@ -24,17 +25,36 @@ class Violation:
     rule: Rule
 
 
+@dataclass(frozen=True)
+class Verification:
+    """All violations, sorted by clause, and the grounding they were read from."""
+
+    violations: tuple[Violation, ...]
+    grounding: Grounding
+
+
 def verify(
     specification: Configuration, project: Project, rulebook: Rulebook
 ) -> tuple[Violation, ...]:
     """Return what keeps a specification from realising a project's configuration.
 
-    `rulebook` holds the stage `verify`. Clause 5, on InheritanceNodes, is not judged yet.
+    `rulebook` holds the stage `verify`.
 
     Raises:
         MarsError: numbers that do not fit, rules that clingo refuses.
     """
-    facts = (*project_facts(project), *specification_facts(specification, project.configuration))
+    return judge_specification(specification, project, rulebook).violations
+
+
+def judge_specification(
+    specification: Configuration, project: Project, rulebook: Rulebook
+) -> Verification:
+    """Return what `verify` finds and the grounding in which it was found.
+
+    Raises:
+        MarsError: numbers that do not fit, rules that clingo refuses.
+    """
+    facts = (*project_facts(project), *specification_facts(specification, project))
     judges = [r for r in rulebook.rules if r.text.startswith(f"{_VIOLATION}(")]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     text = "\n".join((rulebook.text("base"), rulebook.text("verify"), said))
@@ -47,21 +67,44 @@ def verify(
         message = fill(rule.because, named) or str(head)
         clause = head.arguments[0].number
         found[clause, message] = Violation(clause, message, fill(rule.help, named), rule)
-    return tuple(found[key] for key in sorted(found))
+    return Verification(tuple(found[key] for key in sorted(found)), grounding)
 
 
-def specification_facts(
-    specification: Configuration, configuration: Configuration
-) -> Iterable[Fact]:
+def written_cost(
+    verification: Verification, rulebook: Rulebook, deadline: float | None = None
+) -> Resolution:
+    """Return what a specification without violations costs, by the levels of the minimisation.
+
+    `rulebook` holds the stage `cost`; `deadline` is a time of `time.monotonic`.
+
+    Raises:
+        TimeoutError: the deadline passed before a converter was found for each transformer.
+    """
+    return verification.grounding.resolve(rulebook.text("cost"), deadline)
+
+
+def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
-    names = {name.text for name in configuration.modules}
+    names = {name.text for name in project.configuration.modules}
     for fact in configuration_facts(specification):
         if fact.atom.name == "spec_node" and fact.atom.arguments[0] in names:
             continue
         yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
+    yield from _conversions(specification, project)
+
+
+def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:
+    """Yield what comments say, in the representations that the project's rules know."""
+    declared = representation_names(project.configuration, project.modules).canonical
+    said = [name for c in specification.conversions for name in (c.source, c.target)]
+    together = canonical_names([*declared, *said]).canonical
+    known = {together[name]: canonical for name, canonical in declared.items()}
     for conversion in specification.conversions:
-        ends = (conversion.transformer, conversion.source, conversion.target)
-        yield Fact(Atom("spec_converts", ends), conversion.span)
+        node, span = conversion.transformer, conversion.span
+        ends = (known.get(together[name], name) for name in (conversion.source, conversion.target))
+        yield Fact(Atom("spec_converts", (node, *ends)), span)
+        if conversion.converter is not None:
+            yield Fact(Atom("spec_converter", (node, conversion.converter)), span)
 
 
 def _saying(number: int, rule: Rule) -> str:

@@ -4,18 +4,21 @@ import json
 import random
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from mars_asp.analysis import analyse
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model import Configuration, Control, Data
-from mars_asp.project import Project
+from mars_asp.project import Project, project_facts
 from mars_asp.resolve import synthesise
 from mars_asp.rulebook import load_rulebook
-from mars_asp.verify import verify
+from mars_asp.verify import judge_specification, verify, written_cost
 from tests.documents import run
+from tests.random_configurations import random_configuration
 
-RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+RULEBOOK = load_rulebook(stages=("resolve", "verify", "cost"))
 REPRESENTATIONS = ("P", "Q", "R", "S")
 SERVICES = ("", "", " NotifyAtFrequency 10", " NotifyAtFrequency 5", " RequestWhenReady")
 CONDITIONS = (*SERVICES, " NotifyOnMax(80)", " NotifyWhenReady")
@@ -95,9 +98,6 @@ def carried(seed: int) -> str:
 
 
 def synthesised(text: str) -> tuple[Project, Configuration] | None:
-    from mars_asp.analysis import analyse
-    from mars_asp.project import project_facts
-
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
     found = synthesise(project.configuration, {}, analysis, RULEBOOK)
@@ -150,3 +150,88 @@ def test_a_broken_priority_names_its_clause() -> None:
     )
     assert not done["realises"]
     assert {violation["clause"] for violation in done["violations"]} == {4}
+
+
+def written(specification: Configuration, project: Project) -> dict[int, int]:
+    verification = judge_specification(specification, project, RULEBOOK)
+    assert verification.violations == ()
+    return written_cost(verification, RULEBOOK).cost
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_synthesis_costs_what_its_text_says(seed: int) -> None:
+    """Without comments the cheapest converters are meant, and a synthesis has those."""
+    project = Project(parse_text(random_configuration(seed), "c.mars").configuration, {}, ())
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+    found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    if found is None:
+        return
+    specification = found.specification.configuration
+    cost = {level: value for level, value in found.resolution.cost.items() if level >= 10}
+    levels = {10: 0, 20: 0, 30: 0}
+    assert {**levels, **written(specification, project)} == {**levels, **cost}
+    silent = replace(specification, conversions=())
+    assert {**levels, **written(silent, project)} == {**levels, **cost}
+
+
+CHOICE = """
+@configuration
+@modules Eye, C, D
+C uses_data_from Eye
+D uses_data_from Eye
+@module_start
+@module_name Eye
+@Sense NotifyWhenReady
+sensor_msgs::Image look();
+@module_end
+@module_start
+@module_name C
+@DataIn
+void take(Lines x);
+@module_end
+@module_start
+@module_name D
+@DataIn
+void take(Image x);
+@module_end
+@module_start
+@module_name Cheap
+@Converts 2
+geo::Lines turn(Image x);
+@module_end
+@module_start
+@module_name Dear
+@Converts 3
+geo::Lines turn(Image x);
+@module_end
+"""
+CHOSEN = """
+@specification
+@modules Eye, C, D, DataSplitter1, DataTransformer1
+DataSplitter1 uses_data_from Eye
+{comment}
+DataTransformer1 uses_data_from DataSplitter1
+C uses_data_from DataTransformer1
+D uses_data_from DataSplitter1
+"""
+
+
+@pytest.mark.parametrize(
+    ("comment", "minimal", "conversion"),
+    [
+        ("", True, 2),
+        ("// DataTransformer1: Cheap (Image -> Lines)", True, 2),
+        ("// DataTransformer1: Dear (sensor_msgs::Image -> geo::Lines)", False, 3),
+        ("// DataTransformer1: no converter declared (Image -> geo::Lines)", True, 2),
+    ],
+)
+def test_conversion_cost_decides_what_is_minimal(
+    comment: str, minimal: bool, conversion: int, tmp_path: Path
+) -> None:
+    (tmp_path / "c.mars").write_text(CHOICE)
+    (tmp_path / "s.mars").write_text(CHOSEN.format(comment=comment))
+    done = json.loads(run(f"mars-asp verify --format json {tmp_path}/s.mars {tmp_path}/c.mars"))
+    assert done["realises"]
+    assert done["minimal"] is minimal
+    assert done["cost"] == {"nodes": 2, "conversion": conversion, "relationships": 4}
+    assert done["least"] == {"nodes": 2, "conversion": 2, "relationships": 4}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.rule_cases import STAGES
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
 from mars_asp.source import point
 from mars_asp.spelling import nearest
@@ -21,9 +22,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        load_rulebook(
-            [Path(path) for path in packs], ("resolve", "repair", "verify", "run"), strict=True
-        )
+        load_rulebook([Path(path) for path in packs], STAGES, strict=True)
         print("nothing wrong")
         return 0
     rulebook = rulebook_for(arguments)

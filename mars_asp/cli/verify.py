@@ -3,12 +3,29 @@
 import argparse
 import json
 import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
 
+from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import analyse_project, read_project, rulebook_for
-from mars_asp.model import Control, Data
-from mars_asp.resolve import NODES, RELATIONSHIPS, synthesise
-from mars_asp.verify import verify
+from mars_asp.project import Project
+from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.rulebook import Rulebook
+from mars_asp.verify import Verification, Violation, judge_specification, written_cost
 from mars_asp.visible import visible
+
+_LEVELS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
+
+
+@dataclass(frozen=True, slots=True)
+class _Comparison:
+    """What a specification costs and the least, each by name; `None` where time was over."""
+
+    cost: Mapping[str, int] | None
+    least: Mapping[str, int] | None
+    minimal: bool | None
+    in_time: bool
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -18,42 +35,89 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what fails; 1 where the specification does not realise the configuration."""
+    """Print what fails; 1 where something does, 3 where no time was left to compare costs."""
     specification = read_project(arguments, arguments.specification).configuration
     project = read_project(arguments)
-    rulebook = rulebook_for(arguments, ("resolve", "verify"))
-    violations = verify(specification, project, rulebook)
-    minimal: bool | None = None
+    rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
+    verification = judge_specification(specification, project, rulebook)
+    violations = verification.violations
+    compared = _Comparison(None, None, None, in_time=True)
     if not violations:
-        analysis = analyse_project(project, rulebook)
-        best = synthesise(
-            project.configuration, project.modules, analysis, rulebook, arguments.time_limit
-        )
-        if best is not None and best.resolution.proven:
-            declared = {name.text for name in project.configuration.modules}
-            nodes = [n.text for n in specification.modules if n.text not in declared]
-            lines = [r for r in specification.relationships if isinstance(r, Data | Control)]
-            # Conversion cost needs to know the converters; nodes and lines are counted here.
-            minimal = (len(nodes), len(lines)) <= (best.cost(NODES), best.cost(RELATIONSHIPS))
+        compared = _compare(arguments, verification, project, rulebook)
     if arguments.format == "json":
-        listed = [
-            {
-                "clause": v.clause,
-                "message": v.message,
-                "help": v.help,
-                "rule": {"id": v.rule.id, "path": v.rule.span.path, "line": v.rule.span.line},
-            }
-            for v in violations
-        ]
-        json.dump(
-            {"realises": not violations, "minimal": minimal, "violations": listed}, sys.stdout
-        )
+        found = {
+            "realises": not violations,
+            "minimal": compared.minimal,
+            "violations": [_violation_json(violation) for violation in violations],
+            "cost": compared.cost,
+            "least": compared.least,
+        }
+        json.dump(found, sys.stdout)
         print()
-        return int(bool(violations))
-    for violation in violations:
-        print(visible(f"clause {violation.clause}: {violation.message} [{violation.rule.id}]"))
-        print(visible(f"    help: {violation.help}"))
-    if not violations:
-        word = {True: "and is minimal", False: "but is not minimal", None: ""}[minimal]
-        print(f"the specification realises the configuration {word}".rstrip())
+    else:
+        for violation in violations:
+            print(visible(f"clause {violation.clause}: {violation.message} [{violation.rule.id}]"))
+            print(visible(f"    help: {violation.help}"))
+        if not violations:
+            print(f"the specification realises the configuration{_minimality(compared)}")
+    if not compared.in_time:
+        print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
+        return 3
     return int(bool(violations))
+
+
+def _compare(
+    arguments: argparse.Namespace, verification: Verification, project: Project, rulebook: Rulebook
+) -> _Comparison:
+    """Compare what a specification costs with the least that a synthesis finds."""
+    seconds = arguments.time_limit
+    deadline = None if seconds is None else time.monotonic() + seconds
+    try:
+        written = written_cost(verification, rulebook, deadline)
+        analysis = analyse_project(project, rulebook)
+        with progress_bar(arguments, "components") as progress:
+            best = synthesise(
+                project.configuration, project.modules, analysis, rulebook, seconds, progress
+            )
+    except TimeoutError:
+        return _Comparison(None, None, None, in_time=False)
+    cost = _by_name(written.cost)
+    if best is None:
+        return _Comparison(cost, None, None, in_time=True)
+    least = _by_name(best.resolution.cost)
+    proven = written.proven and best.resolution.proven
+    # Dictionaries keep the order of the levels, in which costs are compared.
+    more = list(cost.values()) > list(least.values())
+    minimal = not more if proven else False if more and written.proven else None
+    return _Comparison(cost, least, minimal, in_time=minimal is not None)
+
+
+def _by_name(cost: Mapping[int, int]) -> dict[str, int]:
+    return {name: cost.get(level, 0) for name, level in _LEVELS.items()}
+
+
+def _minimality(compared: _Comparison) -> str:
+    if compared.minimal is None or compared.cost is None or compared.least is None:
+        return ""
+    if compared.minimal:
+        return " and is minimal"
+    differing = [
+        f"{compared.cost[name]} {word} where {compared.least[name]} suffice"
+        for name, word in (
+            ("nodes", "nodes"),
+            ("conversion", "of conversion cost"),
+            ("relationships", "relationships"),
+        )
+        if compared.cost[name] > compared.least[name]
+    ]
+    return f" but is not minimal: {differing[0]}"
+
+
+def _violation_json(violation: Violation) -> dict[str, object]:
+    rule = violation.rule
+    return {
+        "clause": violation.clause,
+        "message": violation.message,
+        "help": violation.help,
+        "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
+    }
