@@ -38,6 +38,7 @@ TOGETHER = (
     "hears(R, B, inherited(M))",
     "voice(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
+    "says(C, S, D, F, R)",
 )
 
 
