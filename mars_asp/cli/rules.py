@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        load_rulebook([Path(path) for path in packs], STAGES, strict=True)
+        load_rulebook([Path(path) for path in packs], ("repair", *STAGES), strict=True)
         print("nothing wrong")
         return 0
     rulebook = rulebook_for(arguments)
