@@ -22,8 +22,11 @@ class ModeProblem:
 
 
 def parse_number(text: str) -> Decimal | None:
-    """Return a plain decimal number (no exponent, no unit), or `None` where it is none."""
-    if len(text) > _MOST_DIGITS or not _NUMBER.fullmatch(text) or not text.isascii():
+    """Return a plain decimal number (no exponent, no unit), or `None` where it is none.
+
+    Signs and leading zeros do not count among its digits, so what is read can be printed.
+    """
+    if len(text.lstrip("+-0")) > _MOST_DIGITS or not _NUMBER.fullmatch(text) or not text.isascii():
         return None
     return Decimal(text)
 

@@ -141,7 +141,8 @@ class _Reader:
             return ""
         if len(real) == 1:
             return self.suffixes(real[0])
-        return None if None in real else f"({','.join(str(part) for part in real)})"
+        listed = None if None in real else f"({','.join(str(part) for part in real)})"
+        return self.suffixes(listed)
 
     def named(self) -> str | None:
         words: list[str] = []

@@ -4,13 +4,26 @@ from collections.abc import Iterable, Iterator
 from decimal import Decimal
 
 from mars_asp.language.parse import ABSTRACT
-from mars_asp.model import Configuration, Control, Conversion, Data, Mount, Relationship
+from mars_asp.model import (
+    Configuration,
+    Control,
+    Conversion,
+    Data,
+    Function,
+    Mode,
+    Module,
+    Mount,
+    Relationship,
+    Service,
+    Transformation,
+    Vertex,
+)
 
 WIDTH = 72
 
 
 def print_configuration(configuration: Configuration) -> str:
-    """Return a configuration or specification as text; module blocks are not part of it."""
+    """Return a configuration or specification as text, the modules it declares at its end."""
     return "".join(f"{line}\n" for line in _lines(configuration))
 
 
@@ -20,7 +33,7 @@ def print_relationship(relationship: Relationship) -> str:
         case Data(client, source, _, mode, hz):
             words = [client, "uses_data_from", source]
             if mode is not None:
-                words.append(mode.text or mode.name)
+                words.append(print_mode(mode))
             if hz is not None:
                 words.append(print_number(hz))
         case Control(controlled, controller, _, priority, hold, allocation):
@@ -34,8 +47,23 @@ def print_relationship(relationship: Relationship) -> str:
         case Mount(mounting, mounted, _, at, on, transformation):
             words = [mounting, *_number(at), "is_mounted_on", mounted, *_number(on)]
             if transformation is not None:
-                words.append(transformation.text)
+                words.append(transformation.text or print_transformation(transformation))
     return " ".join(words)
+
+
+def print_mode(mode: Mode) -> str:
+    """Return a delivery mode as it was written, or as one would write it."""
+    arguments = [print_number(argument) for argument in mode.arguments]
+    if mode.of is not None:
+        arguments.append(f"of={mode.of}")
+    return mode.text or (f"{mode.name}({', '.join(arguments)})" if arguments else mode.name)
+
+
+def print_transformation(transformation: Transformation) -> str:
+    """Return a tuple of seven slots, `_` for what does nothing."""
+    turns = [slot for axis, turn in transformation.rotations for slot in (axis, print_number(turn))]
+    shift = [print_number(length) if length else "_" for length in transformation.translation]
+    return f"({','.join([*turns, *'____'[len(turns) :], *shift])})"
 
 
 def print_number(number: Decimal) -> str:
@@ -73,6 +101,9 @@ def _lines(configuration: Configuration) -> Iterator[str]:
         if isinstance(relationship, Data) and relationship.client in conversions:
             yield _conversion(conversions[relationship.client])
         yield print_relationship(relationship)
+    for module in configuration.declared:
+        yield ""
+        yield from _block(module)
 
 
 def _conversion(conversion: Conversion) -> str:
@@ -82,3 +113,44 @@ def _conversion(conversion: Conversion) -> str:
 
 def _number(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
+
+
+def _block(module: Module) -> Iterator[str]:
+    yield "@module_start"
+    yield f"@module_name {module.name}"
+    for function in module.functions:
+        yield _function(function)
+    for vertex in module.vertices:
+        yield _vertex(vertex)
+    for service in module.services:
+        yield from _service(service)
+    yield "@module_end"
+
+
+def _function(function: Function) -> str:
+    words = [
+        "_" if value is None else print_number(value)
+        for value in (function.min, function.max, function.rate)
+    ]
+    while words and words[-1] == "_":
+        words.pop()
+    return " ".join([f"@{function.name}", *words, *(["_"] if len(words) == 1 else ())])
+
+
+def _vertex(vertex: Vertex) -> str:
+    return f"@Vertex {vertex.number} {print_transformation(vertex.transformation)}"
+
+
+def _service(service: Service) -> Iterator[str]:
+    """Yield an annotation and a declaration; what the declaration would say, overrides say."""
+    modes = []
+    for mode in service.modes:
+        periodic = mode.name == "NotifyAtFrequency" and service.hz is not None
+        modes.append(print_mode(mode) + (f" {print_number(service.hz or 0)}" if periodic else ""))
+    said = ", ".join((*modes, *service.commands))
+    if service.kind == "Converts":
+        said = str(service.cost)
+    yield f"@{service.kind} {said}".rstrip()
+    yield f"@Output {service.output or 'none'}"
+    yield f"@Input {', '.join(name or 'auto' for name in service.inputs) or 'none'}"
+    yield f"void {service.function}();"
