@@ -75,6 +75,7 @@ INNER = {
         "blocks",
         "representations",
     ],
+    "urdf": ["angles", "elements", "document", "read", "write"],
     "annotations/declarations": [
         "declaration",
         "tokens",

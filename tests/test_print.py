@@ -63,13 +63,11 @@ transformations = st.builds(
     st.lists(turns, max_size=2).map(tuple),
     st.tuples(numbers, numbers, numbers),
 )
-bounds = st.one_of(
-    st.tuples(st.none() | numbers, st.none() | numbers).filter(
-        lambda pair: None in pair or pair[0] <= pair[1]  # type: ignore[operator]
-    )
+bounds = st.tuples(numbers, numbers).map(sorted) | st.sampled_from(
+    [[None, None], [Decimal(-1), None], [None, Decimal("0.5")]]
 )
 functions = st.builds(
-    lambda name, pair, rate: Function(name, HERE, *pair, rate),
+    lambda name, pair, rate: Function(name, HERE, pair[0], pair[1], rate),
     st.sampled_from((*MOTION_FUNCTIONS, "Grasp")),
     bounds,
     st.none() | st.decimals("0.001", 1000, places=3),

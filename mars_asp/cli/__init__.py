@@ -25,6 +25,7 @@ VERBS = {
     "diff": "what changed between two configurations, and the lines that caused it",
     "verify": "does a specification realise a configuration, and is it minimal",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
+    "import": "read a robot from `urdf`",
     "export": "write the mount tree as `urdf`",
     "fmt": "canonical layout of `.mars` files, comments kept",
     "rules": "list, show or check the rule base",

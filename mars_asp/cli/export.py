@@ -3,12 +3,14 @@
 import argparse
 
 from mars_asp.cli.reason import add_file, read_project
+from mars_asp.visible import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument("to", metavar="FORMAT", choices=("urdf",), help="`urdf`")
     add_file(parser)
+    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -16,5 +18,9 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     from mars_asp.urdf import export_urdf
 
-    print(export_urdf(project.configuration, project.modules), end="")
+    written = export_urdf(project.configuration, project.modules)
+    if arguments.output == "-":
+        print(written, end="")
+    else:
+        write_whole(arguments.output, written)
     return 0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli.report import report
-from mars_asp.language.parse import decode
+from mars_asp.language.parse import MOST_BYTES, decode
 from mars_asp.project import Project, load_project, project_facts
 from mars_asp.rulebook import Rulebook, load_rulebook
 
@@ -22,7 +22,7 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     """
     path = arguments.file if path is None else path
     if path == STANDARD_INPUT:
-        text = decode(sys.stdin.buffer.read(), "<stdin>")
+        text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), "<stdin>")
         project = load_project("<stdin>", arguments.sources, text)
     else:
         project = load_project(path, arguments.sources)

@@ -48,29 +48,27 @@ def parse_file(path: Path) -> Parsed:
     return parse_text(decode(read_bytes(path), shown), shown)
 
 
-def read_bytes(path: Path) -> bytes:
-    """Read what a `.mars` file holds.
+def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
+    """Read what a file holds, of one that is too large `most` bytes and one.
 
     Raises:
         MarsError: the file cannot be read.
     """
-    shown = str(path)
     try:
         with path.open("rb") as file:
-            raw = file.read(MOST_BYTES + 1)
+            return file.read(most + 1)
     except OSError as error:
-        raise MarsError((_unreadable(shown, error.strerror or "cannot be read"),)) from None
-    if len(raw) > MOST_BYTES:
-        raise MarsError((_unreadable(shown, f"is larger than {MOST_BYTES} bytes"),))
-    return raw
+        raise MarsError((_unreadable(str(path), error.strerror or "cannot be read"),)) from None
 
 
-def decode(raw: bytes, shown: str) -> str:
+def decode(raw: bytes, shown: str, most: int = MOST_BYTES) -> str:
     """Return the text of a file's bytes.
 
     Raises:
-        MarsError: the bytes are no text.
+        MarsError: the bytes are too many, or no text.
     """
+    if len(raw) > most:
+        raise MarsError((_unreadable(shown, f"is larger than {most} bytes"),))
     encoding = "utf-16" if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
     try:
         return raw.decode(encoding)

@@ -143,10 +143,10 @@ def _vertex(vertex: Vertex) -> str:
 
 def _service(service: Service) -> Iterator[str]:
     """Yield an annotation and a declaration; what the declaration would say, overrides say."""
-    modes = []
-    for mode in service.modes:
-        periodic = mode.name == "NotifyAtFrequency" and service.hz is not None
-        modes.append(print_mode(mode) + (f" {print_number(service.hz or 0)}" if periodic else ""))
+    modes = [print_mode(mode) for mode in service.modes]
+    if service.hz is not None:
+        periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")
+        modes[periodic] += f" {print_number(service.hz)}"
     said = ", ".join((*modes, *service.commands))
     if service.kind == "Converts":
         said = str(service.cost)
