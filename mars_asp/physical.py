@@ -16,6 +16,7 @@ from mars_asp.frames import (
     Robot,
     build_robot,
     generic_posture,
+    inverse,
     jacobian,
     ranks_with_units,
     take_posture,
@@ -102,6 +103,7 @@ def _observations(
         start = own.stop
         for joint, twist in zip(joints, twists[:, own].T, strict=True):
             yield from _appearance(name, provider, joint.function, twist)
+        yield from _lever_arms(name, provider, rest, twists[:, own])
         if len(joints) > 1:
             yield from _own_ranks(name, provider, _ZERO, twists[:, own])
             yield from _own_ranks(name, provider, _GENERIC, free[:, own])
@@ -124,10 +126,17 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
     else:
         for axis, share in zip(names, direction, strict=True):
             yield Atom("appears_in_part", (*told, axis, round(share * _MILLION)))
-    if turns:
-        micrometres = round(float(np.linalg.norm(twist[3:])) * 1000)
+
+
+def _lever_arms(name: str, provider: str, rest: Posture, twists: Matrix) -> Iterator[Atom]:
+    """Tell how far the axes of a provider, which meet in its origin, pass what they turn."""
+    place = (inverse(rest.poses[name]) @ rest.poses[provider])[:3, 3]
+    turned = np.abs(twists[:3]).max(axis=1) > TOLERANCE
+    for axis in np.flatnonzero(turned):
+        micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
         if micrometres:
-            yield Atom("lever_arm", (*told, min(micrometres, MOST)))
+            told = (name, provider, MOTION_FUNCTIONS[axis], min(micrometres, MOST))
+            yield Atom("lever_arm", told)
 
 
 def _own_ranks(name: str, provider: str, posture: Atom, twists: Matrix) -> Iterator[Atom]:

@@ -59,8 +59,11 @@ def random_placement(random_: random.Random, oblique: bool) -> Transformation:
     return placed(turns, *(random_.choice((0, 0, 50, -120, 300)) for _ in range(3)))
 
 
-def random_chain(random_: random.Random, prefix: str = "M") -> Configuration:
-    """Return a sensor `M0` on up to eight modules with random functions, mounts and vertices."""
+def random_chain(random_: random.Random, prefix: str = "M", oblique: float = 0.3) -> Configuration:
+    """Return a sensor `M0` on up to eight modules with random functions, mounts and vertices.
+
+    `oblique` is the share of mounts that do not stand at right angles.
+    """
     depth = random_.randint(1, 8)
     modules = [module(f"{prefix}0", sensor=True)]
     mounts = []
@@ -68,7 +71,7 @@ def random_chain(random_: random.Random, prefix: str = "M") -> Configuration:
         functions = random_.sample(MOTION_FUNCTIONS, random_.choice((0, 1, 1, 1, 2, 3)))
         vertex = random_placement(random_, False)
         modules.append(module(f"{prefix}{level}", *functions, v1=vertex))
-        at = random_placement(random_, random_.random() < 0.3)
+        at = random_placement(random_, random_.random() < oblique)
         on = random_.choice((None, 1))
         mounts.append(Mount(f"{prefix}{level - 1}", f"{prefix}{level}", HERE, None, on, at))
     return robot(mounts, modules)
