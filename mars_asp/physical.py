@@ -91,6 +91,7 @@ def _observations(
     providers = [ancestor for ancestor in ancestors if robot.joints[ancestor]]
     if not providers:
         return
+    here = inverse(rest.poses[name])
     twists = jacobian(rest, name, providers)
     free = max(
         (jacobian(posture, name, providers) for posture in generic),
@@ -103,7 +104,8 @@ def _observations(
         start = own.stop
         for joint, twist in zip(joints, twists[:, own].T, strict=True):
             yield from _appearance(name, provider, joint.function, twist)
-        yield from _lever_arms(name, provider, rest, twists[:, own])
+        place = (here @ rest.poses[provider])[:3, 3]
+        yield from _lever_arms(name, provider, place, twists[:, own])
         if len(joints) > 1:
             yield from _own_ranks(name, provider, _ZERO, twists[:, own])
             yield from _own_ranks(name, provider, _GENERIC, free[:, own])
@@ -128,9 +130,8 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
             yield Atom("appears_in_part", (*told, axis, round(share * _MILLION)))
 
 
-def _lever_arms(name: str, provider: str, rest: Posture, twists: Matrix) -> Iterator[Atom]:
-    """Tell how far the axes of a provider, which meet in its origin, pass what they turn."""
-    place = (inverse(rest.poses[name]) @ rest.poses[provider])[:3, 3]
+def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
+    """Tell how far the axes of a provider, which meet in its place, pass what they turn."""
     turned = np.abs(twists[:3]).max(axis=1) > TOLERANCE
     for axis in np.flatnonzero(turned):
         micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
