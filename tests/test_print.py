@@ -120,7 +120,8 @@ def modules(draw: st.DrawFn, name: str) -> Module:
         HERE,
         offered,
         () if senses else tuple(moves),
-        tuple(draw(st.lists(placed, max_size=2))),
+        tuple(draw(st.lists(placed, max_size=2, unique_by=lambda vertex: vertex.number))),
+        HERE,
     )
 
 

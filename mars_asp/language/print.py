@@ -152,5 +152,13 @@ def _service(service: Service) -> Iterator[str]:
         said = str(service.cost)
     yield f"@{service.kind} {said}".rstrip()
     yield f"@Output {service.output or 'none'}"
-    yield f"@Input {', '.join(name or 'auto' for name in service.inputs) or 'none'}"
-    yield f"void {service.function}();"
+    if None in service.inputs:
+        # Only a declaration can leave open what an input is.
+        for index, name in enumerate(service.inputs):
+            if name is not None:
+                yield f"@Input input{index}: {name}"
+        parameters = ", ".join(f"auto input{index}" for index in range(len(service.inputs)))
+    else:
+        yield f"@Input {', '.join(filter(None, service.inputs)) or 'none'}"
+        parameters = ""
+    yield f"void {service.function}({parameters});"
