@@ -384,3 +384,25 @@ def test_what_is_too_long_or_has_no_end(
     found = problems[0]
     assert (found.code, found.span.line, found.span.column) == problem
     assert "\n" not in found.message
+
+
+@pytest.mark.parametrize(
+    ("suffix", "declaration"),
+    [
+        (".py", f"def f(x: {'a.' * 5000}a): pass"),
+        (".py", f"def f(x: '{'list[' * 2000}A{']' * 2000}') -> {'A | ' * 3000}A: pass"),
+        (".cpp", f"auto f() -> {'A<' * 5000}B{'>' * 5000};"),
+        (".cpp", f"// @Output {'(' * 2000}B{')' * 2000}\nvoid f();"),
+        (".java", f"public {'List<' * 5000}A{'>' * 5000} f();"),
+        (".rs", f"fn f(x: {'(' * 5000}A{')' * 5000}) -> A;"),
+        (".go", f"func f(x {'func(' * 5000}A{')' * 5000}) A"),
+        (".m", f"function [{'[' * 5000}a{']' * 5000}] = f(a)"),
+    ],
+)
+def test_what_nests_deep_is_read_or_refused(tmp_path: Path, suffix: str, declaration: str) -> None:
+    marks = {".py": "#", ".m": "%"}.get(suffix, "//")
+    path = tmp_path / f"a{suffix}"
+    path.write_text(LAYOUTS["line"].format(f=declaration).replace("//", marks))
+    found = extract([path])
+    assert [module.name for module in found.modules] == ["A"]
+    assert {problem.code for problem in found.diagnostics} <= DOCUMENTED

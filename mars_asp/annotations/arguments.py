@@ -17,6 +17,8 @@ _MODES = "write delivery modes, such as `NotifyWhenReady` or `NotifyAtFrequency 
 _HZ = "write a positive number of Hz without a unit, such as `NotifyAtFrequency 25`"
 _BOUNDS = "write `MIN MAX` or `MIN MAX RATE` as numbers, `_` for an open bound"
 
+_BRACKETS = re.compile(r"[<([{>)\]}]")
+
 Bounds: TypeAlias = tuple[Decimal | None, Decimal | None, Decimal | None]
 
 
@@ -119,6 +121,12 @@ def read_vertex(text: str) -> tuple[int, Transformation] | Wrong:
 
 def parts(text: str) -> Iterator[tuple[int, str]]:
     """Yield what commas outside of brackets part, and where each begins."""
+    if not _BRACKETS.search(text):
+        begin = 0
+        for part in text.split(","):
+            yield begin, part
+            begin += len(part) + 1
+        return
     depth = begin = 0
     for index, character in enumerate(text):
         depth += (character in "<([{") - (character in ">)]}")

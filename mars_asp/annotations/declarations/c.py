@@ -251,8 +251,13 @@ def _trailing(tokens: Sequence[Token], at: int) -> str | None:
             break
         if text in ("(", "["):
             at = closing(tokens, at)
+        elif text == "<":
+            end = angle(tokens, at)
+            if end is None:
+                return None
+            at = end
         else:
-            at = behind_angle(tokens, at) if text == "<" else at + 1
+            at += 1
     return type_text(tokens[start:at])
 
 

@@ -53,10 +53,10 @@ def without_attributes(tokens: Sequence[Token]) -> list[Token]:
 
 def behind_attribute(tokens: Sequence[Token], at: int) -> int:
     """Return the index behind the attribute that begins at `at`; `at` itself where none does."""
-    text, following = text_at(tokens, at), text_at(tokens, at + 1)
-    if text == "[" == following:
-        return closing(tokens, at)
-    if text in ATTRIBUTES and following == "(":
+    text = text_at(tokens, at)
+    if text == "[":
+        return closing(tokens, at) if text_at(tokens, at + 1) == "[" else at
+    if text in ATTRIBUTES and text_at(tokens, at + 1) == "(":
         return closing(tokens, at + 1)
     return at
 

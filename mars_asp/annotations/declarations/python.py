@@ -31,12 +31,12 @@ def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoF
     snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
     try:
         function = ast.parse(snippet).body[0]
+        if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
+            return none
+        output = None if function.returns is None else _type(function.returns)
+        return Declaration(function.name, output, _parameters(function.args), at, stop)
     except (SyntaxError, ValueError, RecursionError, MemoryError, IndexError):
         return none
-    if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
-        return none
-    output = None if function.returns is None else _type(function.returns)
-    return Declaration(function.name, output, _parameters(function.args), at, stop)
 
 
 def _parameters(arguments: ast.arguments) -> tuple[Parameter, ...]:

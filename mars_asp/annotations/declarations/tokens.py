@@ -13,6 +13,8 @@ _OPENING = frozenset("([{")
 _CLOSING = frozenset(")]}")
 #: How many tokens the arguments of a template may have.
 _MOST_ARGUMENTS = 1000
+#: How deep they may nest.
+_DEEPEST = 32
 #: What may stand among the arguments of a template that is used in an expression.
 _OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'", "+"))
 
@@ -81,7 +83,7 @@ def angle(tokens: Sequence[Token], at: int, expression: bool = False) -> int | N
         if text in _OPENING:
             index = closing(tokens, index)
             continue
-        if text == ";" or text in _CLOSING:
+        if text == ";" or text in _CLOSING or depth > _DEEPEST:
             return None
         if expression and not (text in _OF_TYPES or is_word(text) or text[0].isdigit()):
             return None
