@@ -11,7 +11,7 @@ from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.sources import Source, Stretch
 
 #: How far behind its annotations a declaration may end, in bytes; most end much earlier.
-MOST_DECLARED = 32768
+MOST_DECLARED = 16384
 _SHORT = 2048
 
 

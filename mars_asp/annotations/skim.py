@@ -16,8 +16,10 @@ from functools import cache
 from typing import AnyStr
 
 _LETTER = rb"[\w\x80-\xff]"
+#: Words that documentation is full of, and none of ours.
+_TAG = rb"(?!(?:param|returns?|brief|throws|see|since|note)\b)"
 #: A word that may be one of ours; what is beyond ASCII in it may also end it.
-_WORD = rb"[A-Za-z](?:\w{2,20}+(?![\w(.])|\w{0,20}+[\x80-\xff])"
+_WORD = _TAG + rb"[A-Za-z](?:\w{2,20}+(?![\w(.])|\w{0,20}+[\x80-\xff])"
 _OTHER = rb"@(?!" + _WORD + rb")"
 _STRING = rb'"(?:[^"\\\n]++|\\[\s\S])*+"?'
 _CHARACTER = rb"'(?:[^'\\\n]++|\\.)*+'?"
