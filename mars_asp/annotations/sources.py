@@ -76,12 +76,15 @@ class Source:
     def annotations(self, known: Callable[[str], bool]) -> Iterator[CommentLine]:
         """Yield the comment lines that begin with `@` and a known word, in order."""
         find = _ANNOTATED[self._kind].finditer
+        ours: dict[bytes, bool] = {}
         for begin, end in annotated_comments(self._lexicon, self.data):
             if self._dead and self._in_dead(begin):
                 continue
             for match in find(self.data[begin:end]):
-                word = _WORD.match(match[1].decode(self._encoding, "replace"))
-                if word is not None and known(word[0]):
+                if match[1] not in ours:
+                    word = _WORD.match(match[1].decode(self._encoding, "replace"))
+                    ours[match[1]] = word is not None and known(word[0])
+                if ours[match[1]]:
                     block = self.data.startswith(b"/*", begin)
                     yield self._line(begin + match.start(1) - 1, end, block)
 
