@@ -1,7 +1,7 @@
 """The proven optimum of one component of a ground program."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import clingo
@@ -67,6 +67,69 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
     return _search(forced, levels, deadline)
 
 
+def others(
+    component: Component, best: Optimum, most: int, deadline: float | None = None
+) -> Iterator[Optimum]:
+    """Yield answers in the order of their cost, each without a decision of every one before it.
+
+    `best` is the first of those before. Each is least among what is left, so those that only add
+    to an earlier one are left out; at most `most` are found.
+
+    Raises:
+        TimeoutError: the deadline passed before the next was found.
+    """
+    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
+    control = _control(component)
+    _minimise(control, component, levels)
+    found = best
+    for _ in range(most):
+        decided = [atom for atom in component.projected if atom in found.true]
+        with control.backend() as backend:
+            backend.add_rule([], decided or [-atom for atom in component.projected])
+        try:
+            found = _least(control, component, levels, deadline)
+        except UnsatisfiableError:
+            return
+        yield found
+
+
+def disjoint_needs(
+    component: Component, level: int, deadline: float | None = None
+) -> tuple[tuple[int, ...], ...]:
+    """Return sets of atoms that cost something at a level, no atom in two of them.
+
+    Of each set one must be true, so no answer costs less than there are sets. The sets are
+    unsatisfiable cores (Andres et al., Unsatisfiability-based optimization in clasp, ICLP 2012),
+    each shrunk until every atom in it is needed.
+
+    Raises:
+        TimeoutError: the deadline passed.
+    """
+    control = _control(component)
+    costly = sorted({atom for at, _, atom in component.costs if at == level and atom > 0})
+    needs: list[tuple[int, ...]] = []
+    while True:
+        core = _core(control, [-atom for atom in costly], deadline)
+        if core is None:
+            return tuple(needs)
+        for literal in sorted(core):
+            smaller = _core(control, [other for other in core if other != literal], deadline)
+            core = core if smaller is None else smaller
+        needs.append(tuple(sorted(-literal for literal in core)))
+        costly = [atom for atom in costly if atom not in needs[-1]]
+
+
+def _core(
+    control: clingo.Control, assumptions: Sequence[int], deadline: float | None
+) -> list[int] | None:
+    """Return assumptions that cannot hold together, or `None` where all can."""
+    with control.solve(assumptions=list(assumptions), yield_=True, async_=True) as handle:
+        if not handle.wait(None if deadline is None else max(0.0, deadline - time.monotonic())):
+            handle.cancel()
+            raise TimeoutError
+        return None if handle.get().satisfiable else list(handle.core())
+
+
 def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:
     control = clingo.Control([*_OPTIONS, *options])
     with control.backend() as backend:
@@ -82,10 +145,20 @@ def _control(component: Component, options: Sequence[str] = ()) -> clingo.Contro
 
 def _search(component: Component, levels: Sequence[int], deadline: float | None) -> Optimum:
     control = _control(component)
+    _minimise(control, component, levels)
+    return _least(control, component, levels, deadline)
+
+
+def _minimise(control: clingo.Control, component: Component, levels: Sequence[int]) -> None:
     with control.backend() as backend:
         for level in levels:
             costs = [(lit, weight) for at, weight, lit in component.costs if at == level]
             backend.add_minimize(level, costs)
+
+
+def _least(
+    control: clingo.Control, component: Component, levels: Sequence[int], deadline: float | None
+) -> Optimum:
     true: frozenset[int] | None = None
     cost: list[int] = []
     with control.solve(yield_=True, async_=True) as handle:

@@ -1,13 +1,15 @@
 """From an analysis to its minimal specification."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
+
+import clingo
 
 from mars_asp.analysis import Analysis
 from mars_asp.model import Configuration, Module
 from mars_asp.rulebook import Rulebook
-from mars_asp.solve import Resolution
+from mars_asp.solve import Grounding, Resolution
 from mars_asp.synthesis import Specification, specify
 
 #: The levels of the minimisation in `rules/resolve`.
@@ -69,10 +71,21 @@ def synthesise(
     resolution = grounding.resolve(rulebook.text("resolve"), deadline, progress)
     if any(True for _ in grounding.symbols("unresolvable", 1)):
         return None
+    specification = specification_of(configuration, modules, grounding, resolution.taken)
+    return Synthesis(specification, resolution)
+
+
+def specification_of(
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    grounding: Grounding,
+    taken: Set[clingo.Symbol],
+) -> Specification:
+    """Build the specification of one answer: the true atoms that are no facts."""
     atoms = [
         symbol
         for name, arity in _READ
         for symbol, is_fact in grounding.atoms(name, arity)
-        if is_fact or symbol in resolution.taken
+        if is_fact or symbol in taken
     ]
-    return Synthesis(specify(configuration, modules, atoms), resolution)
+    return specify(configuration, modules, atoms)

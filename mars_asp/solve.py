@@ -30,6 +30,15 @@ class Resolution:
     count: int | None
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A component, the symbols of its atoms (`None` for clingo's own) from 1, and its optimum."""
+
+    component: Component
+    symbols: tuple[clingo.Symbol | None, ...]
+    best: Optimum
+
+
 class Grounding:
     """One clingo control with the consequences as facts, then the resolution rules."""
 
@@ -40,8 +49,9 @@ class Grounding:
             MarsError: clingo refuses a rule, or the rules leave a choice.
         """
         self._messages: list[tuple[clingo.MessageCode, str]] = []
-        #: Where each open atom stands: its component, its number there, and the optimum.
-        self._solved: dict[clingo.Symbol, tuple[Component, int, Optimum]] = {}
+        #: The components that were solved, and where each open atom stands: part and number.
+        self.parts: list[Part] = []
+        self._places: dict[clingo.Symbol, tuple[int, int]] = {}
         self.control = clingo.Control(_OPTIONS, self._note, _MOST_MESSAGES)
         self._add("base", f"{base}\n{facts}")
 
@@ -119,10 +129,12 @@ class Grounding:
             best = known.get(component)
             if best is None:
                 best = known[component] = self._optimise(component, deadline)
-            for number, atom in enumerate(atoms, 1):
-                if atom in names:
-                    self._solved[names[atom]] = (component, number, best)
-            taken.update(names[atoms[n - 1]] for n in best.true if atoms[n - 1] in names)
+            symbols = tuple(names.get(atom) for atom in atoms)
+            for number, symbol in enumerate(symbols, 1):
+                if symbol is not None:
+                    self._places[symbol] = (len(self.parts), number)
+            self.parts.append(Part(component, symbols, best))
+            taken.update(s for n in best.true if (s := symbols[n - 1]) is not None)
             for level, value in best.cost.items():
                 cost[level] = cost.get(level, 0) + value
                 bound[level] = bound.get(level, 0) + best.bound[level]
@@ -140,14 +152,20 @@ class Grounding:
         Raises:
             TimeoutError: the deadline passed before any answer was found.
         """
-        if atom not in self._solved:
+        if atom not in self._places:
             return None
-        component, number, best = self._solved[atom]
+        index, number = self._places[atom]
+        component, best = self.parts[index].component, self.parts[index].best
         try:
             forced = least_with(component, number, deadline)
         except UnsatisfiableError:
             return None
         return {level: forced.cost[level] - cost for level, cost in best.cost.items()}
+
+    def part_of(self, atom: clingo.Symbol) -> Part | None:
+        """Return the component in which an atom is open; `None` where the rules decide it."""
+        place = self._places.get(atom)
+        return None if place is None else self.parts[place[0]]
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
         if deadline is not None and time.monotonic() > deadline:

@@ -42,6 +42,7 @@ LAYERS = [
     "diff",
     "edits",
     "repair",
+    "alternatives",
     "sim",
     "execute",
     "scenario",

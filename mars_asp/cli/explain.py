@@ -21,6 +21,7 @@ from mars_asp.visible import visible
 if TYPE_CHECKING:
     from mars_asp.why_not import WhyNot
 
+MOST_ALTERNATIVES = 1000
 #: Deep enough to say which premise fails; why that one does is the next question.
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
@@ -35,6 +36,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--repair", action="store_true", help="the smallest edits that remove each error"
+    )
+    parser.add_argument(
+        "--alternatives",
+        nargs="?",
+        const=5,
+        type=_positive,
+        metavar="N",
+        help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
     parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
@@ -55,6 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
     subject = arguments.subject or arguments.about
     if arguments.why_not is not None:
         return _why_not(project, arguments)
+    if arguments.alternatives is not None:
+        from mars_asp.cli.alternatives import run_alternatives
+
+        return run_alternatives(project, arguments, subject)
     if arguments.repair:
         from mars_asp.cli.repair import run_repair
 
@@ -113,6 +126,12 @@ def _price(answer: "WhyNot") -> str:
     more = [f"{count:+} {name}" for name, count in _cost(answer.extra).items() if count]
     price = f"costs {', '.join(more)}" if more else "costs no more, and is not taken for taste"
     return f"the cheapest realisation that has `{answer.offered}` {price}"
+
+
+def _positive(text: str) -> int:
+    if text.isdigit() and 0 < int(text) <= MOST_ALTERNATIVES:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"`{text}` is no number from 1 to {MOST_ALTERNATIVES}")
 
 
 def _depth(text: str) -> int | None:

@@ -38,16 +38,16 @@ def traces_text(
         hidden = None
         key = id(entry.step)
         if entry.step is None:
-            yield from _wrap(entry.text, entry.level)
+            yield from wrapped(entry.text, entry.level)
         elif key in numbers and key in again:
-            yield from _wrap(f"{entry.text}, as in ({numbers[key]})", entry.level)
+            yield from wrapped(f"{entry.text}, as in ({numbers[key]})", entry.level)
             hidden = entry.level
         else:
             numbers[key] = len({k for k in numbers if k in again}) + 1
             mark = f"({numbers[key]}) " if key in again else ""
             span = entry.step.rule.span
             place = f"[{entry.step.rule.id}] {span.path}:{span.line}"
-            yield from _wrap(f"{mark}{entry.text}{entry.remark}  {place}", entry.level)
+            yield from wrapped(f"{mark}{entry.text}{entry.remark}  {place}", entry.level)
 
 
 class _Entry(NamedTuple):
@@ -256,7 +256,8 @@ def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
             return None
 
 
-def _wrap(text: str, level: int) -> Iterator[str]:
+def wrapped(text: str, level: int) -> Iterator[str]:
+    """Yield a text's lines, indented by its level, what goes on further."""
     indent = "  " * min(level, 20)
     yield from textwrap.wrap(
         text,

@@ -1,0 +1,206 @@
+"""What else would realise a configuration, what it costs more, and why nothing costs less.
+
+>>> found = alternatives(load_project("config.mars"), load_rulebook())
+>>> [other.extra for other in found.others]
+[{30: 1, 20: 0, 10: 2}]
+"""
+
+import difflib
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import clingo
+
+from mars_asp.analysis import Analysis, analyse, shown
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language.print import print_configuration
+from mars_asp.optimum import COST_LEVEL, Optimum, disjoint_needs, others
+from mars_asp.project import Project, project_facts
+from mars_asp.resolve import COSTS, NODES, Synthesis, specification_of, synthesise
+from mars_asp.rulebook import Rulebook
+from mars_asp.solve import Part
+from mars_asp.source import point
+from mars_asp.spelling import nearest
+from mars_asp.synthesis import Specification
+
+_DOCSTRING = re.compile(r"^%\*!\s*(\w+)\(([^)]*)\)\s*\n(.*?)\n\*%", re.MULTILINE | re.DOTALL)
+
+_RELATES = re.compile(r"^//|\b(?:is_mounted_on|is_controlled_by|uses_data_from)\b")
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """Another realisation: what it costs more, by level, and its lines that differ."""
+
+    extra: Mapping[int, int]
+    specification: Specification
+    added: tuple[str, ...]
+    removed: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """Of these possible nodes, told in words, every realisation has one; `names` are in ours."""
+
+    words: tuple[str, ...]
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """The least specification, others in the order of their cost, and needs that bound the cost.
+
+    `forced` are the nodes that the rules leave no choice about. `needs` have no node in common;
+    `open` is how many nodes are left to choice: where it is more than the needs, that fewer do not
+    suffice was found by search. `complete` says that there are no further ones.
+    """
+
+    synthesis: Synthesis
+    analysis: Analysis
+    forced: tuple[str, ...]
+    needs: tuple[Need, ...]
+    open: int
+    others: tuple[Alternative, ...]
+    complete: bool
+
+
+def alternatives(
+    project: Project,
+    rulebook: Rulebook,
+    subject: str | None = None,
+    most: int = 5,
+    seconds: float | None = None,
+) -> Alternatives | None:
+    """Return other realisations of all, or of the component of a node; `None` where there is none.
+
+    Each differs from the least specification in one component, and lacks a decision of all that
+    are less than it, so mere additions are left out.
+
+    Raises:
+        MarsError: the subject is no node of the specification.
+        TimeoutError: the seconds given did not suffice.
+    """
+    deadline = None if seconds is None else time.monotonic() + seconds
+    analysis = analyse(project_facts(project), rulebook, project.configuration.span)
+    synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+    if synthesis is None:
+        return None
+    search = _Search(project, analysis, synthesis, rulebook, deadline)
+    return search.run(subject, most)
+
+
+@dataclass(frozen=True)
+class _Search:
+    project: Project
+    analysis: Analysis
+    synthesis: Synthesis
+    rulebook: Rulebook
+    deadline: float | None
+
+    def run(self, subject: str | None, most: int) -> Alternatives:
+        names = {clingo.parse_term(n.term): n.name for n in self.synthesis.specification.nodes}
+        chosen = [atom for atom, name in names.items() if subject in (None, name)]
+        if not chosen and subject is not None:
+            raise self._no_node(subject, names.values())
+        part_of = self.analysis.grounding.part_of
+        forced = tuple(names[atom] for atom in chosen if part_of(atom) is None)
+        if subject is None:
+            parts = list(self.analysis.grounding.parts)
+        else:
+            parts = [part for atom in chosen if (part := part_of(atom)) is not None]
+        found = [(part, other) for part in parts for other in self._others(part, most + 1)]
+        found.sort(
+            key=lambda pair: [pair[1].cost.get(level, 0) - c for level, c in _costs(pair[0])]
+        )
+        own = _lines(self.synthesis.specification)
+        told = [self._told(part, other, own) for part, other in found[:most]]
+        needs = [need for part in parts for need in self._needs(part, names)]
+        opened = sum(len(_taken(part)) for part in parts)
+        return Alternatives(
+            self.synthesis,
+            self.analysis,
+            forced,
+            tuple(needs),
+            opened,
+            tuple(told),
+            len(found) <= most,
+        )
+
+    def _others(self, part: Part, most: int) -> Iterator[Optimum]:
+        return islice(others(part.component, part.best, most, self.deadline), most)
+
+    def _told(self, part: Part, other: Optimum, own: Sequence[str]) -> Alternative:
+        instead = {part.symbols[number - 1] for number in other.true}
+        kept = self.synthesis.resolution.taken.difference(s for s in part.symbols if s is not None)
+        taken = kept | {symbol for symbol in instead if symbol is not None}
+        specification = specification_of(
+            self.project.configuration, self.project.modules, self.analysis.grounding, taken
+        )
+        changes = list(difflib.ndiff(own, _lines(specification)))
+        extra = {level: other.cost.get(level, 0) - cost for level, cost in _costs(part)}
+        return Alternative(
+            extra,
+            specification,
+            tuple(line[2:] for line in changes if line.startswith("+ ")),
+            tuple(line[2:] for line in changes if line.startswith("- ")),
+        )
+
+    def _needs(self, part: Part, names: Mapping[clingo.Symbol, str]) -> Iterator[Need]:
+        documented = _docstrings(self.rulebook)
+        for atoms in disjoint_needs(part.component, NODES, self.deadline):
+            told = [symbol for atom in atoms if (symbol := part.symbols[atom - 1]) is not None]
+            yield Need(
+                tuple(_words(symbol, documented) for symbol in told),
+                tuple(names[symbol] for symbol in told if symbol in names),
+            )
+
+    def _no_node(self, subject: str, names: object) -> MarsError:
+        known = [node.name for node in self.synthesis.specification.nodes]
+        near = nearest(subject, known)
+        place = point(self.project.configuration.path, 1, 1)
+        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(known) or 'none'}"
+        message = f"`{subject}` is no node of the specification"
+        return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
+
+
+def _lines(specification: Specification) -> list[str]:
+    """Return the relationships and the comments of transformers, as they are printed."""
+    printed = print_configuration(specification.configuration).splitlines()
+    return [line for line in printed if _RELATES.search(line)]
+
+
+def _costs(part: Part) -> list[tuple[int, int]]:
+    """Return the levels that are a cost, highest first, with what the optimum costs there."""
+    return [
+        (level, part.best.cost.get(level, 0)) for level in COSTS.values() if level >= COST_LEVEL
+    ]
+
+
+def _taken(part: Part) -> set[int]:
+    """Return the atoms of the optimum that cost a node and were open."""
+    return {a for at, _, a in part.component.costs if at == NODES and a in part.best.true}
+
+
+def _docstrings(rulebook: Rulebook) -> Mapping[tuple[str, int], tuple[list[str], str]]:
+    """Return what `%*! p(X, Y) ... *%` says of each predicate: its arguments and the words."""
+    found = {}
+    for _, text in rulebook.texts:
+        for match in _DOCSTRING.finditer(text):
+            arguments = [argument.strip() for argument in match[2].split(",")]
+            found[match[1], len(arguments)] = (arguments, " ".join(match[3].split()))
+    return found
+
+
+def _words(
+    symbol: clingo.Symbol, documented: Mapping[tuple[str, int], tuple[list[str], str]]
+) -> str:
+    """Return what a predicate's docstring says, with an atom's arguments for its variables."""
+    known = documented.get((symbol.name, len(symbol.arguments)))
+    if known is None:
+        return str(symbol)
+    values = dict(zip(known[0], map(shown, symbol.arguments), strict=True))
+    pattern = "|".join(rf"(?<!\w){re.escape(name)}(?![\w'])" for name in values)
+    return re.sub(pattern, lambda match: f"`{values[match[0]]}`", known[1]).split(".")[0]

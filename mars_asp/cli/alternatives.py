@@ -1,0 +1,88 @@
+"""What `explain --alternatives` prints: why nothing costs less, and what costs as much or more."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping
+
+from mars_asp.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.cli.reason import rulebook_for
+from mars_asp.project import Project
+from mars_asp.resolve import COSTS
+from mars_asp.trace.text import wrapped
+from mars_asp.visible import visible
+
+
+def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
+    """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
+    most: int = arguments.alternatives
+    try:
+        found = alternatives(project, rulebook_for(arguments), subject, most, arguments.time_limit)
+    except TimeoutError:
+        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
+        return 3
+    if found is None:
+        print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)
+        return 1
+    if arguments.format == "json":
+        json.dump({"subject": subject, **_json(found)}, sys.stdout)
+        print()
+    else:
+        for line in _text(found):
+            print(visible(line))
+    return int(found.analysis.has_errors)
+
+
+def _text(found: Alternatives) -> Iterator[str]:
+    cost = ", ".join(f"{name} {found.synthesis.cost(level)}" for name, level in COSTS.items())
+    resolution = found.synthesis.resolution
+    state = "proven least" if resolution.proven else "best found"
+    count = resolution.count
+    many = "" if count is None else f"; {count} specification{'s' * (count != 1)} of that cost"
+    yield from wrapped(f"cost: {cost}; {state}{many}", 0)
+    if found.forced:
+        yield from wrapped(f"every realisation has {', '.join(found.forced)}", 0)
+    for need in found.needs:
+        ours = f"  ({', '.join(need.names)})" if need.names else ""
+        yield f"every realisation has at least one of these{ours}"
+        for words in need.words:
+            yield from wrapped(words, 1)
+    if found.open > len(found.needs):
+        yield from wrapped(
+            f"{found.open} nodes are taken where {len(found.needs)} needs without a node in common "
+            "ask for: that fewer do not suffice was found by search",
+            0,
+        )
+    for number, other in enumerate(found.others, 1):
+        yield ""
+        yield f"{number}. {_price(other)}"
+        yield from (f"     - {line}" for line in other.removed)
+        yield from (f"     + {line}" for line in other.added)
+    if found.others:
+        yield ""
+    yield "no other realisation, but for additions" if found.complete else "there are more"
+
+
+def _price(other: Alternative) -> str:
+    more = [f"{other.extra.get(level, 0):+} {name}" for name, level in COSTS.items()]
+    changed = [text for text in more if not text.startswith("+0")]
+    return f"costs {', '.join(changed)}" if changed else "costs the same"
+
+
+def _json(found: Alternatives) -> dict[str, object]:
+    return {
+        "cost": {name: found.synthesis.cost(level) for name, level in COSTS.items()},
+        "proven_minimal": found.synthesis.resolution.proven,
+        "optimal_count": found.synthesis.resolution.count,
+        "forced": list(found.forced),
+        "needs": [{"nodes": list(n.words), "taken": list(n.names)} for n in found.needs],
+        "alternatives": [
+            {"extra_cost": _cost(o.extra), "added": list(o.added), "removed": list(o.removed)}
+            for o in found.others
+        ],
+        "complete": found.complete,
+    }
+
+
+def _cost(extra: Mapping[int, int]) -> dict[str, int]:
+    return {name: extra.get(level, 0) for name, level in COSTS.items()}
