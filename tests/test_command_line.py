@@ -51,6 +51,13 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["explain", LEVEL0, "DataSpliter1"], None, 2, "did you mean `DataSplitter1`"),
         (["explain", LEVEL0, "--depth", "0"], None, 2, "depth"),
         (["rules", "show", "data/divergenc"], None, 2, "did you mean `data/divergence`"),
+        (["draw", LEVEL0], None, 2, "--output"),
+        (["draw", LEVEL0, "-o", "picture.bmp"], None, 2, "`picture.bmp`"),
+        (["draw", LEVEL0, "-o", "picture"], None, 2, ".svg, .png, .dot, .mmd"),
+        (["draw", LEVEL0, "-o", "missing/folder/x.svg"], None, 2, "missing/folder"),
+        (["draw", LEVEL0, "-o", "examples", "--as", "svg"], None, 2, "examples"),
+        (["draw", "-", "-o", "picture.svg"], GOOD + "A uses_data_form B\n", 2, "`uses_data_from`"),
+        (["draw", "missing.mars", "-o", "picture.svg"], None, 2, "missing.mars"),
         (["test", "missing.lp"], None, 2, "missing.lp"),
     ],
 )

@@ -53,6 +53,7 @@ LAYERS = [
     "replay",
     "record",
     "foxglove",
+    "draw",
     "cli",
 ]
 
@@ -77,6 +78,21 @@ INNER = {
         "representations",
     ],
     "urdf": ["angles", "elements", "document", "read", "write"],
+    "draw": [
+        "picture",
+        "colours",
+        "ranks",
+        "order",
+        "straighten",
+        "layered",
+        "packing",
+        "shapes",
+        "legend",
+        "svg",
+        "dot",
+        "mermaid",
+        "png",
+    ],
     "annotations/declarations": [
         "declaration",
         "tokens",

@@ -24,6 +24,7 @@ VERBS = {
     "can": "is the robot able to do something, or several things at one time",
     "diff": "what changed between two configurations, and the lines that caused it",
     "verify": "does a specification realise a configuration, and is it minimal",
+    "draw": "picture of a configuration or specification: svg, png, dot or mmd",
     "facts": "the facts, to run clingo itself on them with rules/*.lp",
     "import": "read a robot from `urdf`",
     "export": "write the mount tree as `urdf`",

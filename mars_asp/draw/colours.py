@@ -1,0 +1,22 @@
+"""Colours of pictures, after Okabe and Ito: told apart also by those who see few of them."""
+
+from mars_asp.draw.picture import Box, LineKind
+
+LINES: dict[LineKind, str] = {"mount": "#6b6b6b", "data": "#0072b2", "control": "#c04f00"}
+#: What a legend says of each kind, in the direction in which lines lead.
+MEANINGS: dict[LineKind, str] = {
+    "mount": "is mounted on",
+    "data": "data flows",
+    "control": "control flows",
+}
+INK, QUIET = "#1a1a1a", "#5a5a5a"
+_MODULE = ("#ffffff", "#333333")
+_DATA_NODE = ("#dcedf8", "#0072b2")
+_CONTROL_NODE = ("#fce6d6", "#c04f00")
+
+
+def box_colours(box: Box) -> tuple[str, str]:
+    """Return the colours of a box's inside and outline."""
+    if box.node is None:
+        return _MODULE
+    return _DATA_NODE if box.node.startswith("data") else _CONTROL_NODE

@@ -1,0 +1,43 @@
+"""A picture in the language of Graphviz."""
+
+from mars_asp.draw.colours import LINES, box_colours
+from mars_asp.draw.picture import Box, Line, LineKind, Picture
+
+_STYLES: dict[LineKind, str] = {
+    "mount": "penwidth=3, arrowhead=dot",
+    "data": "arrowhead=normal",
+    "control": "style=dashed, arrowhead=normal",
+}
+_ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "&": "&amp;"})
+
+
+def dot_text(picture: Picture) -> str:
+    """Return a picture as DOT; names are quoted, so none of them can be read as DOT."""
+    parts = [
+        "digraph {",
+        f"  label={quoted(picture.title)};",
+        '  node [fontname="Helvetica", style=filled];',
+        '  edge [fontname="Helvetica", fontsize=10];',
+    ]
+    parts += (f"  n{index} [{_box(box)}];" for index, box in enumerate(picture.boxes))
+    parts += (f"  n{line.tail} -> n{line.head} [{_line(line)}];" for line in picture.lines)
+    return "\n".join([*parts, "}"]) + "\n"
+
+
+def quoted(*lines: str) -> str:
+    r"""Return lines as one quoted DOT string, joined by `\n`; nothing in them is an escape."""
+    return '"' + "\\n".join(line.translate(_ESCAPES) for line in lines if line) + '"'
+
+
+def _box(box: Box) -> str:
+    fill, stroke = box_colours(box)
+    shape = "box" if box.node is None else 'box, style="filled,rounded"'
+    return (
+        f'label={quoted(box.name, box.note)}, shape={shape}, fillcolor="{fill}", color="{stroke}"'
+    )
+
+
+def _line(line: Line) -> str:
+    colour = LINES[line.kind]
+    label = f'label={quoted(line.label)}, fontcolor="{colour}", ' if line.label else ""
+    return f'{label}color="{colour}", {_STYLES[line.kind]}'

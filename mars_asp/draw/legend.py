@@ -1,0 +1,67 @@
+"""What the boxes and lines of a picture mean, said below it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from mars_asp.draw.colours import LINES, MEANINGS, QUIET, box_colours
+from mars_asp.draw.layered import Point, Route
+from mars_asp.draw.picture import Box, Line, LineKind, Picture
+from mars_asp.draw.shapes import NOTE, draw_line, draw_outline, draw_text, text_width
+
+ROW = 26.0
+_SAMPLE, _SPACE, _APART = 40.0, 12.0, 22.0
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A sample with its meaning."""
+
+    meaning: str
+    sample: Box | LineKind
+
+    @property
+    def width(self) -> float:
+        """How wide it is, with the space behind it, in px."""
+        return _SAMPLE + _SPACE + text_width(self.meaning, NOTE) + _APART
+
+
+def legend_items(picture: Picture) -> list[Item]:
+    """Return what a picture has to explain, and nothing else."""
+    items = []
+    if any(box.node is None for box in picture.boxes):
+        items.append(Item("module", Box("", "", None)))
+    nodes = {box_colours(box): box for box in picture.boxes if box.node is not None}
+    for box in sorted(nodes.values(), key=lambda box: box.node or "", reverse=True):
+        about = "data" if (box.node or "").startswith("data") else "control"
+        items.append(Item(f"introduced for {about}", box))
+    present = {line.kind for line in picture.lines}
+    return items + [Item(MEANINGS[kind], kind) for kind in LINES if kind in present]
+
+
+def legend_width(items: Sequence[Item]) -> float:
+    """Return how wide items are beside each other, in px."""
+    return sum(item.width for item in items) - _APART
+
+
+def legend_rows(items: Sequence[Item], width: float) -> Iterator[list[Item]]:
+    """Yield items in rows that are no wider than `width`, if they can be."""
+    row: list[Item] = []
+    for item in items:
+        if row and legend_width([*row, item]) > width:
+            yield row
+            row = []
+        row.append(item)
+    yield row
+
+
+def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
+    """Yield a row with its upper left corner at a point."""
+    x, y = corner[0], corner[1] + ROW / 2
+    for item in row:
+        if isinstance(item.sample, Box):
+            yield draw_outline(item.sample, (x, y - 8), (_SAMPLE, 16.0))
+        else:
+            a, b = (x, y), (x + _SAMPLE, y)
+            yield draw_line(Line(item.sample, 0, 0, "", item.meaning), Route((a, a, b, b), None))
+        yield draw_text(item.meaning, (x + _SAMPLE + _SPACE, y), NOTE, QUIET)
+        x += item.width

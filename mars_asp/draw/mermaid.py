@@ -1,0 +1,41 @@
+"""A picture in the language of Mermaid, which code hosts show in Markdown."""
+
+from mars_asp.draw.colours import LINES, box_colours
+from mars_asp.draw.picture import Box, Line, LineKind, Picture
+
+_ARROWS: dict[LineKind, str] = {"mount": "===", "data": "-->", "control": "-.->"}
+_WIDTHS: dict[LineKind, str] = {"mount": "3px", "data": "1.6px", "control": "1.6px"}
+_PLAIN = frozenset(" ()[]{}.,:+-=/_→…")
+
+
+def mermaid_text(picture: Picture) -> str:
+    """Return a picture as Mermaid; of names, all that Mermaid could read is written as codes."""
+    parts = ["flowchart TD"]
+    parts += (f"  n{index}{_box(box)}" for index, box in enumerate(picture.boxes))
+    parts += (_line(line) for line in picture.lines)
+    for index, box in enumerate(picture.boxes):
+        fill, stroke = box_colours(box)
+        parts.append(f"  style n{index} fill:{fill},stroke:{stroke},color:#1a1a1a")
+    for index, line in enumerate(picture.lines):
+        colour, width = LINES[line.kind], _WIDTHS[line.kind]
+        parts.append(f"  linkStyle {index} stroke:{colour},stroke-width:{width},color:{colour}")
+    return "\n".join(parts) + "\n"
+
+
+def quoted(*lines: str) -> str:
+    """Return lines as one quoted Mermaid text."""
+    return '"' + "<br/>".join("".join(map(_code, line)) for line in lines if line) + '"'
+
+
+def _code(character: str) -> str:
+    return character if character.isalnum() or character in _PLAIN else f"#{ord(character)};"
+
+
+def _box(box: Box) -> str:
+    text = quoted(box.name, box.note)
+    return f"[{text}]" if box.node is None else f"([{text}])"
+
+
+def _line(line: Line) -> str:
+    label = f"|{quoted(line.label)}|" if line.label else ""
+    return f"  n{line.tail} {_ARROWS[line.kind]}{label} n{line.head}"

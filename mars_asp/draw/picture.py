@@ -1,0 +1,126 @@
+"""What a picture shows: a box for each module and node, a line for each relationship."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from mars_asp.facts import module_classes
+from mars_asp.language.print import print_number, print_relationship
+from mars_asp.model import (
+    Configuration,
+    Control,
+    Conversion,
+    Data,
+    Module,
+    Mount,
+    NodeKind,
+    Relationship,
+    node_kind,
+)
+from mars_asp.visible import visible
+
+LineKind: TypeAlias = Literal["mount", "data", "control"]
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A module, or a node that was introduced; `note` says what it is or does."""
+
+    name: str
+    note: str
+    node: NodeKind | None
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A relationship in the direction in which things flow, by the index of its boxes.
+
+    Mounts lead from the mounting module to what carries it. `text` is the relationship as written.
+    """
+
+    kind: LineKind
+    tail: int
+    head: int
+    label: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """The boxes and lines of a configuration or specification; all text is safe to show."""
+
+    title: str
+    boxes: tuple[Box, ...]
+    lines: tuple[Line, ...]
+
+
+def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Picture:
+    """Return the picture of a configuration, whose modules `modules` and itself describe.
+
+    Names that only relationships mention have boxes, too.
+    """
+    described = {**modules, **{module.name: module for module in configuration.declared}}
+    conversions = {found.transformer: found for found in configuration.conversions}
+    names = dict.fromkeys(name.text for name in configuration.modules)
+    for relationship in configuration.relationships:
+        names |= dict.fromkeys(_ends(relationship))
+    introduces = configuration.kind == "specification"
+    boxes = [
+        Box(
+            _shown(name),
+            _note(described.get(name), conversions.get(name)),
+            node_kind(name) if introduces and name not in described else None,
+        )
+        for name in names
+    ]
+    number = {name: index for index, name in enumerate(names)}
+    lines = [_line(relationship, number) for relationship in configuration.relationships]
+    stated = f"{configuration.architecture} " if configuration.stated else ""
+    return Picture(f"{stated}{configuration.kind}", tuple(boxes), tuple(lines))
+
+
+def _ends(relationship: Relationship) -> tuple[str, str]:
+    match relationship:
+        case Mount(mounting, mounted):
+            return mounting, mounted
+        case Control(controlled, controller):
+            return controller, controlled
+        case Data(client, source):
+            return source, client
+
+
+def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
+    tail, head = (number[name] for name in _ends(relationship))
+    kind: LineKind
+    match relationship:
+        case Mount():
+            kind = "mount"
+            at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
+            words = [f"vertex {at} on {on}"] if at or on else []
+            if relationship.transformation is not None:
+                words.append("".join(relationship.transformation.text.split()))
+        case Control():
+            kind = "control"
+            words = [] if relationship.priority is None else [f"priority {relationship.priority}"]
+            if relationship.hold_ms is not None:
+                words.append(f"hold {relationship.hold_ms} ms")
+            if relationship.allocation is not None:
+                words.append(f"allocation {relationship.allocation}")
+        case Data():
+            kind = "data"
+            words = [] if relationship.mode is None else [relationship.mode.text]
+            if relationship.hz is not None:
+                words.append(f"{print_number(relationship.hz)} Hz")
+    return Line(kind, tail, head, _shown(" ".join(words)), _shown(print_relationship(relationship)))
+
+
+def _note(module: Module | None, conversion: Conversion | None) -> str:
+    if conversion is not None:
+        return _shown(f"{conversion.source} → {conversion.target}")
+    if module is None:
+        return ""
+    return ", ".join(name.replace("_", " ") for name in module_classes(module))
+
+
+def _shown(text: str) -> str:
+    return visible(" ".join(text.split()))

@@ -1,0 +1,43 @@
+"""A picture as PNG: the SVG, rasterised by resvg."""
+
+from math import sqrt
+from xml.etree.ElementTree import fromstring
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.draw.shapes import FONT
+from mars_asp.source import Span
+
+_ZOOM = 2.0
+#: Each takes four bytes while it is drawn.
+_MOST_PIXELS = 40_000_000
+_LETTER = '<svg xmlns="http://www.w3.org/2000/svg" width="20" height="20">{}</svg>'
+_TEXT = f'<text x="2" y="16" font-family="{FONT}">M</text>'
+
+
+def png_bytes(svg: str, span: Span) -> bytes:
+    """Return an SVG of ours as PNG at twice its size, or smaller where that would be too large.
+
+    Raises:
+        MarsError: resvg is not there, or finds no font; `span` is what is to be drawn.
+    """
+    try:
+        from resvg_py import svg_to_bytes  # noqa: PLC0415 -- some platforms have to do without
+    except ImportError:
+        raise _refused(
+            span, "a PNG needs the package `resvg-py`", "`pip install resvg-py`, or write an `.svg`"
+        ) from None
+    # Without a font that it knows, resvg leaves out text without a word.
+    with_letter = svg_to_bytes(svg_string=_LETTER.format(_TEXT))
+    if with_letter == svg_to_bytes(svg_string=_LETTER.format("")):
+        raise _refused(
+            span,
+            "a PNG needs a sans-serif font, and this system has none that we know",
+            "install one, such as DejaVu Sans, or write an `.svg`",
+        )
+    root = fromstring(svg)
+    area = float(root.attrib["width"]) * float(root.attrib["height"])
+    return bytes(svg_to_bytes(svg_string=svg, zoom=min(_ZOOM, sqrt(_MOST_PIXELS / area))))
+
+
+def _refused(span: Span, message: str, advice: str) -> MarsError:
+    return MarsError((Diagnostic("png", "error", message, span, help=advice),))

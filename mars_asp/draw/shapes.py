@@ -1,0 +1,139 @@
+"""The shapes of SVG pictures: text, boxes and lines. Text is escaped, and nothing is active."""
+
+import html
+import unicodedata
+from collections.abc import Iterator
+
+from mars_asp.draw.colours import INK, LINES, QUIET, box_colours
+from mars_asp.draw.layered import LOOP, PORT, Point, Route, Size
+from mars_asp.draw.picture import Box, Line, LineKind
+
+FONT = "'DejaVu Sans', Verdana, 'Liberation Sans', 'Noto Sans', Arial, Helvetica, sans-serif"
+NAME, NOTE, LABEL = 13.0, 10.5, 10.5
+#: Longer text would make boxes and gaps too wide to see anything else; titles show it whole.
+_MOST_CHARACTERS = 48
+#: A box is not made wider for more lines than these.
+_MOST_SPREAD = 40
+#: What XML does not have, though it is no control character.
+_NOT_XML = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
+_NARROW, _WIDE = frozenset("ijlIft.,:;'|!()[] "), frozenset("mwMW@%")
+_STROKES: dict[LineKind, str] = {
+    "mount": 'stroke-width="3.2" stroke-linecap="round"',
+    "data": 'stroke-width="1.6" marker-end="url(#data)"',
+    "control": 'stroke-width="1.6" stroke-dasharray="7 4" marker-end="url(#control)"',
+}
+
+
+def text_width(text: str, size: float) -> float:
+    """Return about how wide a text is in a wide sans-serif font, in px; fonts differ."""
+    return size * sum(map(_character_width, text))
+
+
+def _character_width(character: str) -> float:
+    if character in _NARROW:
+        return 0.4
+    if character in _WIDE:
+        return 0.95
+    if unicodedata.east_asian_width(character) in "WF":
+        return 1.05
+    return 0.72 if character.isupper() else 0.64
+
+
+def escaped(text: str) -> str:
+    """Return text that XML reads as this text."""
+    return html.escape(text.translate(_NOT_XML))
+
+
+def plain(number: float) -> str:
+    """Return a number in tenths of a px; the shortest form, never `-0`."""
+    return f"{round(number * 10) / 10 + 0.0:.1f}".removesuffix(".0")
+
+
+def box_size(box: Box, lines: int, loops: int) -> Size:
+    """Return how large a box is for what it says, for lines at a side and for those to itself."""
+    wide = max(text_width(_short(box.name), NAME), text_width(_short(box.note), NOTE))
+    spread = (min(lines, _MOST_SPREAD) + 1) * PORT
+    return max(64.0, wide + 26, spread), max(46.0 if box.note else 34.0, loops * LOOP)
+
+
+def label_size(label: str) -> Size | None:
+    """Return how large a label is; `None` where nothing is to be said."""
+    return (text_width(_short(label), LABEL) + 10, LABEL + 6) if label else None
+
+
+def draw_markers() -> Iterator[str]:
+    """Yield the heads of arrows."""
+    for kind in ("data", "control"):
+        yield (
+            f'<marker id="{kind}" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="9" '
+            f'markerHeight="9" markerUnits="userSpaceOnUse" orient="auto">'
+            f'<path d="M0 0.8L10 5L0 9.2z" fill="{LINES[kind]}"/></marker>'
+        )
+
+
+def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
+    """Yield a box with its name and note."""
+    x, y = centre
+    whole = f"{box.name}: {box.note}" if box.note else box.name
+    yield f'<g class="{box.node or "module"}"><title>{escaped(whole)}</title>'
+    yield draw_outline(box, (x - size[0] / 2, y - size[1] / 2), size)
+    yield draw_text(box.name, (x, y - 7.5 if box.note else y), NAME, INK, "middle")
+    if box.note:
+        yield draw_text(box.note, (x, y + 8.7), NOTE, QUIET, "middle")
+    yield "</g>"
+
+
+def draw_outline(box: Box, corner: Point, size: Size) -> str:
+    """Return a box without text: with square corners for a module, with round ends for a node."""
+    fill, stroke = box_colours(box)
+    radius = 3.0 if box.node is None else size[1] / 2
+    return _rectangle(corner, size, f'rx="{plain(radius)}" fill="{fill}" stroke="{stroke}"')
+
+
+def draw_line(line: Line, route: Route) -> str:
+    """Return a line: a mount ends in a disc, what flows in an arrow's head."""
+    (x, y), *rest = route.points
+    curves = "".join(
+        f"C{_pair(a)} {_pair(b)} {_pair(c)}"
+        for a, b, c in zip(rest[::3], rest[1::3], rest[2::3], strict=True)
+    )
+    colour = LINES[line.kind]
+    path = (
+        f'<path d="M{_pair((x, y))}{curves}" fill="none" stroke="{colour}" {_STROKES[line.kind]}/>'
+    )
+    if line.kind == "mount":
+        x, y = route.points[-1]
+        path += f'<circle cx="{plain(x)}" cy="{plain(y)}" r="5" fill="{colour}"/>'
+    return f'<g class="{line.kind}"><title>{escaped(line.text)}</title>{path}</g>'
+
+
+def draw_label(line: Line, at: Point) -> str:
+    """Return a line's label, which covers the line."""
+    width, height = label_size(line.label) or (0.0, 0.0)
+    corner = at[0] - width / 2, at[1] - height / 2
+    return _rectangle(corner, (width, height), 'fill="#ffffff"') + draw_text(
+        line.label, at, LABEL, LINES[line.kind], "middle"
+    )
+
+
+def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
+    """Return text whose middle line is at a height; `anchor` says what stands at the point."""
+    return (
+        f'<text x="{plain(at[0])}" y="{plain(at[1] + size * 0.36)}" font-size="{plain(size)}" '
+        f'text-anchor="{anchor}" fill="{colour}">{escaped(_short(text))}</text>'
+    )
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _MOST_CHARACTERS else f"{text[: _MOST_CHARACTERS - 1]}…"
+
+
+def _rectangle(corner: Point, size: Size, style: str) -> str:
+    return (
+        f'<rect x="{plain(corner[0])}" y="{plain(corner[1])}" width="{plain(size[0])}" '
+        f'height="{plain(size[1])}" {style}/>'
+    )
+
+
+def _pair(point: Point) -> str:
+    return f"{plain(point[0])} {plain(point[1])}"
