@@ -13,7 +13,9 @@ from pathlib import Path
 
 import clingo
 
+from mars_asp.diagnostic import MarsError
 from mars_asp.gate import gate_text
+from mars_asp.pack import refused_rules
 from mars_asp.rulebook import Rulebook
 
 STAGES = ("resolve", "verify", "cost", "run", "can")
@@ -64,6 +66,9 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
         MarsError: the case may not be given to clingo.
     """
     text = gate_text(path, str(path))
+    refused = tuple(refused_rules(text, str(path)))
+    if refused:
+        raise MarsError(refused)
     expected = tuple(sorted(tuple(sorted(_atoms(match[1]))) for match in _EXPECTED.finditer(text)))
     shown = [(name, int(arity)) for name, arity in _SHOW.findall(text)] or list(_BY_DEFAULT)
     stages = ["base", *(stage for stage in STAGES if stage in path.parts)]

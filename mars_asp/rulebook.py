@@ -16,6 +16,7 @@ from clingo import ast
 from mars_asp import gate
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
+from mars_asp.pack import declared, refused_rules, unknown_predicates
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
@@ -113,9 +114,13 @@ def load_rulebook(
     rules, texts = list(own), list(written)
     built_in = len(texts)
     for path in _pack_files(extra, problems):
-        first = len(rules)
+        first, before = len(rules), len(texts)
         _load_file(path, str(path), "base", rules, texts, problems, True)
         problems += _reserved(rules[first:], own)
+        problems += [
+            found for _, text in texts[before:] for found in refused_rules(text, str(path))
+        ]
+    problems += _unknown(rules, len(own), texts)
     problems += _repeated(rules)
     if problems:
         raise MarsError(problems)
@@ -387,6 +392,17 @@ def _reserved(rules: Iterable[Rule], own: Iterable[Rule]) -> Iterator[Diagnostic
                     rule.span,
                     help="derive a predicate of your own, or `consequence/4`",
                 )
+
+
+def _unknown(
+    rules: Sequence[Rule], built_in: int, texts: Iterable[tuple[str, str]]
+) -> Iterator[Diagnostic]:
+    """Yield the predicates that only the bodies of packs know."""
+    if len(rules) > built_in:
+        known = {signature for rule in rules for signature in rule.heads}
+        known |= {signature for _, text in texts for signature in declared(text)}
+        for rule in rules[built_in:]:
+            yield from unknown_predicates(rule.ast, known, rule.span)
 
 
 def _pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:

@@ -24,6 +24,7 @@ LAYERS = [
     "urdf",
     "kept",
     "gate",
+    "pack",
     "rulebook",
     "rule_cases",
     "ground_program",

@@ -141,6 +141,7 @@ def test_conflicting_rules_of_packs_are_named(
         "other(X) :- module(X).\n"
         "#show other/1.\n"
         ":- noisy(S), quiet(S).\n"
+        "#defined loud/1.\n"
     )
     path = str(ROOT / "examples/figure04-divergence/config.mars")
     for verb in ("analyse", "synthesise", "explain", "check"):

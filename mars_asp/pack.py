@@ -1,0 +1,82 @@
+"""What clingo would say of a rule pack too late, or without the place, or not at all."""
+
+import re
+from collections.abc import Iterator, Set
+
+import clingo
+from clingo import ast
+
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.source import Span, point
+from mars_asp.spelling import nearest
+
+_PLACE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: error: (.*)", re.DOTALL)
+_UNSAFE = re.compile(r"note: '(\w+)' is unsafe")
+_DEFINED = re.compile(r"^#defined\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
+
+Signature = tuple[str, int]
+
+
+def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
+    """Yield what clingo says against the rules of a text; none of them is grounded here."""
+    notes: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
+    try:
+        control.add("base", [], text)
+        control.ground([("nothing", [])])
+    except RuntimeError:
+        for match in filter(None, map(_PLACE.match, notes)):
+            place = point(shown, int(match[1]), int(match[2]))
+            unsafe = [f"`{name}`" for name in _UNSAFE.findall(match[3])]
+            if unsafe:
+                message = f"nothing in the body binds {' and '.join(dict.fromkeys(unsafe))}"
+                advice = "name it in a literal of the body that is not negated"
+                yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
+            else:
+                yield Diagnostic("rule-syntax", "error", " ".join(match[3].split()), place)
+
+
+def declared(text: str) -> set[Signature]:
+    """Return the predicates that a text declares as given, by `#defined`."""
+    return {(name, int(arity)) for name, arity in _DEFINED.findall(text)}
+
+
+def unknown_predicates(rule: ast.AST, known: Set[Signature], span: Span) -> Iterator[Diagnostic]:
+    """Yield the predicates of a rule that nobody gives or derives: a misspelt rule never fires.
+
+    `span` is where the rule stands, for the places of its tree count from its beginning.
+    """
+    aside = span.column - 1
+    for name, arity, line, column in _predicates(rule):
+        if (name, arity) not in known:
+            near = nearest(name, sorted({other for other, _ in known}))
+            others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
+            yield Diagnostic(
+                "rule-unknown",
+                "error",
+                f"nothing gives or derives `{name}/{arity}`",
+                point(span.path, span.line + line - 1, column + aside * (line == 1)),
+                help=f"did you mean {' or '.join(others)}?"
+                if others
+                else f"`rules/vocabulary.lp` says what is given; write `#defined {name}/{arity}.` "
+                "where only some facts hold it",
+            )
+
+
+def _predicates(node: ast.AST) -> Iterator[tuple[str, int, int, int]]:
+    if node.ast_type == ast.ASTType.SymbolicAtom:
+        symbol = node.symbol
+        while symbol.ast_type == ast.ASTType.UnaryOperation:
+            symbol = symbol.argument
+        variants = symbol.arguments if symbol.ast_type == ast.ASTType.Pool else (symbol,)
+        for variant in variants:
+            if variant.ast_type == ast.ASTType.Function:
+                begin = variant.location.begin
+                yield variant.name, len(variant.arguments), begin.line, begin.column
+        return
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if child is None:
+            continue
+        for item in child if isinstance(child, ast.ASTSequence) else (child,):
+            yield from _predicates(item)

@@ -1,0 +1,73 @@
+"""What is said of rule packs before clingo reads them."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.diagnostic import MarsError
+from mars_asp.rule_cases import run_case
+from mars_asp.rulebook import load_rulebook
+
+
+def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
+    path = folder / "mine.lp"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(MarsError) as caught:
+        load_rulebook([path])
+    assert {d.span.path for d in caught.value.diagnostics} == {str(path)}
+    return [(d.code, d.span.line, d.span.column, d.message) for d in caught.value.diagnostics]
+
+
+def test_a_variable_that_nothing_binds_is_named_where_its_rule_stands(tmp_path: Path) -> None:
+    text = "seen(M) :- module(M).\n\nblind(X, Y) :- module(X), not seen(Y).\n"
+    assert refusals(tmp_path, text) == [
+        ("rule-unsafe", 3, 1, "nothing in the body binds `Y`"),
+    ]
+
+
+def test_a_predicate_that_nobody_gives_or_derives_is_named(tmp_path: Path) -> None:
+    text = "seen(M) :- modul(M).\n{ odd(M) : seen(M, 1) } :- module(M), not -hidden(M).\n"
+    assert refusals(tmp_path, text) == [
+        ("rule-unknown", 1, 12, "nothing gives or derives `modul/1`"),
+        ("rule-unknown", 2, 12, "nothing gives or derives `seen/2`"),
+        ("rule-unknown", 2, 43, "nothing gives or derives `hidden/1`"),
+    ]
+
+
+def test_a_near_predicate_is_proposed(tmp_path: Path) -> None:
+    path = tmp_path / "mine.lp"
+    path.write_text("seen(M) :- modul(M).\n", encoding="utf-8")
+    with pytest.raises(MarsError) as caught:
+        load_rulebook([path])
+    assert caught.value.diagnostics[0].help == "did you mean `module/1`?"
+
+
+def test_packs_may_use_each_other_and_declare_facts_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "one.lp").write_text("#defined team/2.\nseen(M) :- module(M), team(M, 1).\n")
+    (tmp_path / "two.lp").write_text("known(M) :- seen(M), not team(M, 2).\n")
+    load_rulebook([tmp_path])
+
+
+def test_refusing_does_not_ground(tmp_path: Path) -> None:
+    path = tmp_path / "mine.lp"
+    path.write_text("p((X,X)) :- p(X).\np(1).\n")
+    load_rulebook([path])
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "place"),
+    [
+        ("p(1).\nq(X) :- not p(X).\n", "rule-unsafe", (2, 1)),
+        ("p(1).\np(X :- q.\n", "rule-syntax", (2, 5)),
+    ],
+)
+def test_a_case_that_clingo_refuses_is_told_with_its_place(
+    tmp_path: Path, text: str, code: str, place: tuple[int, int]
+) -> None:
+    path = tmp_path / "case.lp"
+    path.write_text(text)
+    with pytest.raises(MarsError) as caught:
+        run_case(path, load_rulebook(stages=()))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.span.path) == (code, str(path))
+    assert (found.span.line, found.span.column) == place
