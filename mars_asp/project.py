@@ -1,6 +1,5 @@
 """A configuration together with the sources that describe its modules."""
 
-import glob
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,10 +89,9 @@ def _has_functions(project: Project) -> bool:
 
 def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> list[Path]:
     """Return the paths that a path or glob names; note where it names none."""
-    if path.exists():
-        return [path]
-    # `Path.glob` knows no pattern that is absolute or leads upwards.
-    matches = [Path(match) for match in sorted(glob.glob(str(path), recursive=True))]  # noqa: PTH207
+    from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
+
+    matches = find_paths(str(path))
     if not matches:
         problems.append(
             Diagnostic(

@@ -1,6 +1,7 @@
 """Annotated files of a tree: found by a search over bytes, decoded, read."""
 
 import codecs
+import glob
 import os
 import re
 import stat
@@ -35,10 +36,24 @@ class Extraction:
     diagnostics: tuple[Diagnostic, ...]
 
 
+def find_paths(written: str) -> list[Path]:
+    """Return the files and folders that a path or a glob names, sorted.
+
+    A glob means the sources among what it matches, if there are some.
+    """
+    path = Path(written)
+    if path.exists():
+        return [path]
+    # `Path.glob` knows no pattern that is absolute or leads upwards.
+    matches = [Path(match) for match in sorted(glob.glob(written, recursive=True))]  # noqa: PTH207
+    return [at for at in matches if at.is_dir() or at.suffix.lower() in LANGUAGES] or matches
+
+
 def extract(paths: Sequence[Path]) -> Extraction:
     """Read the annotated modules of files and folders.
 
     A path that is no regular file is passed over inside a folder and reported when it is named.
+    A file is read once, by however many paths it is found.
     """
     modules: list[Module] = []
     problems: list[Diagnostic] = []
@@ -55,7 +70,11 @@ def _files(paths: Iterable[Path]) -> Iterator[tuple[Path, bool]]:
     seen: set[tuple[int, int]] = set()
     for path in paths:
         if not path.is_dir():
-            yield path, True
+            key = _identity(path)
+            if key is None or key not in seen:
+                yield path, True
+            if key is not None:
+                seen.add(key)
             continue
         for folder, names, files in os.walk(path):
             names[:] = sorted(name for name in names if name not in _SKIPPED)
@@ -63,14 +82,19 @@ def _files(paths: Iterable[Path]) -> Iterator[tuple[Path, bool]]:
                 if Path(name).suffix.lower() not in LANGUAGES:
                     continue
                 file = Path(folder, name)
-                try:
-                    status = file.stat()
-                except OSError:
-                    continue
-                key = (status.st_dev, status.st_ino)
-                if stat.S_ISREG(status.st_mode) and key not in seen:
+                key = _identity(file)
+                if key is not None and file.is_file() and key not in seen:
                     seen.add(key)
                     yield file, False
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what tells a file from all others, by whatever path; `None` where there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _read(path: Path, named: bool) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
