@@ -32,13 +32,13 @@ class Functions:
             if path not in self.loaded:
                 self.loaded[path] = self._load(path)
             found = getattr(self.loaded[path], name)
-        except Exception as error:  # a user's file may fail in any way
+        except (Exception, SystemExit) as error:  # a user's file may fail in any way
             self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
             return None
         if not callable(found):
             self._note(module, f"`{path}:{name}` is no function")
             return None
-        return found  # type: ignore[no-any-return]
+        return _staying(found)
 
     def _load(self, path: Path) -> ModuleType:
         specification = importlib.util.spec_from_file_location(f"_behaviour_{path.stem}", path)
@@ -54,6 +54,18 @@ class Functions:
         self.problems.append(
             Diagnostic("binding", "error", f"`{module}`: {message}", self.scenario.span)
         )
+
+
+def _staying(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that fails where the given one would end the program."""
+
+    def call(*inputs: Any) -> Any:
+        try:
+            return function(*inputs)
+        except SystemExit as error:
+            raise RuntimeError(f"it called `exit({error.code})`") from None
+
+    return call
 
 
 def bind_functions(

@@ -1,6 +1,7 @@
 """What a user can get wrong, as whole processes: status, message, never a traceback."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,9 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["draw", LEVEL0, "-o", "examples", "--as", "svg"], None, 2, "examples"),
         (["draw", "-", "-o", "picture.svg"], GOOD + "A uses_data_form B\n", 2, "`uses_data_from`"),
         (["draw", "missing.mars", "-o", "picture.svg"], None, 2, "missing.mars"),
+        (["check", "-"], "@configuration\n@modules A, B,\nA uses_data_from B\n", 2, "drop it"),
+        (["rules", "show"], None, 2, "needs the ID"),
+        (["verify", LEVEL0, "tests/specifications/level0.mars"], None, 2, "SPEC stands first"),
         (["test", "missing.lp"], None, 2, "missing.lp"),
     ],
 )
@@ -132,3 +136,53 @@ def test_clingo_itself_gives_the_same_consequences(tmp_path: Path) -> None:
     found = json.loads(mars("analyse", "--format", "json", "tests/mixed.mars").stdout)
     assert shown == {(c["kind"], c["subject"]) for c in found["consequences"]}
     assert len(shown) > 5
+
+
+def test_output_is_utf_8_whatever_the_system_prefers() -> None:
+    text = "@configuration\n@modules Caméra, Ecran, Log\nEcran uses_data_from Caméra\n"
+    done = subprocess.run(
+        [sys.executable, "-m", "mars_asp", "synthesise", "-"],
+        cwd=ROOT,
+        input=text.encode(),
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.decode() == text.replace("@configuration", "@specification")
+    assert b"`Log`" in done.stderr
+
+
+def test_a_device_without_room_is_named_plainly() -> None:
+    done = mars("synthesise", LEVEL0, "-o", "/dev/full")
+    assert (done.returncode, done.stderr) == (2, "mars-asp: the output: No space left on device\n")
+
+
+def test_a_file_is_read_once_by_however_many_paths(tmp_path: Path) -> None:
+    folder = tmp_path / "sources"
+    folder.mkdir()
+    (folder / "a.py").write_text(
+        "# @module_start\n# @module_name A\n# @DataIn\ndef f(x: X): ...\n# @module_end\n"
+    )
+    (folder / "README.md").write_text("What this is.\n")
+    paths = (str(folder), str(folder / "a.py"), str(folder / "**"), str(folder / "*"))
+    done = mars("extract", "--format", "json", *paths)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [module["name"] for module in json.loads(done.stdout)["modules"]] == ["A"]
+    config = tmp_path / "robot.mars"
+    config.write_text(
+        "@configuration\n@sources sources/*, sources/a.py\n@modules A, B\nA uses_data_from B\n"
+    )
+    assert mars("check", str(config)).stderr == ""
+
+
+def test_extraction_prints_what_annotations_state_and_nothing_else(tmp_path: Path) -> None:
+    source = tmp_path / "a.py"
+    source.write_text(
+        "# @module_start\n# @module_name A\n# @ControlOut Rotn_Y, Trans_Z\n"
+        "def steer(p: Pose) -> Command: ...\n# @DataIn\ndef show(p: Pose): ...\n# @module_end\n"
+    )
+    assert mars("extract", str(source)).stdout.splitlines()[1:] == [
+        "  ControlOut Rotn_Y, Trans_Z: steer(Pose) -> Command",
+        "  DataIn: show(Pose)",
+    ]

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -208,6 +210,20 @@ def test_module_state_does_not_leak_from_one_run_into_the_next(tmp_path: Path) -
     assert len(driven) == 1
 
 
+@pytest.mark.parametrize(
+    ("body", "failed"), [("def go():\n    exit(3)\n", 30), ("exit(3)\ndef go(): ...\n", None)]
+)
+def test_a_behaviour_cannot_end_the_program(body: str, failed: int | None, tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text(body)
+    text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+    if failed is None:
+        with pytest.raises(MarsError, match="SystemExit: 3"):
+            trial(text, folder=tmp_path)
+    else:
+        (link,) = trial(text, folder=tmp_path).executor.links
+        assert abs(link.dropped["failed"] - failed) <= 1
+
+
 def _run(*words: str) -> int:
     return run_command(
         ["run", str(LEVEL0 / "config.mars"), "--scenario", str(LEVEL0 / "scenario.toml"), *words]
@@ -270,3 +286,14 @@ def test_annotated_functions_run_without_another_line_of_glue(
         told.append((result["events"], result["driven_mm"], result["control_time"]))
     assert told[0] == told[1]
     assert told[0][0] > 100
+
+
+def test_a_reader_who_leaves_ends_a_run_quietly() -> None:
+    scenario = str(LEVEL0 / "scenario.toml")
+    words = ("run", str(LEVEL0 / "config.mars"), "--scenario", scenario, "--duration", "1")
+    command = [sys.executable, "-m", "mars_asp", *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == b""
+    assert running.returncode == 141

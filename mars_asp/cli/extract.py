@@ -1,14 +1,13 @@
 """Print the modules found in annotated sources."""
 
 import argparse
-import glob
 import json
 import sys
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
-from mars_asp.annotations.files import Extraction, extract
+from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
 from mars_asp.model import Function, Module, Service
@@ -24,11 +23,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the modules; 1 where an annotation is wrong, 2 where a path is missing."""
     paths: list[Path] = []
     for word in (*arguments.paths, *arguments.sources):
-        matches = [word] if Path(word).exists() else sorted(glob.glob(word, recursive=True))  # noqa: PTH207
+        matches = find_paths(word)
         if not matches:
             print(f"mars-asp: `{visible(word)}` names no file or folder", file=sys.stderr)
             return 2
-        paths += map(Path, matches)
+        paths += matches
     found = extract(paths)
     report(found.diagnostics, arguments)
     if arguments.format == "json":
@@ -89,11 +88,12 @@ def _text(module: Module) -> Iterator[str]:
     classes = ", ".join(module_classes(module)) or "no class"
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:
-        modes = ", ".join(mode.text or mode.name for mode in service.modes)
+        words = [mode.text or mode.name for mode in service.modes] or list(service.commands)
         rate = "" if service.hz is None else f" {_number(service.hz)}"
+        annotation = f"{service.kind} {', '.join(words)}".rstrip() + rate
         inputs = ", ".join(name or "?" for name in service.inputs)
-        signature = f"{service.function}({inputs}) -> {service.output or '?'}"
-        yield f"  {service.kind} {modes}{rate}: {signature}"
+        output = "" if service.kind == "DataIn" else f" -> {service.output or '?'}"
+        yield f"  {annotation}: {service.function}({inputs}){output}"
     for function in module.functions:
         bounds = (function.min, function.max, function.rate)
         shown = " ".join("_" if value is None else str(_number(value)) for value in bounds)

@@ -15,6 +15,7 @@ from types import FrameType
 
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
+from mars_asp.visible import visible
 
 #: Beyond the limit, so that a solver that stops in time can still say what it found.
 GRACE_SECONDS = 5.0
@@ -61,8 +62,8 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
     except BrokenPipeError:
         raise
     except OSError as error:
-        name = error.filename if error.filename is not None else "the output"
-        print(f"mars-asp: `{name}`: {error.strerror or error}", file=sys.stderr)
+        name = "the output" if error.filename is None else f"`{visible(str(error.filename))}`"
+        print(f"mars-asp: {name}: {error.strerror or error}", file=sys.stderr)
         return 2
 
 

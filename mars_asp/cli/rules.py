@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from pathlib import Path
 
 from mars_asp.cli.reason import rulebook_for
@@ -25,10 +26,13 @@ def run(arguments: argparse.Namespace) -> int:
         load_rulebook([Path(path) for path in packs], ("repair", *STAGES), strict=True)
         print("nothing wrong")
         return 0
+    if arguments.action == "show" and not arguments.what:
+        print("mars-asp rules: `show` needs the ID of a rule; `list` names them", file=sys.stderr)
+        return 2
     rulebook = rulebook_for(arguments)
     messages = [rule for rule in rulebook.rules if rule.because is not None]
     if arguments.action == "show":
-        _show(rulebook, arguments.what or "")
+        _show(rulebook, arguments.what)
     elif arguments.action == "doc":
         print("# Rules\n")
         for rule in messages:

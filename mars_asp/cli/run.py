@@ -15,6 +15,7 @@ from mars_asp.cli.report import report
 from mars_asp.visible import visible
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
     from mars_asp.execute import Link
@@ -146,10 +147,20 @@ def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
 
 def _print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
     from rich.console import Console
-    from rich.text import Text
 
     colour = {"always": True, "never": False}.get(arguments.color)
     console = Console(emoji=False, highlight=False, force_terminal=colour, no_color=colour is False)
+    # Where nobody reads, rich would end the program with a status of its own; `print` does not.
+    with console.capture() as captured:
+        _print_tables(trial, judgement, arguments, console)
+    print(captured.get(), end="")
+
+
+def _print_tables(
+    trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
+) -> None:
+    from rich.text import Text
+
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)

@@ -38,6 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Print what fails; 1 where something does, 3 where no time was left to compare costs."""
     specification = read_project(arguments, arguments.specification).configuration
     project = read_project(arguments)
+    if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
+        print("mars-asp verify: SPEC stands first, then its CONFIG", file=sys.stderr)
+        return 2
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
     verification = judge_specification(specification, project, rulebook)
     violations = verification.violations
