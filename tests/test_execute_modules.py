@@ -135,6 +135,7 @@ def test_an_exception_in_a_converter_drops_the_message_is_counted_and_marks_the_
     into, out = executor.links
     assert inbox.values == [6, 3, 2]
     assert (out.dropped["failed"], out.faulty, into.faulty) == (1, True, False)
+    assert (out.fault.partition(":")[0], into.fault) == ("ZeroDivisionError", "")
 
 
 def commanded(results: list[Any], seconds: float, **options: Any) -> tuple[Inbox, Executor]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.cli import run_command
+from mars_asp.cli import run_command, run_here
 from mars_asp.diagnostic import MarsError
 from mars_asp.judge import ALWAYS, ON_REQUEST, judge
 from mars_asp.language import parse_text
@@ -222,6 +222,17 @@ def test_a_behaviour_cannot_end_the_program(body: str, failed: int | None, tmp_p
     else:
         (link,) = trial(text, folder=tmp_path).executor.links
         assert abs(link.dropped["failed"] - failed) <= 1
+        assert link.fault == "RuntimeError: it called `exit(3)`"
+
+
+def test_what_failed_first_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "b.py").write_text("def go():\n    raise ValueError('no\\x1b[31m map')\n")
+    text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+    (tmp_path / "s.toml").write_text(text)
+    (tmp_path / "d.mars").write_text(DRIVE)
+    run_here(["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")])
+    told = capsys.readouterr().out
+    assert "failed   C -> P  first by ValueError: no\\x1b[31m map\n" in told
 
 
 def _run(*words: str) -> int:

@@ -142,6 +142,7 @@ def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
         "dropped": dict(link.dropped),
         "stale": link.stale,
         "faulty": link.faulty,
+        "fault": link.fault or None,
     }
 
 
@@ -164,6 +165,10 @@ def _print_tables(
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)
+    for link in trial.executor.links:
+        if link.faulty:
+            failed = f"failed   {link.source} -> {link.client}  first by {link.fault:.200}"
+            console.print(Text(visible(" ".join(failed.splitlines()))), soft_wrap=True)
     for requirement in judgement.requirements:
         word = "holds   " if requirement.holds else "VIOLATED"
         line = visible(f"{word} {requirement.name}  {requirement.message}".rstrip())

@@ -41,7 +41,7 @@ class Link:
 
     `dropped` counts by reason: `lowered` (a rate that was to be lowered), `unread` (overtaken
     before it was requested), `overtaken` (by another command of the instant), `failed` (an
-    exception). `hold` and ages are in ns.
+    exception; `fault` says which was the first). `hold` and ages are in ns.
     """
 
     kind: Literal["data", "control"]
@@ -58,10 +58,15 @@ class Link:
     delivered: int = 0
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
-    faulty: bool = False
+    fault: str = ""
     oldest: int = 0
     schedule: Schedule = field(default_factory=Schedule)
     observe: Observer | None = None
+
+    @property
+    def faulty(self) -> bool:
+        """Whether an exception dropped a message."""
+        return bool(self.fault)
 
     def send(self, message: Message) -> None:
         """Deliver at once."""
@@ -76,7 +81,7 @@ class Link:
     def fail(self, error: Exception) -> None:
         """Count a message that an exception dropped; the link is faulty from now on."""
         self.dropped["failed"] += 1
-        self.faulty = True
+        self.fault = self.fault or f"{type(error).__name__}: {error}"
         if self.observe is not None:
             name = type(error).__name__
             self.observe(self.schedule.now, "failed", f"{self.source} -> {self.client}", name)
