@@ -5,22 +5,25 @@
 ...     print(topic.title)
 """
 
+import contextlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import clingo
 
 from mars_asp.analysis import Analysis, Consequence, analyse
-from mars_asp.atom import Atom, Fact, Term
+from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
+from mars_asp.slicing import Slice, slice_for
 from mars_asp.solve import Resolution
-from mars_asp.source import Span, point
+from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.synthesis import Node
 from mars_asp.trace import Explainer, Trace
+from mars_asp.trace.given import GivenFacts
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +53,12 @@ def explain(
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in the seconds given.
     """
-    facts = project_facts(project)
+    facts = tuple(project_facts(project))
+    part = None if subject is None else slice_for(subject, rulebook, facts)
+    if part is not None:
+        answer = _explain_part(project, part, subject or "")
+        if answer.topics:
+            return answer
     analysis = analyse(facts, rulebook, project.configuration.span)
     chosen = _consequences(analysis, project, subject)
     synthesis = None
@@ -68,11 +76,28 @@ def explain(
     return Explanation(subject, topics, analysis, synthesis)
 
 
+def _explain_part(project: Project, part: Slice, subject: str) -> Explanation:
+    """Explain what no choice decides from the rules and facts that it needs alone."""
+    analysis = analyse(part.facts, part.rulebook, project.configuration.span)
+    asked = [
+        (f"{c.kind}({c.subject})", c.atom)
+        for c in analysis.consequences
+        if subject in (f"{c.kind}({c.subject})", str(c.atom))
+    ]
+    if not asked:
+        with contextlib.suppress(MarsError):
+            asked = [_asked_atom(subject, project, analysis, None)]
+    explainer = explainer_for(part.rulebook, part.facts, analysis, None)
+    traces = explainer.why(dict.fromkeys(atom for _, atom in asked))
+    topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
+    return Explanation(subject, topics, analysis, None)
+
+
 def explainer_for(
     rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, resolution: Resolution | None
 ) -> Explainer:
     """Return an explainer of one analysis and of what later stages chose on top of it."""
-    given: dict[clingo.Symbol, Span] = {symbol_of(fact.atom): fact.span for fact in facts}
+    given = GivenFacts(facts)
     control = analysis.grounding.control
     if resolution is None:
         return Explainer(rulebook, control, given)
@@ -85,21 +110,6 @@ def explainer_for(
         if any(not is_fact for _, is_fact in analysis.grounding.atoms(name, arity))
     }
     return Explainer(rulebook, control, given, resolution.taken, opened)
-
-
-def symbol_of(atom: Atom) -> clingo.Symbol:
-    """Return an atom as clingo's symbol."""
-    return clingo.Function(atom.name, [_symbol(term) for term in atom.arguments])
-
-
-def _symbol(term: Term) -> clingo.Symbol:
-    match term:
-        case int():
-            return clingo.Number(term)
-        case str():
-            return clingo.String(term)
-        case Atom():
-            return symbol_of(term)
 
 
 def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:

@@ -8,10 +8,10 @@ from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.execute.arbitration import HierarchicalArbitration
 from mars_asp.execute.schedule import MILLISECOND, last_tick
-from mars_asp.explain import symbol_of
 from mars_asp.rulebook import Rulebook, load_rulebook
 from mars_asp.source import Span, point
 from mars_asp.trace import Explainer, Trace
+from mars_asp.trace.given import GivenFacts
 from mars_asp.trial import Trial
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -71,8 +71,7 @@ class Judgement:
 
         What was observed has no line: rules put it in words.
         """
-        told = [(symbol_of(fact.atom), fact.span) for fact in self.facts]
-        given = {symbol: span for symbol, span in told if span != OBSERVED}
+        given = GivenFacts(fact for fact in self.facts if fact.span != OBSERVED)
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
         traces = explainer.why(dict.fromkeys(c.atom for c in found))

@@ -16,7 +16,7 @@ from clingo import ast
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.explain import explainer_for, symbol_of
+from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
@@ -24,6 +24,7 @@ from mars_asp.rulebook import Rulebook
 from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.trace import absence
+from mars_asp.trace.given import symbol_of
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
 from mars_asp.trace.values import Trace
 

@@ -35,6 +35,7 @@ LAYERS = [
     "synthesis",
     "resolve",
     "trace",
+    "slicing",
     "project",
     "verify",
     "explain",

@@ -63,6 +63,11 @@ def reachable_rules(
     return tuple(sorted(found))
 
 
+def names_read(text: str) -> frozenset[str]:
+    """Return every name that a rule reads, those of function terms too."""
+    return _names_of(text).read
+
+
 @lru_cache(maxsize=4096)
 def _names_of(text: str) -> _Names:
     bare = _COMMENT.sub("", _STRING.sub('""', text))

@@ -1,5 +1,6 @@
 """Traces of least height, well-founded, built from the firings that were asked for."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence, Set
 
 import clingo
@@ -11,6 +12,8 @@ from mars_asp.trace.firings import Firing, read_firings
 from mars_asp.trace.proofs import Proofs
 from mars_asp.trace.rewrite import Rewriter, Signature, asking_name
 from mars_asp.trace.values import Trace
+
+_COPIED = re.compile(r"_t_(\w+)")
 
 
 class Explainer:
@@ -37,6 +40,7 @@ class Explainer:
         self._taken = taken
         self._opened = opened
         self._question = 0
+        self._copied: set[Signature] = set()
 
     def why(self, atoms: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
         """Return the trace of each atom that is true.
@@ -49,7 +53,6 @@ class Explainer:
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:
-        self._copy_open()
         firsts = ((a.name, str(a.arguments[0]) if a.arguments else "") for a in atoms)
         numbers = reachable_rules(self.rules, first_arguments(firsts), self._present())
         asked = [
@@ -66,7 +69,7 @@ class Explainer:
         They are grounded as a part of their own, so that only they can matter, with the number of
         the question as `k` and as the first argument of each asked fact, (name, arguments).
         """
-        self._copy_open()
+        self._copy_open(text)
         self._question += 1
         part = f"_explain{self._question}"
         number = clingo.Number(self._question)
@@ -79,23 +82,21 @@ class Explainer:
         return read_firings(self._control, self._question)
 
     def _present(self) -> frozenset[str]:
-        """Return the names of the predicates that have a true atom."""
+        """Return the names of the predicates that have an atom."""
         atoms = self._control.symbolic_atoms
-        copied = {(f"_t_{name}", arity): name for name, arity in self._opened}
-        found = set()
-        for name, arity, positive in atoms.signatures:
-            if (name, arity) not in self._opened and any(
-                True for _ in atoms.by_signature(name, arity, positive)
-            ):
-                found.add(copied.get((name, arity), name))
-        return frozenset(found)
+        return frozenset(
+            name
+            for name, arity, positive in atoms.signatures
+            if any(True for _ in atoms.by_signature(name, arity, positive))
+        )
 
-    def _copy_open(self) -> None:
-        if self._question:
-            return
+    def _copy_open(self, text: str) -> None:
+        """Copy the true atoms of the open predicates that rules read, once."""
+        named = set(_COPIED.findall(text))
         atoms = self._control.symbolic_atoms
         with self._control.backend() as backend:
-            for name, arity in sorted(self._opened):
+            for name, arity in sorted(s for s in self._opened - self._copied if s[0] in named):
+                self._copied.add((name, arity))
                 for positive in (True, False):
                     for atom in atoms.by_signature(name, arity, positive):
                         if atom.is_fact or atom.symbol in self._taken:

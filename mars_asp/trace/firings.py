@@ -164,16 +164,19 @@ def least_heights(
 ) -> tuple[dict[clingo.Symbol, Firing], dict[clingo.Symbol, int]]:
     """Return for each atom its firing of least height, and the heights; given atoms have none.
 
-    Ties go to the first rule, then to the first bindings.
+    Ties go to the first rule, then to the first bindings and premises, so that no order of
+    grounding shows.
     """
-    heads = {firing.head for firing in firings}
+    heads = {head for head in {firing.head for firing in firings} if head not in given}
     users: dict[clingo.Symbol, list[tuple[_Waiting, _Part | None]]] = {}
     level: list[Firing] = []
 
     def still_open(atoms: Atoms) -> set[clingo.Symbol]:
-        return {atom for atom in atoms if atom in heads and atom not in given}
+        return {atom for atom in atoms if atom in heads}
 
     for firing in firings:
+        if firing.head not in heads:
+            continue
         waiting = _Waiting(firing)
         for premise in still_open(firing.premises):
             users.setdefault(premise, []).append((waiting, None))
@@ -221,8 +224,8 @@ def least_heights(
     return best, heights
 
 
-def _order(firing: Firing) -> tuple[int, Atoms]:
-    return firing.rule, firing.bindings
+def _order(firing: Firing) -> tuple[int, Atoms, Atoms]:
+    return firing.rule, firing.bindings, firing.premises
 
 
 def _element_order(element: Element) -> tuple[Atoms, clingo.Symbol]:

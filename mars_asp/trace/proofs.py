@@ -22,7 +22,6 @@ class Proofs:
         unsupported: Mapping[int, str],
     ) -> None:
         """Find the least heights."""
-        self._firings = firings
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
@@ -38,34 +37,26 @@ class Proofs:
             if atom in traces:
                 stack.pop()
                 continue
-            if atom in self._given or atom not in self._best:
+            if atom not in self._best:
                 traces[atom] = self._leaf(atom)
                 stack.pop()
                 continue
-            firing, height = self._best[atom], self._heights[atom]
-            missing = [
-                premise for premise in self._below(firing, height)[0] if premise not in traces
-            ]
+            firing = self._best[atom]
+            premises, absent = self._below(firing, self._heights[atom])
+            missing = [premise for premise in premises if premise not in traces]
             if missing:
                 stack += missing
                 continue
-            traces[atom] = self.step(firing, height)
+            below = (*(traces[premise] for premise in premises), *map(_absent, absent))
+            traces[atom] = self._step(firing, below)
             stack.pop()
         return traces[root]
 
-    def step(self, firing: Firing, height: int) -> Derived:
-        """Return one firing as a step; its premises of a height below that of the step."""
+    def _step(self, firing: Firing, premises: tuple[Trace, ...]) -> Derived:
         rule = self._rules[firing.rule]
         bindings = bindings_of(firing)
-        premises, absent = self._below(firing, height)
-        return Derived(
-            str(firing.head),
-            rule,
-            fill(rule.because, bindings),
-            bindings,
-            (*map(self.of, premises), *map(_absent, absent)),
-            rule.is_choice,
-        )
+        message = fill(rule.because, bindings)
+        return Derived(str(firing.head), rule, message, bindings, premises, rule.is_choice)
 
     def _below(self, firing: Firing, height: int) -> tuple[Atoms, Atoms]:
         """Return what supports a firing, and what it rests on the absence of.
@@ -86,7 +77,7 @@ class Proofs:
         return tuple(dict.fromkeys(premises)), tuple(dict.fromkeys(absent))
 
     def _is_below(self, atom: clingo.Symbol, height: int) -> bool:
-        return atom in self._given or self._heights.get(atom, 0) < height
+        return self._heights.get(atom, 0) < height
 
     def _leaf(self, atom: clingo.Symbol) -> Trace:
         if atom in self._given:

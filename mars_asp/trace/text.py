@@ -31,6 +31,7 @@ def traces_text(
             again.add(id(entry.step))
         shown.add(id(entry.step))
     numbers: dict[int, int] = {}
+    referred = 0
     hidden: int | None = None
     for entry in entries:
         if hidden is not None and entry.level > hidden:
@@ -43,7 +44,8 @@ def traces_text(
             yield from wrapped(f"{entry.text}, as in ({numbers[key]})", entry.level)
             hidden = entry.level
         else:
-            numbers[key] = len({k for k in numbers if k in again}) + 1
+            referred += key in again
+            numbers[key] = referred
             mark = f"({numbers[key]}) " if key in again else ""
             span = entry.step.rule.span
             place = f"[{entry.step.rule.id}] {span.path}:{span.line}"

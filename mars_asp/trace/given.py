@@ -1,0 +1,50 @@
+"""Facts of the input, found by their atoms."""
+
+from collections.abc import Iterable, Iterator, Mapping
+
+import clingo
+
+from mars_asp.atom import Atom, Fact, Term
+from mars_asp.source import Span
+
+
+class GivenFacts(Mapping[clingo.Symbol, Span]):
+    """Where each fact comes from; symbols are made only for predicates that somebody asks about."""
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        """Sort facts by their predicates."""
+        self._facts: dict[str, list[Fact]] = {}
+        for fact in facts:
+            self._facts.setdefault(fact.atom.name, []).append(fact)
+        self._spans: dict[str, dict[clingo.Symbol, Span]] = {}
+
+    def __getitem__(self, atom: clingo.Symbol) -> Span:
+        return self._spans_of(atom.name)[atom]
+
+    def __iter__(self) -> Iterator[clingo.Symbol]:
+        for name in self._facts:
+            yield from self._spans_of(name)
+
+    def __len__(self) -> int:
+        return sum(map(len, self._facts.values()))
+
+    def _spans_of(self, name: str) -> dict[clingo.Symbol, Span]:
+        if name not in self._spans:
+            facts = self._facts.get(name, ())
+            self._spans[name] = {symbol_of(fact.atom): fact.span for fact in facts}
+        return self._spans[name]
+
+
+def symbol_of(atom: Atom) -> clingo.Symbol:
+    """Return an atom as clingo's symbol."""
+    return clingo.Function(atom.name, [_symbol(term) for term in atom.arguments])
+
+
+def _symbol(term: Term) -> clingo.Symbol:
+    match term:
+        case int():
+            return clingo.Number(term)
+        case str():
+            return clingo.String(term)
+        case Atom():
+            return symbol_of(term)
