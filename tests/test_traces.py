@@ -4,6 +4,7 @@
 """
 
 import random
+import re
 import sys
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,6 +16,7 @@ from mars_asp.rulebook import Rule
 from mars_asp.source import Span
 from mars_asp.trace import Absent, Derived, Given
 from mars_asp.trace.absence import why_not
+from mars_asp.trace.text import trace_json, traces_text
 from tests.programs import explainer_of, rulebook_of
 from tests.random_programs import atoms_besides, random_program
 from tests.trace_checker import could_give, faults, height, least_heights
@@ -82,6 +84,35 @@ def test_the_checker_finds_what_is_wrong() -> None:
         step("r(2)", rules[1], step("r(2)", rules[1], X=2), X=2),
     ]
     assert all(faults([trace], frozenset(), true) for trace in bad)
+
+
+def test_a_chain_of_ten_thousand_steps_needs_no_deep_recursion() -> None:
+    found = explainer_of("n(0). n(X+1) :- n(X), X < 10000.")
+    assert found is not None
+    last = clingo.Function("n", [clingo.Number(10000)])
+    trace = found[0].why([last])[last]
+    lines = list(traces_text([("n(10000)", trace)], lambda span: "", depth=None))
+    assert sum("[program/1]" in line for line in lines) == 10000
+    steps, below = 0, trace_json(trace)
+    while below["premises"]:
+        premises = below["premises"]
+        assert isinstance(premises, list)
+        steps, below = steps + 1, premises[0]
+    assert steps == 10000
+
+
+def test_a_lattice_of_thirty_layers_prints_each_shared_step_once() -> None:
+    """It unfolds to a tree of 2 ** 31 steps."""
+    sides = "".join(f"n(L+1,{side}) :- n(L,a), n(L,b), L < 31. n(1,{side})." for side in "ab")
+    found = explainer_of(sides)
+    assert found is not None
+    tops = [clingo.parse_term(f"n(31,{side})") for side in "ab"]
+    traces = found[0].why(tops)
+    topics = [(str(top), traces[top]) for top in tops]
+    lines = list(traces_text(topics, lambda span: "", depth=None))
+    numbered = [line for line in lines if re.match(r" *\(\d+\) ", line)]
+    assert len(numbered) == 60
+    assert len(lines) < 300
 
 
 if __name__ == "__main__":

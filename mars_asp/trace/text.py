@@ -1,6 +1,7 @@
 """Traces as text of 80 columns and as JSON, without recursion."""
 
 import textwrap
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -11,6 +12,8 @@ from mars_asp.trace.values import Absent, Attempt, Derived, Given, Missing, Trac
 WIDTH = 80
 #: Deep enough for a reason, short enough to read.
 DEPTH = 4
+#: Among so many steps below a premise it is looked for what need not be said beside it.
+NEAR = 200
 
 
 def traces_text(
@@ -200,9 +203,9 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
             found[id(premise)] = premise
     told: set[int] = set()
     places: set[Span | None] = {None}
-    for premise in found.values():
+    for premise in found.values() if len(found) > 1 else ():
         if isinstance(premise, Derived) and id(premise) not in told:
-            below = _below(premise)
+            below = _below(premise, NEAR)
             told |= {id(part) for part in below if part is not premise}
             places |= {part.span for part in below if isinstance(part, Given)}
     derived = any(isinstance(premise, Derived) for premise in found.values())
@@ -222,16 +225,16 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
     return [premise for premise in found.values() if speaks(premise)]
 
 
-def _below(step: Derived) -> list[Trace]:
-    """Return a step and everything that supports it."""
+def _below(step: Derived, most: int | None = None) -> list[Trace]:
+    """Return a step and everything that supports it, the nearest first; so many at most."""
     found: dict[int, Trace] = {}
-    stack: list[Trace] = [step]
-    while stack:
-        part = stack.pop()
+    waiting: deque[Trace] = deque([step])
+    while waiting and len(found) != most:
+        part = waiting.popleft()
         if id(part) not in found:
             found[id(part)] = part
             if isinstance(part, Derived):
-                stack += part.premises
+                waiting += part.premises
     return list(found.values())
 
 
