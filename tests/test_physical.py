@@ -181,6 +181,16 @@ def test_a_thousand_random_chains(rules: str) -> None:
     assert len(seen) == 10, seen
 
 
+@pytest.mark.parametrize(
+    "kind",
+    ["similar_inheritance", "emergent_functionality", "module_conflict", "global_functionality"],
+)
+def test_help_says_that_a_definition_is_ours(kind: str) -> None:
+    told = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
+    assert told
+    assert all(help_ and "the definition is ours" in help_ for help_ in told)
+
+
 def test_signs_and_names_through_right_angles() -> None:
     mount = Mount("M0", "P", HERE, transformation=placed([("y", 90)]))
     configuration = robot([mount], [module("M0", sensor=True), module("P", "Trans_Z", "Rotn_X")])
