@@ -57,7 +57,8 @@ def import_urdf(text: str, path: str) -> Parsed:
         mounts.append(mount)
         if module.functions or module.vertices:
             described.append(module)
-    between = [p.module.name for p in placed if p.module.name in movers.values()]
+    inserted = set(movers.values())
+    between = [p.module.name for p in placed if p.module.name in inserted]
     here = point(path, 1, 1)
     configuration = Configuration(
         path,
