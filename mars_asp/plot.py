@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from mars_asp.draw.shapes import FONT
 from mars_asp.execute.arbitration import HierarchicalArbitration
 from mars_asp.execute.schedule import SECOND
 from mars_asp.trial import Trial
@@ -109,7 +110,7 @@ def plot_run(trial: Trial) -> str:
     width, height = _SIZE + 2 * MARGIN, picture.bottom + 25
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.0f} {height:.0f}" font-family="sans-serif" font-size="12">',
+        f'viewBox="0 0 {width:.0f} {height:.0f}" font-family="{FONT}" font-size="12">',
         '<rect width="100%" height="100%" fill="white"/>',
         f'<clipPath id="plane"><rect x="{MARGIN:g}" y="{MARGIN:g}" width="{_SIZE:g}" '
         f'height="{picture.height:.1f}"/></clipPath>',

@@ -51,11 +51,11 @@ LAYERS = [
     "bindings",
     "trial",
     "judge",
+    "draw",
     "plot",
     "replay",
     "record",
     "foxglove",
-    "draw",
     "cli",
 ]
 

@@ -1,5 +1,6 @@
 """The page that plays a run: what is in it, and what it does in a browser."""
 
+import argparse
 import json
 import re
 import shutil
@@ -13,10 +14,12 @@ from typing import Any
 
 import pytest
 
+from mars_asp.cli.outputs import write_outputs
 from mars_asp.execute.arbitration import Holding
 from mars_asp.execute.link import Observer
 from mars_asp.language import parse_text
 from mars_asp.plot import Picture, plot_run
+from mars_asp.record import Record
 from mars_asp.replay import replay_json, replay_page
 from mars_asp.scenario import read_scenario
 from mars_asp.sim import Pose
@@ -144,6 +147,18 @@ def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
     assert spans["High"] == pytest.approx([1.15 * second, second], abs=0.01)
     assert spans["Low"] == pytest.approx([0.85 * second], abs=0.01)
     assert f'width="{3 * second:.2f}"' in wanted
+
+
+def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
+    made = trial()
+    arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None, record=None)
+    write_outputs(made, Record(), arguments)
+    content = (tmp_path / "a.png").read_bytes()
+    assert content.startswith(b"\x89PNG\r\n\x1a\n")
+    found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made))
+    assert found
+    size = [int.from_bytes(content[k : k + 4]) for k in (16, 20)]
+    assert size == [2 * int(found[1]), 2 * int(found[2])]
 
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)

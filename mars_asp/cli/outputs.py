@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from mars_asp.record import Record
     from mars_asp.trial import Trial
 
-#: What is imported for files of an ending, and the extra that brings it.
-_NEEDED = {".mcap": ("mcap", "mcap")}
+#: What is imported for files of an ending, and what brings it.
+_NEEDED = {".mcap": ("mcap", "'mars-asp[mcap]'"), ".png": ("resvg_py", "resvg-py")}
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Add the options that name files to write."""
     for option, endings, text in (
-        ("--plot", (".svg",), "draw the way and who held control"),
+        ("--plot", (".svg", ".png"), "draw the way and who held control"),
         ("--replay", (".html",), "write a page that plays the run"),
         ("--record", (".jsonl", ".mcap"), "write every event, one a line or for Foxglove"),
     ):
@@ -48,10 +48,10 @@ def check_packages(arguments: argparse.Namespace) -> None:
     """
     problems = []
     for path in (arguments.plot, arguments.replay, arguments.record):
-        for ending, (package, extra) in _NEEDED.items():
+        for ending, (package, wheel) in _NEEDED.items():
             if path is not None and path.endswith(ending) and find_spec(package) is None:
                 message = f"`{ending}` needs the package `{package}`, which is not installed"
-                help_text = f"`pip install 'mars-asp[{extra}]'`, or choose another ending"
+                help_text = f"`pip install {wheel}`, or choose another ending"
                 place = point(path, 1, 1)
                 problems.append(Diagnostic("package", "error", message, place, (), help_text))
     if problems:
@@ -61,9 +61,7 @@ def check_packages(arguments: argparse.Namespace) -> None:
 def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespace) -> None:
     """Write what was asked for, each file whole or not at all."""
     if arguments.plot:
-        from mars_asp.plot import plot_run
-
-        write_whole(arguments.plot, plot_run(trial))
+        write_whole(arguments.plot, _plotted(trial, arguments.plot))
     if arguments.replay:
         from mars_asp.replay import replay_page
 
@@ -71,6 +69,17 @@ def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespac
         write_whole(arguments.replay, replay_page(trial, title))
     if arguments.record:
         write_whole(arguments.record, _recorded(trial, record, arguments.record))
+
+
+def _plotted(trial: "Trial", path: str) -> str | bytes:
+    from mars_asp.plot import plot_run
+
+    svg = plot_run(trial)
+    if path.endswith(".svg"):
+        return svg
+    from mars_asp.draw.png import png_bytes
+
+    return png_bytes(svg, trial.scenario.span)
 
 
 def _recorded(trial: "Trial", record: "Record", path: str) -> str | bytes:
