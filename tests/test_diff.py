@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from mars_asp.cli import run_here
 from mars_asp.diff import Difference, diff
@@ -30,7 +30,7 @@ def _diff(old: Configuration, new: Configuration) -> Difference:
     return diff(Project(old, {}, ()), Project(new, {}, ()), RULEBOOK)
 
 
-@few
+@settings(few, max_examples=8)
 @given(configurations)
 def test_nothing_differs_from_itself(configuration: Configuration) -> None:
     found = _diff(configuration, configuration)
@@ -38,7 +38,7 @@ def test_nothing_differs_from_itself(configuration: Configuration) -> None:
     assert (found.added, found.removed) == ((), ())
 
 
-@few
+@settings(few, max_examples=8)
 @given(configurations, configurations)
 def test_what_appears_one_way_vanishes_the_other(old: Configuration, new: Configuration) -> None:
     forth, back = _diff(old, new), _diff(new, old)

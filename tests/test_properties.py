@@ -25,7 +25,7 @@ HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "C", "D", "Eye", "Wheel")
 RULEBOOK = load_rulebook()
 few = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 
 names = st.sampled_from(NAMES)
