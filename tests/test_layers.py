@@ -38,6 +38,7 @@ LAYERS = [
     "slicing",
     "project",
     "verify",
+    "link_modes",
     "explain",
     "capability",
     "why_not",

@@ -43,6 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
     from mars_asp.judge import judge
+    from mars_asp.link_modes import state_modes
     from mars_asp.record import Record
     from mars_asp.scenario import load_scenario
     from mars_asp.trace.text import trace_json
@@ -59,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     if specification is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
+    specification = state_modes(specification, project.modules, rulebook_for(arguments))
     record = Record()
     observe = record.observe if arguments.record else None
     trial = stage_trial(specification, project.modules, scenario, observe)

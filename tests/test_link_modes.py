@@ -1,0 +1,72 @@
+"""A link that states no mode carries the one that serves its clients."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.language import parse_text
+from mars_asp.link_modes import state_modes
+from mars_asp.model import Data
+from mars_asp.rulebook import load_rulebook
+
+RULEBOOK = load_rulebook()
+CAMERA = """
+@module_start
+@module_name Camera
+@Sense NotifyAtFrequency, RequestWhenReady 30
+Image grab();
+@module_end
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "mode"),
+    [
+        (["S1 uses C", "A uses S1 NotifyAtFrequency 40", "B uses S1 NotifyAtFrequency 10"], 1),
+        (["S1 uses C", "A uses S1 NotifyAtFrequency 30", "B uses S1 NotifyAtFrequency 10"], 0),
+        (["S1 uses C", "A uses S1", "B uses S1"], 0),
+        (["A uses C"], 0),
+        (["T1 uses C", "S1 uses T1", "A uses S1 NotifyAtFrequency 50", "B uses S1"], 1),
+        (["S1 uses C", "S2 uses S1 NotifyAtFrequency 90", "A uses S2", "B uses S2"], 1),
+    ],
+)
+def test_the_mode_that_serves_the_clients_is_stated(lines: list[str], mode: int) -> None:
+    long = {"uses": "uses_data_from", "C": "Camera", "S1": "DataSplitter1", "S2": "DataSplitter2"}
+    long["T1"] = "DataTransformer1"
+    body = "\n".join(" ".join(long.get(word, word) for word in line.split()) for line in lines)
+    names = dict.fromkeys(w for line in body.splitlines() for w in line.split() if w[0] in "ABCD")
+    text = f"@specification\n@modules {', '.join(names)}\n{body}\n{CAMERA}"
+    specification = parse_text(text, "s.mars").configuration
+    found = state_modes(specification, {}, RULEBOOK)
+    (line,) = (r for r in found.relationships if isinstance(r, Data) and r.source == "Camera")
+    assert line.mode is not None
+    assert line.mode.name == ("NotifyAtFrequency", "RequestWhenReady")[mode]
+
+
+def test_what_leaves_no_choice_stays_as_it_is() -> None:
+    text = f"@specification\n@modules A, Camera\nA uses_data_from Camera RequestWhenReady\n{CAMERA}"
+    specification = parse_text(text, "s.mars").configuration
+    assert state_modes(specification, {}, RULEBOOK) is specification
+
+
+def test_a_run_delivers_what_another_mode_than_the_first_serves(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "c.mars").write_text(
+        "@configuration\n@modules Camera, Fast, Slow, Base\n"
+        "Fast uses_data_from Camera NotifyAtFrequency 40\n"
+        f"Slow uses_data_from Camera NotifyAtFrequency 10\n{CAMERA}"
+    )
+    (tmp_path / "s.toml").write_text(
+        'duration = 5\n[robot]\nmodule = "Base"\n'
+        '[devices.Camera]\nkind = "odometry"\n[bindings.Fast]\npython = "sink.py:take"\n'
+        '[bindings.Slow]\npython = "sink.py:take"\n'
+    )
+    (tmp_path / "sink.py").write_text("def take(value):\n    return None\n")
+    words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
+    status = run_here([*words, "--format", "json", "--quiet"])
+    captured = capsys.readouterr()
+    assert status == 0, captured
+    assert json.loads(captured.out)["verdict"] == "pass"
