@@ -1,6 +1,7 @@
 """A configuration together with the sources that describe its modules."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_file, parse_text
 from mars_asp.model import Configuration, Module, Mount
 from mars_asp.source import Span
+from mars_asp.spelling import nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
         extraction = extract(paths)
         diagnostics += extraction.diagnostics
         modules = {module.name: module for module in extraction.modules}
+        diagnostics += tuple(_misspelt(configuration, modules))
     clashes = [
         _annotated_twice(module, modules[module.name])
         for module in configuration.declared
@@ -103,6 +106,30 @@ def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> 
             )
         )
     return matches
+
+
+def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
+    """Yield names that are annotated nowhere, but much like one that is and is not used."""
+    used = {name.text for name in configuration.modules}
+    described = modules.keys() | {module.name for module in configuration.declared}
+    for name in configuration.modules:
+        near = None if name.text in described else nearest(name.text, modules.keys() - used, 0.8)
+        # `Camera1` and `Camera2` are two modules.
+        if near is None or _undigited(near) == _undigited(name.text):
+            continue
+        place = modules[near].named or modules[near].span
+        yield Diagnostic(
+            "annotations-missing",
+            "warning",
+            f"`{name.text}` is annotated nowhere",
+            name.span,
+            ((place, f"`{near}` is annotated here"),),
+            f"did you mean `{near}`?",
+        )
+
+
+def _undigited(name: str) -> str:
+    return re.sub("[0-9]", "", name)
 
 
 def _annotated_twice(module: Module, other: Module) -> Diagnostic:
