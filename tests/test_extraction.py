@@ -95,10 +95,26 @@ def test_a_case_prints_what_stands_beside_it(path: Path, update_golden: bool) ->
         ("void *", None),
         ("auto", None),
         ("void", ""),
+        ("[", None),
+        ("Vec<[", None),
+        ("[]", None),
     ],
 )
 def test_representation(written: str, name: str | None) -> None:
     assert representation(written) == name
+
+
+TYPE_PIECES = (
+    "< > [ ] ( ) * & :: . | , ; ? -> ... A vector std Option impl Future Output = func chan map struct"
+    " const unsigned int 3 'a mut dyn Fn Vec list extends super interface { } $ None Callable"
+).split()
+
+
+def test_any_type_is_read_or_unknown() -> None:
+    rng = random.Random(0)
+    for _ in range(5000):
+        written = rng.choice([" ", ""]).join(rng.choices(TYPE_PIECES, k=rng.randint(1, 9)))
+        assert isinstance(representation(written), str | None), written
 
 
 LAYOUTS = {
@@ -410,3 +426,11 @@ def test_what_nests_deep_is_read_or_refused(tmp_path: Path, suffix: str, declara
     found = extract([path])
     assert [module.name for module in found.modules] == ["A"]
     assert {problem.code for problem in found.diagnostics} <= DOCUMENTED
+
+
+def test_python_says_nothing_of_its_own(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    path = tmp_path / "a.py"
+    text = LAYOUTS["line"].format(f='def f(x: A = "\\d") -> B: ...').replace("//", "#")
+    path.write_text(text)
+    assert extract([path]).diagnostics == ()
+    assert list(recwarn) == []

@@ -117,7 +117,7 @@ class _Reader:
         if self.accept("]"):
             return _sequence(self.term())
         start = self.at
-        inner = self.union() if not self.peek()[0].isdigit() else (self.take(), None)[1]
+        inner = self.union() if not self.peek()[:1].isdigit() else (self.take(), None)[1]
         if self.accept(";"):
             while self.peek() and self.peek() != "]":
                 self.take()

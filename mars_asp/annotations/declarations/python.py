@@ -2,6 +2,7 @@
 
 import ast
 import re
+import warnings
 
 from mars_asp.annotations.declarations.declaration import Declaration, NoFunction, Parameter
 
@@ -30,7 +31,10 @@ def read_python(text: str, code: str, begin: int, end: int) -> Declaration | NoF
     stop = _colon(code, opening, end)
     snippet = f"{text[at : head.end()]}{text[opening:stop]}: pass"
     try:
-        function = ast.parse(snippet).body[0]
+        with warnings.catch_warnings():
+            # Of `"\\d"` in a default Python would speak where our user hears it.
+            warnings.simplefilter("ignore")
+            function = ast.parse(snippet).body[0]
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             return none
         output = None if function.returns is None else _type(function.returns)
