@@ -25,10 +25,12 @@ PER_ROBOT = 10
 
 def robots(modules: int, seed: int = 1) -> Configuration:
     """Return independent robots of ten modules each, unequal among themselves."""
-    return parse_text("\n".join(_lines(modules, random.Random(seed))), "robots.mars").configuration
+    return parse_text(
+        "\n".join(robot_lines(modules, random.Random(seed))), "robots.mars"
+    ).configuration
 
 
-def _lines(modules: int, rng: random.Random) -> Iterator[str]:
+def robot_lines(modules: int, rng: random.Random) -> Iterator[str]:
     names, lines, blocks = [], [], []
     for robot in range(modules // PER_ROBOT):
         own = [f"M{robot}_{index}" for index in range(PER_ROBOT)]

@@ -9,29 +9,29 @@ from mars_asp.source import Span
 
 
 class GivenFacts(Mapping[clingo.Symbol, Span]):
-    """Where each fact comes from; symbols are made only for predicates that somebody asks about."""
+    """Where each fact comes from, found by its text, for predicates that somebody asks about."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         """Sort facts by their predicates."""
         self._facts: dict[str, list[Fact]] = {}
         for fact in facts:
             self._facts.setdefault(fact.atom.name, []).append(fact)
-        self._spans: dict[str, dict[clingo.Symbol, Span]] = {}
+        self._spans: dict[str, dict[str, Span]] = {}
 
     def __getitem__(self, atom: clingo.Symbol) -> Span:
-        return self._spans_of(atom.name)[atom]
+        return self._spans_of(atom.name)[str(atom)]
 
     def __iter__(self) -> Iterator[clingo.Symbol]:
-        for name in self._facts:
-            yield from self._spans_of(name)
+        return (symbol_of(fact.atom) for facts in self._facts.values() for fact in facts)
 
     def __len__(self) -> int:
         return sum(map(len, self._facts.values()))
 
-    def _spans_of(self, name: str) -> dict[clingo.Symbol, Span]:
+    def _spans_of(self, name: str) -> dict[str, Span]:
+        if name not in self._facts:
+            raise KeyError(name)
         if name not in self._spans:
-            facts = self._facts.get(name, ())
-            self._spans[name] = {symbol_of(fact.atom): fact.span for fact in facts}
+            self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
         return self._spans[name]
 
 

@@ -1,0 +1,109 @@
+"""What an explanation costs: whole processes, as ratios to `analyse` and to xclingo 2.
+
+`python benchmarks/explain.py [MODULES [MODULES_FOR_XCLINGO]]`: robots of ten modules each. xclingo
+2 is asked for one consequence over the rules and facts that it needs alone; what mars-asp takes for
+the same consequence, from the file on and with all facts, stands beside it.
+"""
+
+import random
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from clingo import ast
+from growth import robot_lines
+
+from mars_asp.facts import facts_text
+from mars_asp.project import load_project, project_facts
+from mars_asp.rulebook import load_rulebook
+from mars_asp.slicing import slice_for
+
+ASKED = "data_divergence(M7_0)"
+#: Runs a command and prints the CPU seconds and the MB that it took.
+_TIMED = """
+import resource, subprocess, sys
+status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(status, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+"""
+
+
+def measure(*words: str) -> tuple[float, float]:
+    """Return the seconds of CPU and the MB of memory that a command takes."""
+    command = [sys.executable, "-c", _TIMED, *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    status, seconds, memory = done.stdout.split()
+    if int(status) not in (0, 1, 30):
+        raise SystemExit(f"{words} ended with status {status}\n{done.stderr}")
+    return float(seconds), float(memory)
+
+
+def mars(*words: str) -> tuple[float, float]:
+    return measure(sys.executable, "-m", "mars_asp", *words)
+
+
+def written(modules: int, folder: Path) -> str:
+    path = folder / f"robots{modules}.mars"
+    path.write_text("\n".join(robot_lines(modules, random.Random(1))) + "\n")
+    return str(path)
+
+
+class _Named(ast.Transformer):
+    """Names anonymous variables, which xclingo 2 cannot trace beside an aggregate."""
+
+    count = 0
+
+    def visit_Literal(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node.update(**self.visit_children(node)) if node.sign == ast.Sign.NoSign else node
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        self.count += 1
+        return node.update(name=f"Any{self.count}") if node.name == "_" else node
+
+
+def for_xclingo(path: str, folder: Path) -> str:
+    """Write the rules and facts behind the asked consequence, its rules with traces."""
+    part = slice_for(ASKED, load_rulebook(), project_facts(load_project(path)))
+    assert part is not None
+    traced = [
+        f'%!trace_rule {{"{rule.id}"}}.\n{_Named()(rule.ast)}' for rule in part.rulebook.rules
+    ]
+    kind, name = ASKED.rstrip(")").split("(")
+    asked = (
+        f'%!show_trace {{consequence({kind},V,"{name}",C)}} :- consequence({kind},V,"{name}",C).'
+    )
+    target = folder / "asked.lp"
+    target.write_text("\n".join([*traced, asked, facts_text(part.facts)]))
+    return str(target)
+
+
+def main() -> None:
+    small = int((*sys.argv[2:], "1000")[0])
+    modules = int((*sys.argv[1:], "10000")[0])
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = written(modules, folder)
+        base, memory = mars("analyse", path)
+        print(
+            f"{modules} modules: analyse {base:.2f} s, {memory:.0f} MB; as ratios to that:",
+            flush=True,
+        )
+        for title, words in (
+            ("one consequence", ("explain", path, ASKED)),
+            ("synthesise", ("synthesise", path)),
+            ("one node", ("explain", path, "DataSplitter1")),
+            ("everything", ("explain", path)),
+        ):
+            taken, used = mars(*words)
+            print(f"{title:<16} {taken / base:6.2f}  memory {used / memory:5.2f}", flush=True)
+        path = written(small, folder)
+        ours, _ = mars("explain", path, ASKED)
+        xclingo = str(Path(sys.executable).with_name("xclingo"))
+        theirs, _ = measure(xclingo, "-n", "1", "1", for_xclingo(path, folder))
+        print(f"{small} modules, one consequence: mars-asp {ours:.2f} s, xclingo 2 {theirs:.2f} s")
+        print(f"xclingo 2 takes {theirs / ours:.1f} times as long")
+
+
+if __name__ == "__main__":
+    main()
