@@ -2,7 +2,8 @@
 
 `python benchmarks/explain.py [MODULES [MODULES_FOR_XCLINGO]]`: robots of ten modules each. xclingo
 2 is asked for one consequence over the rules and facts that it needs alone; what mars-asp takes for
-the same consequence, from the file on and with all facts, stands beside it.
+the same consequence, from the file on and with all facts, stands beside it. It asks for another
+clingo than ours, so it is installed by `pip install --no-deps xclingo`.
 """
 
 import random
