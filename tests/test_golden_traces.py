@@ -38,7 +38,8 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     def note(statement: ast.AST) -> None:
         if statement.ast_type == ast.ASTType.Rule and not statement.body:
             begin, end = statement.location.begin, statement.location.end
-            place = Span(str(case), begin.line, begin.column, end.line, end.column)
+            path = str(case.relative_to(ROOT))
+            place = Span(path, begin.line, begin.column, end.line, end.column)
             given[clingo.parse_term(str(statement.head))] = place
 
     ast.parse_string(text, note)
@@ -78,7 +79,7 @@ def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
     lines = case.read_text(encoding="utf-8").splitlines()
     title = f"{atom}, in {case.relative_to(ROOT)}"
     said = traces_text([(title, trace)], lambda span: lines[span.line - 1], 2)
-    return "\n".join(said).replace(f"{ROOT}/", "")
+    return "\n".join(said)
 
 
 @pytest.mark.parametrize("stage", ["base", *STAGES])
