@@ -22,6 +22,7 @@ from mars_asp.model import (
     Name,
     Relationship,
     Service,
+    ends_of,
 )
 from mars_asp.project import Project
 from mars_asp.source import Span
@@ -141,7 +142,7 @@ def _offer(draft: _Draft, number: Symbol, mode: Symbol, rate: Symbol) -> None:
 
 
 def _redirect(draft: _Draft, number: Symbol, end: Symbol, module: Symbol) -> None:
-    first, second = _ends(draft.relationships[number.number])
+    first, second = ends_of(draft.relationships[number.number])
     if end.name == "first":
         first = module.string
     else:
@@ -150,7 +151,7 @@ def _redirect(draft: _Draft, number: Symbol, end: Symbol, module: Symbol) -> Non
 
 
 def _swap(draft: _Draft, number: Symbol) -> None:
-    first, second = _ends(draft.relationships[number.number])
+    first, second = ends_of(draft.relationships[number.number])
     draft.relationship(number, _between(draft.relationships[number.number], second, first))
 
 
@@ -208,7 +209,7 @@ def _rename(draft: _Draft, old: Symbol, new: Symbol) -> None:
     from clingo import Number  # noqa: PLC0415 -- the name means another thing above
 
     for number, stated in list(draft.relationships.items()):
-        ends = _ends(stated)
+        ends = ends_of(stated)
         if old.string in ends:
             first, second = (new.string if end == old.string else end for end in ends)
             draft.relationship(Number(number), _between(stated, first, second))
@@ -260,16 +261,6 @@ _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("remove", 1): _remove,
     ("declare", 2): _declare,
 }
-
-
-def _ends(relationship: Relationship) -> tuple[str, str]:
-    match relationship:
-        case Data(client, source):
-            return client, source
-        case Control(controlled, controller):
-            return controlled, controller
-        case Mount(mounting, mounted):
-            return mounting, mounted
 
 
 def _between(relationship: Relationship, first: str, second: str) -> Relationship:

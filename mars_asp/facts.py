@@ -18,6 +18,7 @@ from mars_asp.model import (
     Mount,
     Relationship,
     Service,
+    ends_of,
     node_kind,
 )
 from mars_asp.modes import parse_mode
@@ -52,7 +53,9 @@ def described_modules(
     """Return the modules that rules are told of, by name: those named, and every converter."""
     every = {**modules, **{module.name: module for module in configuration.declared}}
     named = {name.text for name in configuration.modules}
-    named |= {name for relationship in configuration.relationships for name in _ends(relationship)}
+    named |= {
+        name for relationship in configuration.relationships for name in ends_of(relationship)
+    }
     return {
         name: every[name]
         for name in sorted(every)
@@ -250,7 +253,7 @@ class _Compiler:
     def resemblances(self) -> None:
         """Tell which known name a name that nothing declares is spelt like."""
         declared = {name.text for name in self.configuration.modules}
-        ends = {end for r in self.configuration.relationships for end in _ends(r)}
+        ends = {end for r in self.configuration.relationships for end in ends_of(r)}
         pools = [(ends - declared, sorted(declared | set(self.known)))]
         if self.known:
             unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
@@ -324,16 +327,6 @@ def module_classes(module: Module) -> Iterator[str]:
 def facts_text(facts: Iterable[Fact]) -> str:
     """Return facts as clingo reads them, one a line."""
     return "".join(f"{fact.atom}.\n" for fact in facts)
-
-
-def _ends(relationship: Relationship) -> tuple[str, str]:
-    match relationship:
-        case Data(client, source):
-            return client, source
-        case Control(controlled, controller):
-            return controlled, controller
-        case Mount(mounting, mounted):
-            return mounting, mounted
 
 
 def _representations(modules: Iterable[Module]) -> Iterator[str]:

@@ -160,6 +160,17 @@ class Data:
 Relationship: TypeAlias = Mount | Control | Data
 
 
+def ends_of(relationship: Relationship) -> tuple[str, str]:
+    """Return the modules that a relationship names, the left one first."""
+    match relationship:
+        case Data(client, source):
+            return client, source
+        case Control(controlled, controller):
+            return controlled, controller
+        case Mount(mounting, mounted):
+            return mounting, mounted
+
+
 @dataclass(frozen=True, slots=True)
 class Conversion:
     """What a transformer of a specification does, as its comment says.

@@ -1,5 +1,6 @@
 """What a user can get wrong, as whole processes: status, message, never a traceback."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.cli.limits import run_plain
 from tests.documents import ROOT
 
 
@@ -186,3 +188,11 @@ def test_extraction_prints_what_annotations_state_and_nothing_else(tmp_path: Pat
         "  ControlOut Rotn_Y, Trans_Z: steer(Pose) -> Command",
         "  DataIn: show(Pose)",
     ]
+
+
+def test_a_verb_that_runs_out_of_time_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    def late(arguments: argparse.Namespace) -> int:
+        raise TimeoutError
+
+    assert run_plain(late, argparse.Namespace()) == 3
+    assert "the time limit ended this" in capsys.readouterr().err

@@ -72,11 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
-    try:
-        answer = explain(project, rulebook_for(arguments), subject, arguments.time_limit)
-    except TimeoutError:
-        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
-        return 3
+    answer = explain(project, rulebook_for(arguments), subject, arguments.time_limit)
     if arguments.format == "json":
         traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
         json.dump({"subject": subject, "traces": traces}, sys.stdout)
@@ -92,12 +88,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
 
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth
-    try:
-        rulebook = rulebook_for(arguments)
-        answer = why_not(project, rulebook, arguments.why_not, levels, arguments.time_limit)
-    except TimeoutError:
-        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
-        return 3
+    rulebook = rulebook_for(arguments)
+    answer = why_not(project, rulebook, arguments.why_not, levels, arguments.time_limit)
     if arguments.format == "json":
         trace = trace_json(answer.trace)
         extra = None if answer.extra is None else _cost(answer.extra)

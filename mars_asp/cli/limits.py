@@ -59,6 +59,9 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
     except MemoryError:
         print("mars-asp: the memory limit ended this", file=sys.stderr)
         return 3
+    except TimeoutError:
+        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
+        return 3
     except BrokenPipeError:
         raise
     except OSError as error:

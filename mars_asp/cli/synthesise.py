@@ -31,19 +31,15 @@ def run(arguments: argparse.Namespace) -> int:
     analysis = analyse_project(project, rulebook)
     findings = [c for c in analysis.consequences if c.severity != "note"]
     report(map(diagnostic, findings), arguments)
-    try:
-        with progress_bar(arguments, "components") as progress:
-            found = synthesise(
-                project.configuration,
-                project.modules,
-                analysis,
-                rulebook,
-                arguments.time_limit,
-                progress,
-            )
-    except TimeoutError:
-        print("mars-asp: the time limit ended this before anything was found", file=sys.stderr)
-        return 3
+    with progress_bar(arguments, "components") as progress:
+        found = synthesise(
+            project.configuration,
+            project.modules,
+            analysis,
+            rulebook,
+            arguments.time_limit,
+            progress,
+        )
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
