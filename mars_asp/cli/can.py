@@ -2,10 +2,10 @@
 
 import argparse
 import json
-import linecache
 import sys
 
 from mars_asp.capability import QUERY, Answer, capability
+from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
@@ -45,10 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_answer(answer: Answer, coloured: bool) -> None:
-    def line_at(span: Span) -> str:
-        if span.path == QUERY:
-            return answer.query
-        return linecache.getline(span.path, span.line).strip()
+    def asked_or_line(span: Span) -> str:
+        return answer.query if span.path == QUERY else line_at(span)
 
     print(paint("yes" if answer.able else "no", "strong", coloured))
     topics = [
@@ -56,7 +54,7 @@ def _print_answer(answer: Answer, coloured: bool) -> None:
         for v in answer.verdicts
         for trace in v.traces
     ]
-    for line in traces_text(topics, line_at, DEPTH):
+    for line in traces_text(topics, asked_or_line, DEPTH):
         title = not line.startswith(" ")
         if title:
             print()

@@ -2,12 +2,12 @@
 
 import argparse
 import json
-import linecache
 import sys
 from collections.abc import Iterator
 from typing import Any
 
 from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
@@ -70,7 +70,7 @@ def _cost_json(synthesis: Synthesis | None) -> dict[str, int] | None:
 
 
 def _line_json(span: Span) -> dict[str, object]:
-    return {**location_json(span), "text": _line_at(span)}
+    return {**location_json(span), "text": line_at(span)}
 
 
 def _resolves(change: Change[Node], found: Difference) -> tuple[str, ...]:
@@ -103,7 +103,7 @@ def _causes(change: Change[Any]) -> Iterator[str]:
         yield "    no line that it rests on changed"
     for sign, spans in (("-", change.removed), ("+", change.added)):
         for span in spans:
-            yield visible(f"    {sign} {span.path}:{span.line}: {_line_at(span)}")
+            yield visible(f"    {sign} {span.path}:{span.line}: {line_at(span)}")
 
 
 def _costs(found: Difference) -> Iterator[str]:
@@ -116,7 +116,3 @@ def _costs(found: Difference) -> Iterator[str]:
         old, new = found.old.cost(level), found.new.cost(level)
         parts.append(f"{name} {old}" if old == new else f"{name} {old} -> {new}")
     yield f"cost: {', '.join(parts)}"
-
-
-def _line_at(span: Span) -> str:
-    return linecache.getline(span.path, span.line).strip()

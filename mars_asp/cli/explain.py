@@ -2,18 +2,17 @@
 
 import argparse
 import json
-import linecache
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.explain import Explanation, explain
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS
-from mars_asp.source import Span
 from mars_asp.trace.text import DEPTH, trace_json, traces_text
 from mars_asp.trace.values import Absent, Trace
 from mars_asp.visible import visible
@@ -167,8 +166,3 @@ def _summary(answer: Explanation) -> str:
     count = resolution.count
     others = "" if count is None else f"; {count} such specification{'s' * (count != 1)}"
     return f"{nodes} node{'s' * (nodes > 1)}, {proof}{others}"
-
-
-def line_at(span: Span) -> str:
-    """Return the line of a file where something stands."""
-    return linecache.getline(span.path, span.line).strip()

@@ -187,7 +187,7 @@ def _print_tables(
 
 
 def _explain(judgement: "Judgement") -> None:
-    from mars_asp.cli.explain import line_at
+    from mars_asp.cli.lines import line_at
     from mars_asp.trace.text import traces_text
 
     for line in traces_text([(c.kind, trace) for c, trace in judgement.traces()], line_at):
