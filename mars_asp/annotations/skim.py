@@ -81,10 +81,17 @@ _PASSED = {
     ),
     "mars": (rb"[^@/#]++", rb"//[^\n]*+", rb"#[^\n]*+", rb"/", rb"(?<=[^ \t\n])@"),
 }
+_SLASHES = rb"//(?:[^\n\\]++|\\\n?)*+"
+#: Comments to the end of their line, most of all that hold annotations.
+_LINES = {
+    **dict.fromkeys(("c", "java", "go", "rust"), _SLASHES),
+    "python": rb"#[^\n]*+",
+    "matlab": rb"%(?!\{[ \t]*+\n)[^\n]*+",
+}
 _RAW_C = re.compile(rb'"([^()\\\s"]{0,16}+)\(')
 _NEST = re.compile(rb"(/\*)|\*/")
 _STRING_HERE = re.compile(_STRING)
-_LINE_HERE = re.compile(rb"//(?:[^\n\\]++|\\\n?)*+")
+_LINE_HERE = re.compile(_SLASHES)
 _ANNOTATION_HERE = re.compile(rb"(?:[^\n/#]++|/(?!/))*+")
 _MATLAB_OPENING = re.compile(rb"%\{[ \t]*+(?=\n)")
 _MATLAB_CLOSING = re.compile(rb"\n[ \t]*+%\}[ \t]*+(?=\n|\Z)")
@@ -92,7 +99,9 @@ _MATLAB_CLOSING = re.compile(rb"\n[ \t]*+%\}[ \t]*+(?=\n|\Z)")
 
 @cache
 def _pattern(language: str) -> re.Pattern[bytes]:
-    return re.compile(rb"(?:" + rb"|".join(_PASSED[language]) + rb")*+")
+    """Return what passes over code; its group is the comment line it stops at, if it is one."""
+    line = _LINES.get(language, rb"(?!)")
+    return re.compile(rb"(?:" + rb"|".join(_PASSED[language]) + rb")*+(" + line + rb")?+")
 
 
 def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tuple[int, int]]:
@@ -104,15 +113,19 @@ def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tupl
         at: Where to begin; nothing may be open there.
     """
     skip = _pattern(language).match
-    size = len(data)
-    while at < size:
+    last = data.rfind(b"@")
+    while at <= last:
         found = skip(data, at)
-        at = found.end() if found else at
-        if at >= size:
-            return
-        end, comment = _construct(language, data, at)
-        if comment:
-            yield at, end
+        assert found is not None, "the pattern matches the empty text"
+        begin, end = found.span(1)
+        is_comment = begin >= 0
+        if not is_comment:
+            begin = found.end()
+            if begin > last:
+                return
+            end, is_comment = _construct(language, data, begin)
+        if is_comment:
+            yield begin, end
         at = end
 
 

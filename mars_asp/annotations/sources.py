@@ -8,6 +8,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
+from typing import NamedTuple
 
 from mars_asp.annotations.comments import blanked, tokens
 from mars_asp.annotations.skim import annotated_comments, annotation_end, comment_end
@@ -19,8 +21,11 @@ _LEADING = {
 }
 _PREFIX = {language: re.compile(pattern) for language, pattern in _LEADING.items()}
 _ANNOTATED = {
-    language: re.compile(rb"(?m)^" + pattern + rb"@([A-Za-z][\w\x80-\xff]*+)")
+    language: re.compile(pattern + rb"@([A-Za-z][\w\x80-\xff]*+)")
     for language, pattern in _LEADING.items()
+}
+_ANNOTATED_BELOW = {
+    language: re.compile(rb"\n" + pattern.pattern) for language, pattern in _ANNOTATED.items()
 }
 _WORD = re.compile(r"\w+")
 _IF = re.compile(rb"#[ \t]*+(if|ifdef|ifndef|else|elif|endif)\b[ \t]*+([^\n]*)")
@@ -31,8 +36,7 @@ _MOST_EXCERPT = 400
 _MOST_BETWEEN = 4096
 
 
-@dataclass(frozen=True, slots=True)
-class CommentLine:
+class CommentLine(NamedTuple):
     """One line of a comment.
 
     `offset` is where its text begins behind the marks, `end` where the line does, `until` where the
@@ -75,18 +79,22 @@ class Source:
 
     def annotations(self, known: Callable[[str], bool]) -> Iterator[CommentLine]:
         """Yield the comment lines that begin with `@` and a known word, in order."""
-        find = _ANNOTATED[self._kind].finditer
+        data, dead = self.data, self._dead
+        first, below = _ANNOTATED[self._kind].match, _ANNOTATED_BELOW[self._kind].finditer
         ours: dict[bytes, bool] = {}
-        for begin, end in annotated_comments(self._lexicon, self.data):
-            if self._dead and self._in_dead(begin):
+        for begin, end in annotated_comments(self._lexicon, data):
+            if dead and self._in_dead(begin):
                 continue
-            for match in find(self.data[begin:end]):
-                if match[1] not in ours:
-                    word = _WORD.match(match[1].decode(self._encoding, "replace"))
-                    ours[match[1]] = word is not None and known(word[0])
-                if ours[match[1]]:
-                    block = self.data.startswith(b"/*", begin)
-                    yield self._line(begin + match.start(1) - 1, end, block)
+            match = first(data, begin, end)
+            found = (match,) if match else ()
+            for match in chain(found, below(data, begin, end)):
+                written = match[1]
+                if written not in ours:
+                    word = _WORD.match(written.decode(self._encoding, "replace"))
+                    ours[written] = word is not None and known(word[0])
+                if ours[written]:
+                    block = data.startswith(b"/*", begin)
+                    yield self._line(match.start(1) - 1, end, block)
 
     def following(self, line: CommentLine) -> CommentLine | None:
         """Return the comment line on the line below, if there is one without an annotation.

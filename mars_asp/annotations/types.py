@@ -5,6 +5,7 @@ away, sequences become `T[]`, callbacks are `function`; what cannot be known is 
 """
 
 import re
+from functools import lru_cache
 
 from mars_asp.annotations.type_words import (
     CALLBACKS,
@@ -29,6 +30,7 @@ class _UnreadableError(Exception):
     """The text is no type."""
 
 
+@lru_cache(maxsize=1024)
 def representation(text: str) -> str | None:
     """Return a type's representation name; `None` where it is unknown, `""` where it is nothing."""
     tokens = _TOKEN.findall(re.sub(r"\[\[.*?\]\]", " ", text))

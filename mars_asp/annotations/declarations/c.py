@@ -4,13 +4,12 @@ from collections.abc import Sequence
 
 from mars_asp.annotations.declarations.c_parameters import (
     are_parameters,
+    declarators,
     read_old_style,
     read_parameter,
 )
 from mars_asp.annotations.declarations.c_types import (
     ATTRIBUTES,
-    BUILTIN_WORDS,
-    SPECIFIERS,
     behind_attribute,
     is_macro,
     type_text,
@@ -29,7 +28,6 @@ from mars_asp.annotations.declarations.tokens import (
     closing,
     is_word,
     joined,
-    split,
     text_at,
     texts,
 )
@@ -46,6 +44,9 @@ _ACCESS = frozenset(("public", "private", "protected", "signals", "Q_SIGNALS"))
 _BEHIND = frozenset(
     "const noexcept override final volatile throw requires try mutable asm __asm__".split()
 )
+#: The same, but for what may also begin a type.
+_BEHIND_ALL = _BEHIND - {"const", "volatile"}
+_BEHIND_TRAILING = _BEHIND_ALL | {";", "{", "=", "}"}
 _SIGNS = frozenset(("::", "*", "&", "&&", "^"))
 
 
@@ -158,7 +159,7 @@ def _bracketed(
     if not signs or inner is None:
         return None if signs else _function(tokens, head, at, offset)
     # A function that returns a pointer to a function or to an array.
-    kind = type_text(head)
+    kind = type_text(units(head))
     function = _function(tokens, [*head, *inside[:inner]], at + 1 + inner, offset)
     if function is None or kind is None or text_at(tokens, end) not in ("(", "["):
         return None
@@ -182,7 +183,7 @@ def _operator(tokens: Sequence[Token], head: Sequence[Token], at: int) -> Declar
     while len(head) > 1 and head[-1].text == "::" and is_word(head[-2].text):
         name = f"{head[-2].text}::{name}"
         head = head[:-2]
-    output = type_text(named) if converts else type_text(head)
+    output = type_text(units(named if converts else head))
     if output is None:
         return None
     return _with_parameters(tokens, stop, name, output, offset)
@@ -203,10 +204,9 @@ def _function(
     parts = units(head)
     if not parts or parts[-1].kind != "name":
         return None
-    name = _plain_name(head[parts[-1].begin : parts[-1].end])
-    before = head[: parts[-1].begin]
-    output = type_text(before)
-    if output is None or not name or name in SPECIFIERS | BUILTIN_WORDS | ATTRIBUTES:
+    name = _plain_name(parts[-1].tokens)
+    output = type_text(parts[:-1])
+    if output is None or not name or name in ATTRIBUTES:
         return None
     return _with_parameters(tokens, at, name, output, offset)
 
@@ -227,12 +227,12 @@ def _with_parameters(
     tokens: Sequence[Token], at: int, name: str, output: str, offset: int
 ) -> Declaration | None:
     end = closing(tokens, at)
-    groups = split(tokens[at + 1 : end - 1])
-    if not are_parameters(groups):
+    found = declarators(tokens[at + 1 : end - 1])
+    if not are_parameters(found):
         return None
-    parameters = _old_style(tokens, groups, end)
+    parameters = _old_style(tokens, found, end)
     if parameters is None:
-        read = (read_parameter(group) for group in groups)
+        read = map(read_parameter, found)
         parameters = tuple(parameter for parameter in read if parameter is not None)
         output = _trailing(tokens, end) or output
     return Declaration(name, output, parameters, offset, tokens[end - 1].offset)
@@ -247,7 +247,7 @@ def _trailing(tokens: Sequence[Token], at: int) -> str | None:
     start = at = at + 1
     while at < len(tokens):
         text = tokens[at].text
-        if text in (";", "{", "=", "}", *_BEHIND - {"const", "volatile"}):
+        if text in _BEHIND_TRAILING:
             break
         if text in ("(", "["):
             at = closing(tokens, at)
@@ -258,18 +258,18 @@ def _trailing(tokens: Sequence[Token], at: int) -> str | None:
             at = end
         else:
             at += 1
-    return type_text(tokens[start:at])
+    return type_text(units(tokens[start:at]))
 
 
 def _old_style(
-    tokens: Sequence[Token], groups: Sequence[Sequence[Token]], end: int
+    tokens: Sequence[Token], found: Sequence[Sequence[Token]], end: int
 ) -> tuple[Parameter, ...] | None:
     """Read Kernighan and Ritchie's form, in which types follow the brackets."""
-    names = [group[0].text for group in groups if len(group) == 1]
+    names = [declarator[0].text for declarator in found if len(declarator) == 1]
     following = text_at(tokens, end)
-    if not names or len(names) < len(groups) or not is_word(following):
+    if not names or len(names) < len(found) or not is_word(following):
         return None
-    if following in _BEHIND - {"const", "volatile"}:
+    if following in _BEHIND_ALL:
         return None
     stop = end
     while stop < len(tokens) and tokens[stop].text not in ("{", "}", "="):

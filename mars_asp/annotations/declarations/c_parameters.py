@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from mars_asp.annotations.declarations.c_types import (
+    Unit,
     is_macro,
     type_text,
     units,
@@ -24,10 +25,15 @@ from mars_asp.annotations.declarations.tokens import (
 _OF_EXPRESSIONS = frozenset(".+-/!?|%;~")
 
 
-def are_parameters(groups: Sequence[Sequence[Token]]) -> bool:
-    """Say whether what stands between brackets can be parameters, and not a call's arguments."""
-    for group in groups:
-        words = _top_level(before(without_attributes(group), "="))
+def declarators(tokens: Sequence[Token]) -> list[Sequence[Token]]:
+    """Split what stands between brackets; leave out attributes and defaults."""
+    return [before(group, "=") for group in split(without_attributes(tokens))]
+
+
+def are_parameters(found: Sequence[Sequence[Token]]) -> bool:
+    """Say whether declarators can be parameters, and not a call's arguments."""
+    for declarator in found:
+        words = _top_level(declarator)
         if not any(is_word(text) or text == "..." for text in words):
             return False
         if any(text in _OF_EXPRESSIONS or text[0] in '"0123456789' for text in words):
@@ -51,15 +57,15 @@ def _top_level(tokens: Sequence[Token]) -> list[str]:
     return found
 
 
-def read_parameter(group: Sequence[Token]) -> Parameter | None:
-    """Read one parameter; `None` for `void`, `...` and C++'s explicit object."""
-    tokens = without_attributes(before(without_attributes(group), "="))
+def read_parameter(tokens: Sequence[Token]) -> Parameter | None:
+    """Read one declarator; `None` for `void`, `...` and C++'s explicit object."""
     words = texts(tokens)
     if words in (["void"], ["..."], []) or words[0] == "this":
         return None
-    bracket = next((at for at, text in _with_angles(tokens) if text == "("), None)
-    if bracket is not None:
-        return _declarator(tokens, bracket)
+    if "(" in words:
+        bracket = next((at for at, text in _with_angles(tokens) if text == "("), None)
+        if bracket is not None:
+            return _bracketed(tokens, bracket)
     tokens, arrays = without_arrays(tokens)
     return _named(tokens, arrays)
 
@@ -75,13 +81,13 @@ def _with_angles(tokens: Sequence[Token]) -> list[tuple[int, str]]:
     return found
 
 
-def _declarator(tokens: Sequence[Token], at: int) -> Parameter | None:
+def _bracketed(tokens: Sequence[Token], at: int) -> Parameter | None:
     """Read a parameter with brackets: `T (*f)(...)`, `T (&a)[N]`, `T f(...)`, `MACRO(T x)`."""
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
     names = [part for part in units(tokens[:at]) if part.kind in ("name", "builtin", "placeholder")]
-    if len(names) == 1 and is_macro(tokens[names[0].begin].text) and end == len(tokens):
-        return read_parameter(inside)
+    if len(names) == 1 and is_macro(names[0].text) and end == len(tokens):
+        return read_parameter(before(inside, "="))
     signs = [token.text for token in inside]
     if not set(signs) & {"*", "&", "&&", "^"}:
         if len(inside) == len(names) == 1 and end == len(tokens):
@@ -93,7 +99,7 @@ def _declarator(tokens: Sequence[Token], at: int) -> Parameter | None:
     if "(" in signs or text_at(tokens, end) == "(":
         return Parameter(name, CALLBACK)
     outer, arrays = without_arrays(tokens[end:])
-    kind = type_text(tokens[:at])
+    kind = type_text(units(tokens[:at]))
     # A pointer to an array, or a reference, is the array; a pointer alone is what it points to.
     extra = "[]" if len(inner) != len(inside) else ""
     written = None if kind is None else f"{kind}{extra}{arrays}"
@@ -114,24 +120,25 @@ def without_arrays(tokens: Sequence[Token]) -> tuple[list[Token], str]:
 
 def _named(tokens: Sequence[Token], arrays: str) -> Parameter:
     """Split a type from the name behind it."""
-    parts = [part for part in units(tokens) if part.kind != "specifier"]
-    kinds = [part for part in parts if part.kind != "sign"]
-    if len(kinds) > 2 and is_macro(tokens[kinds[-1].begin].text):
+    parts = units(tokens)
+    kinds = [part for part in parts if part.kind not in ("specifier", "sign")]
+    if len(kinds) > 2 and is_macro(kinds[-1].text):
         # A macro behind the name, such as `Scan s UNUSED`.
-        last = kinds.pop()
-        tokens = [*tokens[: last.begin], *tokens[last.end :]]
-        parts = [part for part in parts if part is not last]
+        parts.remove(kinds.pop())
     name = None
-    final = parts[-1] if parts else None
-    if final is not None and final.kind == "name" and len(kinds) > 1:
-        if final.end - final.begin == 1:
-            name = tokens[final.begin].text
-            tokens = [*tokens[: final.begin], *tokens[final.end :]]
-    words = texts(tokens)
+    final = next((part for part in reversed(parts) if part.kind != "specifier"), None)
+    if final is not None and final.kind == "name" and len(kinds) > 1 and len(final.tokens) == 1:
+        name = final.text
+        parts.remove(final)
+    kind = type_text(parts)
+    return Parameter(name, None if kind is None else kind + arrays, _is_out(parts))
+
+
+def _is_out(parts: Sequence[Unit]) -> bool:
+    """Say whether what a type points or refers to can be written to."""
+    words = [part.text for part in parts if part.kind in ("specifier", "sign")]
     stars = [at for at, text in enumerate(words) if text in ("*", "&")]
-    out = bool(stars) and "const" not in words[: stars[-1]]
-    kind = type_text(tokens)
-    return Parameter(name, None if kind is None else kind + arrays, out)
+    return bool(stars) and "const" not in words[: stars[-1]]
 
 
 def read_old_style(names: Sequence[str], tokens: Sequence[Token]) -> tuple[Parameter, ...] | None:
@@ -144,7 +151,7 @@ def read_old_style(names: Sequence[str], tokens: Sequence[Token]) -> tuple[Param
     for at, token in enumerate(tokens):
         if token.text != ";":
             continue
-        groups = split(tokens[start:at])
+        groups = declarators(tokens[start:at])
         start = at + 1
         if not groups:
             continue

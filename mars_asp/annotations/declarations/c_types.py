@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.annotations.declarations.tokens import (
     Token,
@@ -40,6 +40,8 @@ def is_macro(text: str) -> bool:
 
 def without_attributes(tokens: Sequence[Token]) -> list[Token]:
     """Return tokens without `[[...]]`, `__attribute__((...))` and the like."""
+    if not any(text == "[" or text in ATTRIBUTES for text, _ in tokens):
+        return list(tokens)
     kept: list[Token] = []
     at = 0
     while at < len(tokens):
@@ -61,13 +63,19 @@ def behind_attribute(tokens: Sequence[Token], at: int) -> int:
     return at
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+Kind: TypeAlias = Literal["name", "builtin", "placeholder", "specifier", "sign"]
+
+
+class Unit(NamedTuple):
     """One part of a type: a whole qualified name with its arguments, or a sign."""
 
-    begin: int
-    end: int
-    kind: str  # "name", "builtin", "placeholder", "specifier" or "sign"
+    kind: Kind
+    tokens: Sequence[Token]
+
+    @property
+    def text(self) -> str:
+        """Its first token."""
+        return self.tokens[0].text
 
 
 def units(tokens: Sequence[Token]) -> list[Unit]:
@@ -76,24 +84,22 @@ def units(tokens: Sequence[Token]) -> list[Unit]:
     at = 0
     while at < len(tokens):
         begin, text = at, tokens[at].text
-        rooted = text == "::" and is_word(text_at(tokens, at + 1))
-        if not is_word(text) and not rooted:
-            at += 1
-            found.append(Unit(begin, at, "sign"))
-            continue
-        at += 1 + rooted
+        kind: Kind = "name"
+        at += 1
         if text in SPECIFIERS:
-            found.append(Unit(begin, at, "specifier"))
-            continue
-        if text in BUILTIN_WORDS:
-            found.append(Unit(begin, at, "builtin"))
-            continue
-        if text in _PLACEHOLDERS:
+            kind = "specifier"
+        elif text in BUILTIN_WORDS:
+            kind = "builtin"
+        elif text in _PLACEHOLDERS:
+            kind = "placeholder"
             at = closing(tokens, at) if text_at(tokens, at) == "(" else at
-            found.append(Unit(begin, at, "placeholder"))
-            continue
-        at = _behind_name(tokens, at)
-        found.append(Unit(begin, at, "name"))
+        elif is_word(text):
+            at = _behind_name(tokens, at)
+        elif text == "::" and is_word(text_at(tokens, at)):
+            at = _behind_name(tokens, at + 1)
+        else:
+            kind = "sign"
+        found.append(Unit(kind, tokens[begin:at]))
     return found
 
 
@@ -113,21 +119,17 @@ def _behind_name(tokens: Sequence[Token], at: int) -> int:
             return at
 
 
-def type_text(tokens: Sequence[Token]) -> str | None:
+def type_text(parts: Sequence[Unit]) -> str | None:
     """Return a type without specifiers and without the macros around it.
 
     Of several names the last one is the type, unless it is written as macros are.
     """
-    parts = units(tokens)
     if any(part.kind == "placeholder" for part in parts):
         return "auto"
-    signs = "".join(tokens[part.begin].text for part in parts if part.kind == "sign")
-    builtin = [tokens[part.begin].text for part in parts if part.kind == "builtin"]
+    signs = "".join(part.text for part in parts if part.kind == "sign")
+    builtin = [part.text for part in parts if part.kind == "builtin"]
     if builtin:
         return " ".join(builtin) + signs
     names = [part for part in parts if part.kind == "name"]
-    plain = [part for part in names if not is_macro(tokens[part.begin].text)] or names
-    if not plain:
-        return None
-    chosen = tokens[plain[-1].begin : plain[-1].end]
-    return joined(chosen) + signs
+    plain = [part for part in names if not is_macro(part.text)] or names
+    return joined(plain[-1].tokens) + signs if plain else None

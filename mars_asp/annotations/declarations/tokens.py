@@ -5,10 +5,9 @@ Every search is bounded, so that the time stays linear whatever the text holds.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 _TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||[^\W\d]\w*|[$_]\w*|\d[\w.']*|\"[^\"]*\"|\S")
-_WORD = re.compile(r"[^\W\d]|[$_]")
 _OPENING = frozenset("([{")
 _CLOSING = frozenset(")]}")
 #: How many tokens the arguments of a template may have.
@@ -19,8 +18,7 @@ _DEEPEST = 32
 _OF_TYPES = frozenset(("::", ",", "*", "&", "&&", "...", "<", ">", "->", "?", "'", "+"))
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """One token and where it stands in the stretch."""
 
     text: str
@@ -34,7 +32,7 @@ def tokenise(code: str) -> list[Token]:
 
 def is_word(text: str) -> bool:
     """Say whether a token is an identifier or a keyword."""
-    return _WORD.match(text) is not None
+    return text[:1].isidentifier() or text[:1] == "$"
 
 
 def text_at(tokens: Sequence[Token], at: int) -> str:
@@ -50,10 +48,13 @@ def texts(tokens: Sequence[Token]) -> list[str]:
 def joined(tokens: Sequence[Token]) -> str:
     """Return tokens as one text, with blanks only where two words would run together."""
     pieces: list[str] = []
-    for token in tokens:
-        if pieces and _is_wordlike(pieces[-1]) and _is_wordlike(token.text):
+    behind_word = False
+    for text, _ in tokens:
+        wordlike = _is_wordlike(text)
+        if behind_word and wordlike:
             pieces.append(" ")
-        pieces.append(token.text)
+        pieces.append(text)
+        behind_word = wordlike
     return "".join(pieces)
 
 
@@ -78,7 +79,8 @@ def angle(tokens: Sequence[Token], at: int, expression: bool = False) -> int | N
     In an expression `<` may also compare; there, what stands between must look like types.
     """
     depth, index = 0, at
-    while index < min(len(tokens), at + _MOST_ARGUMENTS):
+    last = min(len(tokens), at + _MOST_ARGUMENTS)
+    while index < last:
         text = tokens[index].text
         if text in _OPENING:
             index = closing(tokens, index)
