@@ -168,19 +168,17 @@ def _asked_atom(
     names = {name.text for name in project.configuration.modules}
     if subject in names:
         message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
-    else:
-        known = [*names, *(c.kind for c in analysis.consequences)]
-        if synthesis is not None:
-            known += [node.name for node in synthesis.specification.nodes]
-        near = nearest(subject, known)
-        message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
-        help_text = (
-            f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
-        )
-    raise MarsError(
-        (
-            Diagnostic(
-                "subject", "error", message, point(project.configuration.path, 1, 1), help=help_text
-            ),
-        )
-    )
+        raise wrong_subject(project, message, help_text)
+    known = [*names, *(c.kind for c in analysis.consequences)]
+    if synthesis is not None:
+        known += [node.name for node in synthesis.specification.nodes]
+    near = nearest(subject, known)
+    message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
+    help_text = f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
+    raise wrong_subject(project, message, help_text)
+
+
+def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
+    """Return the error that a question is about nothing that could be answered."""
+    place = point(project.configuration.path, 1, 1)
+    return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))

@@ -16,11 +16,13 @@ from mars_asp.analysis import Analysis, Consequence, analyse, fill
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import MarsError
 from mars_asp.edits import Line, UnknownEditError, apply_edits
+from mars_asp.explain import wrong_subject
 from mars_asp.facts import facts_text
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
-from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
 from mars_asp.solve import Grounding
+from mars_asp.spelling import nearest
 
 #: What the rulebook of a repair holds.
 STAGES = ("resolve", "repair")
@@ -82,13 +84,15 @@ def repairs(
     stages `STAGES`. After `seconds` what was found so far is returned.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses.
+        MarsError: numbers that do not fit, rules that clingo refuses; the subject is no module,
+            and no kind of consequence.
     """
     deadline = None if seconds is None else time.monotonic() + seconds
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     findings = _asked(analysis.consequences, subject)
     if not findings:
+        _check_subject(subject, project, rulebook)
         return ()
     proposed = _proposals(facts, rulebook)
     search = _Search(project, rulebook, analysis, deadline)
@@ -108,6 +112,23 @@ def _asked(found: Sequence[Consequence], subject: str | None) -> list[Consequenc
         ]
     errors = [c for c in found if c.severity == "error"]
     return errors or [c for c in found if c.severity == "warning"]
+
+
+def _check_subject(subject: str | None, project: Project, rulebook: Rulebook) -> None:
+    """Tell a subject that is sound from one that nothing could be found for."""
+    names = {name.text for name in project.configuration.modules}
+    kinds = consequence_kinds(rulebook)
+    kind, bracket, about = (subject or "").partition("(")
+    if subject is None or subject in names | kinds:
+        return
+    if bracket and kind in kinds and about.removesuffix(")") in names:
+        return
+    near = nearest(subject, names | kinds)
+    raise wrong_subject(
+        project,
+        f"`{subject}` is no module and no kind of consequence",
+        f"did you mean `{near}`?" if near else "write a module, a KIND or `KIND(NAME)`",
+    )
 
 
 def _proposals(

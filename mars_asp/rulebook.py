@@ -92,6 +92,16 @@ class Rulebook:
         return {rule.id: rule for rule in self.rules}
 
 
+def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
+    """Return the kinds of consequence that rules name in their heads."""
+    heads = (r.text.removeprefix("consequence(") for r in rulebook.rules if _names_kind(r))
+    return frozenset(head.partition(",")[0] for head in heads)
+
+
+def _names_kind(rule: Rule) -> bool:
+    return re.match(r"consequence\([a-z]", rule.text) is not None
+
+
 def rules_directory() -> Path:
     """Return where the built-in rules are: beside the source tree, else in the package."""
     here = Path(__file__).resolve().parent

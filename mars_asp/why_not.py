@@ -20,7 +20,7 @@ from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
-from mars_asp.rulebook import Rulebook
+from mars_asp.rulebook import Rulebook, consequence_kinds
 from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.trace import absence
@@ -130,11 +130,9 @@ class _Vocabulary:
     def __init__(self, project: Project, rulebook: Rulebook, facts: Iterable[Fact]) -> None:
         self._path = project.configuration.path
         self._predicates = {head for rule in rulebook.rules for head in rule.heads}
-        self._kinds: set[str] = set()
+        self._kinds = consequence_kinds(rulebook)
         self._constants: set[str] = set()
         for rule in rulebook.rules:
-            if rule.text.startswith("consequence("):
-                self._kinds.add(rule.text.removeprefix("consequence(").partition(",")[0])
             self._constants |= set(_NAME.findall(rule.text))
         for _, text in rulebook.texts:
             self._predicates |= {(name, int(arity)) for name, arity in _DEFINED.findall(text)}
@@ -162,7 +160,7 @@ class _Vocabulary:
             if kind in _AT_MODULE and name:
                 return _AT_MODULE[kind](self._string(name))
             if call[1] in self._kinds:
-                about = hole() if not name else self._string(name)
+                about = hole() if name in (None, "", "_") else self._string(name or "")
                 kind_term = clingo.Function(call[1])
                 return clingo.Function("consequence", [kind_term, hole(), about, hole()])
             if not any(call[1] == known for known, _ in self._predicates):
@@ -199,7 +197,9 @@ class _Vocabulary:
 
     def _string(self, name: str) -> clingo.Symbol:
         if name not in self._strings:
-            raise self._unknown("name", name, self._strings)
+            near = nearest(name, self._strings)
+            help_text = f"did you mean `{near}`?" if near else "name a module, or write `_` for any"
+            raise self._wrong(f"there is no name `{name}`", help_text)
         return clingo.String(name)
 
     def _other_arity(self, name: str, arity: int) -> MarsError:

@@ -86,6 +86,7 @@ def test_holes_of_one_name_are_one_value() -> None:
         ("splitter(FeelForce)", "there is `splitter/2`"),
         ('splitter("FeelForce",origins)', "did you mean `origin`"),
         ("FeelForce", "DataSplitter(FeelForce)"),
+        ("data_divergence(X)", "write `_` for any"),
         ("a b", "is no atom"),
         ("p(1..3)", "there is no predicate"),
         ("priority(1..3,1)", "is no atom"),
@@ -105,6 +106,16 @@ def test_what_is_there_is_said_to_be_there() -> None:
     )
     assert found["present"]
     assert found["traces"][0]["kind"] == "derived"
+
+
+@pytest.mark.parametrize("subject", ["data_divergence(FeelForce)", "data_divergence(_)"])
+def test_only_rules_that_speak_of_a_kind_are_named(subject: str) -> None:
+    found = json.loads(run(f"mars-asp explain {LEVEL0} --why-not {subject} --format json"))
+    (trace,) = found["traces"]
+    if found["present"]:
+        assert trace["rule"]["id"] == "data/divergence"
+    else:
+        assert [near["rule"]["id"] for near in trace["premises"]] == ["data/divergence"]
 
 
 def test_json_of_an_absence() -> None:

@@ -33,10 +33,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "subject", nargs="?", metavar="SUBJECT", help="a module, node, consequence kind or atom"
     )
-    parser.add_argument(
+    question = parser.add_mutually_exclusive_group()
+    question.add_argument(
         "--repair", action="store_true", help="the smallest edits that remove each error"
     )
-    parser.add_argument(
+    question.add_argument(
         "--alternatives",
         nargs="?",
         const=5,
@@ -44,10 +45,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
-    parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
-    parser.add_argument(
+    question.add_argument(
         "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
     )
+    parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
         "--depth",
         metavar="N|all",
@@ -59,8 +60,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the traces; 3 where no time was left."""
+    contradiction = _contradiction(arguments)
+    if contradiction is not None:
+        print(f"mars-asp explain: {contradiction}", file=sys.stderr)
+        return 2
     project = read_project(arguments)
-    subject = arguments.subject or arguments.about
+    subject = arguments.about if arguments.subject is None else arguments.subject
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None:
@@ -80,6 +85,20 @@ def run(arguments: argparse.Namespace) -> int:
         for line in _text(answer, arguments):
             print(line)
     return int(answer.analysis.has_errors)
+
+
+def _contradiction(arguments: argparse.Namespace) -> str | None:
+    """Return what arguments leave open or would be ignored."""
+    has_subject = arguments.subject is not None
+    if has_subject and arguments.about is not None:
+        return "SUBJECT and --about say the same: give one of them"
+    if arguments.why_not is not None and (has_subject or arguments.about is not None):
+        subject = "SUBJECT" if has_subject else "--about"
+        return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
+    for option in ("repair", "alternatives"):
+        if getattr(arguments, option) and hasattr(arguments, "depth"):
+            return f"--{option} prints no trace, so --depth says nothing: leave it out"
+    return None
 
 
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
