@@ -8,9 +8,11 @@ from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.execute import Behaviour
+from mars_asp.execute.behaviour import AskedError
 from mars_asp.execute.schedule import MILLISECOND
 from mars_asp.model import Module
 from mars_asp.scenario import Scenario
+from mars_asp.source import Span
 
 Clock = Callable[[], float]
 
@@ -52,8 +54,12 @@ class Functions:
 
     def _note(self, module: str, message: str) -> None:
         self.problems.append(
-            Diagnostic("binding", "error", f"`{module}`: {message}", self.scenario.span)
+            Diagnostic("binding", "error", f"`{module}`: {message}", self._place(module))
         )
+
+    def _place(self, module: str) -> Span:
+        """Return where the scenario binds a module; one that it does not is bound by its source."""
+        return self.scenario.places.get(f"bindings.{module}", self.scenario.span)
 
 
 def _staying(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -134,7 +140,7 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
             last[0] = behaviour.call(*inputs)
             return last[0]
         if kind == "throwing":
-            raise RuntimeError(f"`{name}` throws, as the scenario asks")
+            raise AskedError(f"`{name}` throws, as the scenario asks")
         return last[0] if kind == "stuck" else None
 
     return Behaviour(call, behaviour.period, behaviour.delay)

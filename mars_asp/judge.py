@@ -13,6 +13,7 @@ from mars_asp.source import Span, point
 from mars_asp.trace import Explainer, Trace
 from mars_asp.trace.given import GivenFacts
 from mars_asp.trial import Trial
+from mars_asp.visible import visible
 
 #: Requirement and the kind of consequence that says it was violated.
 ALWAYS = {
@@ -20,6 +21,8 @@ ALWAYS = {
     "one controller at a time": "shared_control",
     "priorities respected": "priority_breach",
     "commands within limits": "limit_breach",
+    "commanded functions exist": "missing_function",
+    "no module failed": "module_failure",
 }
 ON_REQUEST = {
     "no_collision": "collision",
@@ -31,6 +34,8 @@ ON_REQUEST = {
 #: Where facts are that stand in no file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
+#: As much of an exception's text is told.
+_LONGEST = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +116,9 @@ def run_facts(trial: Trial) -> Iterator[Fact]:
     yield from _services(trial)
     yield from _control(trial)
     yield from _limits(trial)
+    yield from _functions(trial)
+    for name, failures in trial.executor.failures.items():
+        yield _seen("failed", name, failures.count, visible(failures.first)[:_LONGEST])
     body, scenario = trial.body, trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
@@ -183,6 +191,16 @@ def _limits(trial: Trial) -> Iterator[Fact]:
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
             yield _fact(place, "limit", name, function, _whole(rate * 1000))
+
+
+def _functions(trial: Trial) -> Iterator[Fact]:
+    """Yield what each effector states that it can do, and what its simulated device can."""
+    modules = trial.executor.plan.modules
+    for name in trial.executor.effectors:
+        for function in modules[name].functions if name in modules else ():
+            yield _fact(function.span, "has_function", name, function.name)
+        for moved in trial.moves.get(name, ()):
+            yield _seen("moves", name, moved)
 
 
 def _whole(number: float) -> int:

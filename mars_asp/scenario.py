@@ -91,13 +91,20 @@ CHOICES = {
 }
 _NAMED = ("devices", "bindings", "faults")
 _NESTED = ("world", "robot", "requirements")
+#: A table's header, the key at the start of a line, and one of its parts between dots.
+_PART = re.compile(r"([\w-]+)|\"([^\"]*)\"|'([^']*)'")
+_DOTTED = r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*'|\s*\.\s*)++)\s*"
+_HEADER = re.compile(r"\s*\[\[?" + _DOTTED + r"\]")
+_KEY = re.compile(_DOTTED + "=")
+#: Lines behind the start of a table in which a key of it is looked for.
+_FAR = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` says where requirements and the robot's limits stand.
+    `places` says where requirements, the robot's module and limits, bindings and faults stand.
     """
 
     path: Path
@@ -148,7 +155,11 @@ def read_scenario(text: str, path: Path) -> Scenario:
         raise MarsError(problems)
     places = {key: check.find(key, ("requirements",)) for key in tables.get("requirements", ())}
     limits = tables["robot"].get("limits", ())
-    places |= {function: check.find(function, ("robot",)) for function in limits}
+    places |= {function: check.find(function, ("robot", "limits")) for function in limits}
+    places["robot"] = check.find("module", ("robot",))
+    for table in ("bindings", "faults"):
+        named = tables.get(table, ())
+        places |= {f"{table}.{module}": check.find(module, (table,)) for module in named}
     return Scenario(path, point(str(path), 1, 1), **tables, places=places)
 
 
@@ -157,10 +168,25 @@ def _problem(span: Span, message: str, help_text: str | None = None) -> Diagnost
 
 
 class _Check:
-    """Compares tables with the schema; places are found by looking for the key."""
+    """Compares tables with the schema; places are found by looking for keys line by line."""
 
     def __init__(self, text: str, path: str) -> None:
         self.lines, self.path = text.splitlines(), path
+        self.stands: dict[tuple[str, ...], tuple[int, int]] = {}
+        under: tuple[str, ...] = ()
+        for number, line in enumerate(self.lines):
+            match = _HEADER.match(line) or _KEY.match(line)
+            if match is None:
+                continue
+            parts = list(_PART.finditer(match[1]))
+            keys = tuple(part[1] or part[2] or part[3] or "" for part in parts)
+            if match.re is _HEADER:
+                under = ()
+            for count, part in enumerate(parts, 1):
+                column = match.start(1) + part.start() + 1
+                self.stands.setdefault((*under, *keys[:count]), (number, column))
+            if match.re is _HEADER:
+                under = keys
 
     def scenario(self, tables: Mapping[str, Any]) -> Iterator[Diagnostic]:
         yield from self.table("", tables, ())
@@ -176,6 +202,10 @@ class _Check:
                     yield from self.table(name, entry, (name, module))
                 else:
                     yield _problem(self.find(module, (name,)), f"`{module}` is no table")
+                if name == "devices" and isinstance(entry, dict) and "kind" not in entry:
+                    kinds = ", ".join(CHOICES["devices", "kind"])
+                    place = self.find(module, (name,))
+                    yield _problem(place, f"`{module}` has no `kind`", f"one of {kinds}")
         for name in ("robot", "duration"):
             if name not in tables:
                 yield _problem(point(self.path, 1, 1), f"the scenario has no `{name}`")
@@ -217,14 +247,15 @@ class _Check:
                 yield _problem(span, f"`{key}` is not positive")
 
     def find(self, key: str, under: tuple[str, ...]) -> Span:
-        """Return where a key stands: the first line that has it, from its table's header on."""
-        header = re.compile(r"\s*\[+\s*" + r"\s*\.\s*".join(map(re.escape, under)) + r"\b")
+        """Return where a key stands; one of an inline table is looked for behind the table."""
+        wanted = (*under, key)
+        if wanted in self.stands:
+            number, column = self.stands[wanted]
+            return point(self.path, number + 1, column)
+        outer = (wanted[:count] for count in range(len(wanted) - 1, 0, -1))
+        start = next((self.stands[keys][0] for keys in outer if keys in self.stands), 0)
         written = re.compile(rf"(?<![\w-])[\"']?{re.escape(key)}[\"']?\s*(?==|\]|\.)")
-        start = 0
-        if under:
-            found = (i for i, line in enumerate(self.lines) if header.match(line))
-            start = next(found, 0)
-        for number, line in enumerate(self.lines[start:], start + 1):
+        for number, line in enumerate(self.lines[start : start + _FAR], start + 1):
             match = written.search(line)
             if match:
                 return point(self.path, number, match.start() + 1)

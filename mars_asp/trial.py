@@ -1,16 +1,17 @@
 """A specification in a scenario: world, robot, devices and executor, put together and run."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, hypot, inf, radians, sin
 from random import Random
 from typing import Any
 
-from mars_asp.bindings import Clock, bind_functions, faulty
+from mars_asp.bindings import bind_functions
+from mars_asp.devices import bind_devices, make_joints
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.execute import Behaviour, Executor
+from mars_asp.execute import Executor
 from mars_asp.execute.link import Observer
 from mars_asp.execute.plan import Plan
 from mars_asp.execute.schedule import MILLISECOND, SECOND
@@ -19,30 +20,26 @@ from mars_asp.scenario import Scenario
 from mars_asp.sim import (
     Body,
     Circle,
-    Joint,
     Mark,
     Pose,
     World,
-    bumper,
-    joystick,
-    lidar,
-    marks,
-    odometry,
-    sonar,
 )
-from mars_asp.sim.devices import Place, mounted
-
-_DEFAULT_PERIOD = 100.0
+from mars_asp.sim.body import planar_functions
+from mars_asp.spelling import nearest
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A run: `executor` and `body` hold what happened; `limits` are rates by module."""
+    """A run: `executor` and `body` hold what happened.
+
+    `limits` are rates by module, `moves` the functions that each simulated device carries out.
+    """
 
     scenario: Scenario
     executor: Executor
     body: Body
     limits: Mapping[str, Mapping[str, float]]
+    moves: Mapping[str, tuple[str, ...]]
 
     def run_until(self, seconds: float) -> None:
         """Run events and motion up to a time."""
@@ -153,11 +150,50 @@ def _stage(
         return running[0].schedule.now / SECOND if running else 0.0
 
     plan = Plan(specification, modules, {})
+    _check_robot(plan, scenario)
     behaviours = bind_functions(every, scenario, plan.names, clock)
-    behaviours |= _devices(plan, scenario, body, clock)
+    joints = make_joints(scenario)
+    behaviours |= bind_devices(plan, scenario, body, joints, clock)
+    _check_faults(behaviours.keys() - {robot["module"], *joints}, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
     running.append(Executor(specification, modules, behaviours, timeout, observe))
-    return Trial(scenario, running[0], body, limits)
+    moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
+    moves[robot["module"]] = planar_functions(scenario.up)
+    return Trial(scenario, running[0], body, limits, moves)
+
+
+def _check_robot(plan: Plan, scenario: Scenario) -> None:
+    """Refuse a robot that cannot move: a module's own kind is known once there is a plan."""
+    name = scenario.robot["module"]
+    kind = plan.kind(name).replace("_", " ")
+    functions = plan.modules[name].functions if name in plan.modules else ()
+    help_text = "name the effector that moves the robot"
+    if name not in plan.names:
+        message = f"`{name}` is no module of the specification"
+        near = nearest(name, plan.names)
+        help_text = f"did you mean `{near}`?" if near else help_text
+    elif kind != "effector":
+        message = f"the robot's `module` is an effector, and `{name}` is not ({kind})"
+    elif functions and not any(function.name in MOTION_FUNCTIONS for function in functions):
+        message = f"the robot's `module` moves, and `{name}` has no motion function"
+    else:
+        return
+    raise MarsError(
+        [Diagnostic("scenario", "error", message, scenario.places["robot"], (), help_text)]
+    )
+
+
+def _check_faults(able: Set[str], scenario: Scenario) -> None:
+    """Refuse faults that would not be injected: a trial of them would prove nothing."""
+    problems = []
+    for name in sorted(scenario.faults.keys() - able):
+        near = nearest(name, able)
+        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
+        message = f"`{name}` is no module that a Python function or a sensing device runs"
+        place = scenario.places[f"faults.{name}"]
+        problems.append(Diagnostic("scenario", "error", message, place, (), hint))
+    if problems:
+        raise MarsError(problems)
 
 
 def with_seed(scenario: Scenario, seed: int) -> Scenario:
@@ -215,74 +251,3 @@ def _limits(modules: Mapping[str, Module], scenario: Scenario) -> dict[str, dict
     stated = scenario.robot.get("limits", {})
     limits.setdefault(scenario.robot["module"], {}).update(stated)
     return limits
-
-
-def _devices(plan: Plan, scenario: Scenario, body: Body, clock: Clock) -> dict[str, Behaviour]:
-    joints = {
-        name: Joint(
-            table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y"),
-            *(float(table.get(key, default)) for key, default in _JOINT),
-        )
-        for name, table in scenario.devices.items()
-        if table.get("kind") in ("joint", "gripper")
-    }
-    found: dict[str, Behaviour] = {
-        name: Behaviour(lambda command, joint=joint: joint.obey(command, clock()))
-        for name, joint in joints.items()
-    }
-    platform = scenario.robot["module"]
-    found[platform] = Behaviour(lambda command: body.obey(command, clock()))
-    for name, table in scenario.devices.items():
-        if name in found or table.get("kind") == "platform":
-            continue
-        place = mounted(body, _way(plan, name, scenario, joints))
-        read = _sensor(table, body, place, Random(f"{scenario.seed}/{name}"))
-        period = round(table.get("period", _DEFAULT_PERIOD) * MILLISECOND)
-        behaviour = Behaviour(lambda read=read: read(clock()), period)
-        found[name] = faulty(behaviour, scenario, name, clock)
-    return found
-
-
-_JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
-
-
-def _sensor(
-    table: Mapping[str, Any], body: Body, place: Place, noise: Random
-) -> Callable[[float], Any]:
-    def stated(*keys: str) -> dict[str, Any]:
-        return {key: table[key] for key in keys if key in table}
-
-    kind = table.get("kind")
-    if kind == "sonar":
-        return sonar(body, place, noise, **stated("beams", "cone", "rays", "reach", "sigma"))
-    if kind == "lidar":
-        return lidar(body, place, noise, **stated("beams", "view", "reach", "sigma"))
-    if kind == "marks":
-        return marks(body, place, **stated("view", "reach"))
-    if kind == "odometry":
-        return odometry(body, noise, **stated("sigma"))
-    if kind == "joystick":
-        return joystick([tuple(entry) for entry in table.get("script", ())])
-    return bumper(body)
-
-
-def _way(
-    plan: Plan, name: str, scenario: Scenario, joints: Mapping[str, Joint]
-) -> list[tuple[float, float, float, Joint | None]]:
-    """Return the mounts from the robot out to a device, as the plane sees them.
-
-    A turn about the up axis counts; tilts and the vertices of modules are left out.
-    """
-    chain = plan.chain(name)
-    if scenario.robot["module"] in chain:
-        chain = chain[: chain.index(scenario.robot["module"]) + 1]
-    ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
-    way = []
-    for mounting in reversed(chain[:-1]):
-        across = plan.mounts[mounting].transformation
-        translation = across.translation if across else (0, 0, 0)
-        turns = across.rotations if across else ()
-        turn = sum(float(angle) for axis, angle in turns if axis.lower() == scenario.up)
-        joint = joints.get(mounting)
-        way.append((float(translation[ahead]), float(translation[aside]), turn, joint))
-    return way

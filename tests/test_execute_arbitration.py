@@ -57,7 +57,7 @@ def test_the_highest_in_force_wins_and_is_forwarded_at_once() -> None:
     assert got == [(0, 1), (20, 9)]
     arbiter = executor.arbiters["ArbitrationNode"]
     assert isinstance(arbiter, HierarchicalArbitration)
-    assert arbiter.suppressed == {"A": 1, "B": 0}
+    assert arbiter.suppressed == {"A": 1}
 
 
 def test_when_the_winner_falls_silent_the_next_in_force_resumes_after_the_hold() -> None:
@@ -262,3 +262,16 @@ def test_an_inheritance_node_allocates_as_its_input_says(
     )
     assert head.got == at_head
     assert base.got == at_base
+
+
+def test_a_suppressed_message_counts_for_the_module_that_said_it() -> None:
+    text = """
+        P is_controlled_by ArbitrationNode
+        ArbitrationNode is_controlled_by ControlSplitter1 0 hold 100
+        ArbitrationNode is_controlled_by B 1 hold 100
+        ControlSplitter1 is_controlled_by A
+    """
+    _, executor = arbitrated({"A": {0: 1, 30: 2}, "B": {20: 9}}, 0.05, text)
+    arbiter = executor.arbiters["ArbitrationNode"]
+    assert isinstance(arbiter, HierarchicalArbitration)
+    assert arbiter.suppressed == {"A": 1}

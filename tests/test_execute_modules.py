@@ -215,3 +215,21 @@ def test_the_same_run_gives_the_same_trace_to_the_byte() -> None:
     first = trace()
     assert first == trace()
     assert first.count(b"\n") > 600
+
+
+def test_an_effector_that_fails_counts_the_command_that_it_failed_at_alone() -> None:
+    def stall(command: dict[str, float]) -> None:
+        raise OSError("stalled")
+
+    executor = executed(
+        "P is_controlled_by C\nP is_controlled_by D",
+        [control_out("C"), control_out("D"), effector("P", "Trans_Z")],
+        {
+            "C": Behaviour(lambda: ("Trans_Z", 1), ms(100)),
+            "D": Behaviour(iter([None, None, ("Trans_Z", 2)]).__next__, ms(25)),
+            "P": stall,
+        },
+        0.05,
+    )
+    assert [link.dropped["failed"] for link in executor.links] == [1, 1]
+    assert (executor.failures["P"].count, executor.failures["P"].first) == (2, "OSError: stalled")

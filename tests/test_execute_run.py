@@ -308,3 +308,133 @@ def test_a_reader_who_leaves_ends_a_run_quietly() -> None:
         running.stdout.close()
         assert running.stderr.read() == b""
     assert running.returncode == 141
+
+
+FROM_FILE = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+DECLARED = "@module_start\n@module_name P\n@Trans_Z\n@module_end\n"
+
+
+@pytest.mark.parametrize(
+    ("device", "declared", "function", "holds"),
+    [
+        ("", DECLARED, "Trans_Z", True),
+        ("", DECLARED, "Rotn_Y", False),
+        ("", "", "Rotn_Y", True),
+        ("", "", "Rotn_X", False),
+        ("", DECLARED.replace("_Z", "_Y"), "Trans_Y", False),
+    ],
+)
+def test_a_command_for_a_function_that_is_not_there_is_a_violation(
+    device: str, declared: str, function: str, holds: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text(f"def go():\n    return '{function}', 5\n")
+    made = trial(BASE + FROM_FILE + device, DRIVE + declared, tmp_path)
+    assert verdicts(made) == {name: name != "commanded functions exist" or holds for name in ALWAYS}
+
+
+def test_a_joint_obeys_its_own_function_alone(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text("def go():\n    return 'Rotn_Z', 5\n")
+    specification = "@specification\n@modules P, J, C\nJ is_controlled_by C\n"
+    for function, holds in (("Rotn_Z", True), ("Rotn_Y", False)):
+        joint = f'[devices.J]\nkind = "joint"\nfunction = "{function}"\n'
+        made = trial(BASE + FROM_FILE + joint, specification, tmp_path)
+        assert verdicts(made)["commanded functions exist"] is holds
+
+
+ODD_ERROR = "class Odd(Exception):\n    def __str__(self):\n        return 1 / 0\n"
+
+
+@pytest.mark.parametrize(
+    ("raised", "first"),
+    [("ValueError('no\\nmap')", "ValueError: no\nmap"), ("Odd()", "Odd")],
+)
+def test_a_module_that_fails_fails_the_run(raised: str, first: str, tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text(f"{ODD_ERROR}def go():\n    raise {raised}\n")
+    (requirement,) = (
+        r for r in judge(trial(BASE + FROM_FILE, folder=tmp_path)).requirements if not r.holds
+    )
+    assert requirement.name == "no module failed"
+    assert requirement.message == f"`C` failed 31 times, first by {first}"
+
+
+def test_failures_that_are_asked_for_do_not_fail_a_run() -> None:
+    made = trial(f'{BASE}{HAND}[faults]\nC = {{ kind = "throwing", from = 1, until = 2 }}\n')
+    assert made.executor.links[0].dropped["failed"] == 10
+    assert all(verdicts(made).values())
+
+
+def test_a_screen_that_fails_fails_the_run_though_nothing_follows_it(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text("def go(reading):\n    raise ValueError(reading)\n")
+    screen = "@specification\n@modules P, S, A\nA uses_data_from S\n"
+    text = BASE + '[bindings.A]\npython = "b.py:go"\n[devices.S]\nkind = "odometry"\n'
+    made = trial(text, screen, tmp_path)
+    assert verdicts(made)["no module failed"] is False
+    assert made.executor.failures["A"].count == 31
+
+
+def test_a_condition_about_what_is_no_number_fails_the_run() -> None:
+    screen = "@specification\n@modules P, S, A\nA uses_data_from S NotifyOnMax(3)\n"
+    made = trial(BASE + '[devices.S]\nkind = "odometry"\n', screen)
+    assert [failures.count for failures in made.executor.failures.values()] == [31]
+    assert list(made.executor.failures) == ["S -> A"]
+
+
+@pytest.mark.parametrize(
+    ("robot", "told"),
+    [
+        ("S", "the robot's `module` is an effector, and `S` is not (sensor)"),
+        ("C", "the robot's `module` is an effector, and `C` is not (control out)"),
+        ("G", "the robot's `module` moves, and `G` has no motion function"),
+        ("Q", "`Q` is no module of the specification"),
+    ],
+)
+def test_what_cannot_move_is_no_robot(robot: str, told: str) -> None:
+    blocks = "".join(
+        f"@module_start\n@module_name {name}\n{annotation}\n@module_end\n"
+        for name, annotation in (("S", "@Sense RequestWhenReady\nMap look();"), ("G", "@Grasp"))
+    )
+    text = DRIVE.replace("P, C", "P, C, S, G") + blocks
+    with pytest.raises(MarsError) as raised:
+        trial(f'duration = 3\n[robot]\nradius = 9\nmodule = "{robot}"\n{HAND}', text)
+    (found,) = raised.value.diagnostics
+    assert (found.message, found.span.line, found.span.column) == (told, 4, 1)
+
+
+@pytest.mark.parametrize(
+    ("binding", "place"),
+    [
+        ('[bindings.C]\nperiod = 9\npython = "b.py:go"\n', (6, 11)),
+        ('[bindings]\nD = { period = 9 }\nC = { python = "b.py:go" }\n', (8, 1)),
+        ('[bindings]\nC.python = "b.py:go"\n', (7, 1)),
+        ('[devices.C]\nkind = "sonar"\n[bindings."C"]\npython = "b.py:go"\n', (8, 11)),
+    ],
+)
+def test_a_binding_to_what_is_not_there_is_reported_at_its_line(
+    binding: str, place: tuple[int, int], tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text("")
+    text = f"seed = 0\n\n{BASE}{binding}".replace("[devices.C]", "[devices.D]")
+    with pytest.raises(MarsError) as raised:
+        trial(text, folder=tmp_path)
+    found = raised.value.diagnostics[0]
+    assert found.message.endswith("AttributeError: module '_behaviour_b' has no attribute 'go'")
+    assert (found.span.line, found.span.column) == place
+
+
+def test_a_module_with_nothing_to_run_it_is_reported_where_it_is_named() -> None:
+    with pytest.raises(MarsError) as raised:
+        trial(BASE)
+    (found,) = raised.value.diagnostics
+    assert (found.span.line, found.span.column) == (2, 13)
+
+
+@pytest.mark.parametrize("name", ["P", "Cc"])
+def test_a_fault_that_nothing_has_is_refused(name: str) -> None:
+    with pytest.raises(MarsError, match="no module that a Python function or a sensing") as raised:
+        trial(f'{BASE}{HAND}[faults.{name}]\nkind = "silent"\n')
+    assert raised.value.diagnostics[0].span.line == 7
+
+
+def test_a_device_without_a_kind_is_refused() -> None:
+    with pytest.raises(MarsError, match="`C` has no `kind`"):
+        trial(BASE + "[devices.C]\nperiod = 3\n")

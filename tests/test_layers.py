@@ -50,6 +50,7 @@ LAYERS = [
     "execute",
     "scenario",
     "bindings",
+    "devices",
     "trial",
     "judge",
     "draw",

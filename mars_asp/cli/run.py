@@ -3,6 +3,8 @@
 import argparse
 import json
 import sys
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -209,13 +211,15 @@ def _links(trial: "Trial") -> "Table":
 
 
 def _controllers(trial: "Trial") -> "Table":
-    suppressed: dict[str, int] = {}
+    links, plan = trial.executor.links, trial.executor.plan
+    # One that never said anything has a row, too.
+    speakers = (link.source for link in links if plan.kind(link.source) == "control_out")
+    suppressed = Counter(dict.fromkeys(speakers, 0))
     for arbiter in trial.executor.arbiters.values():
-        for name, count in _suppressed(arbiter).items():
-            suppressed[name] = suppressed.get(name, 0) + count
+        suppressed.update(_suppressed(arbiter))
     times, duration = trial.control_time, trial.scenario.duration
     rows = (
-        (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed.get(name, 0)))
+        (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed[name]))
         for name in sorted({*times, *suppressed})
     )
     return _table(("controller", "in control", "suppressed"), rows)
@@ -233,7 +237,7 @@ def _table(heads: tuple[str, ...], rows: Any) -> "Table":
     return table
 
 
-def _suppressed(arbiter: object) -> "dict[str, int]":
+def _suppressed(arbiter: object) -> Mapping[str, int]:
     from mars_asp.execute.arbitration import HierarchicalArbitration
 
     return arbiter.suppressed if isinstance(arbiter, HierarchicalArbitration) else {}

@@ -1,5 +1,6 @@
 """ArbitrationNodes: flat averages, hierarchical priorities with holds."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -72,7 +73,6 @@ class _Input:
     message: Message | None = None
     until: int = -1
     arrival: int = -1
-    suppressed: int = 0
     in_force: list[tuple[int, int]] = field(default_factory=list)
 
 
@@ -80,7 +80,8 @@ class HierarchicalArbitration:
     """Forwards the highest priority in force; resumes the next when a hold runs out.
 
     `stops` says whether a stop is sent when nothing is left in force: an arbiter that only
-    feeds others leaves that to them.
+    feeds others leaves that to them. `suppressed` counts, by the module that said them, messages
+    that something higher kept from being forwarded.
     """
 
     def __init__(
@@ -98,17 +99,13 @@ class HierarchicalArbitration:
         self.inputs: list[_Input] = []
         self.winner: _Input | None = None
         self.holdings: list[Holding] = []
+        self.suppressed: Counter[str] = Counter()
 
     def input(self, link: Link, hold: int) -> Callable[[Message], None]:
         """Return what takes the commands of one controller, each in force for `hold` ns."""
         source = _Input(link, hold)
         self.inputs.append(source)
         return lambda message: self.receive(source, message)
-
-    @property
-    def suppressed(self) -> dict[str, int]:
-        """Return how many messages of each input something higher kept from being forwarded."""
-        return {source.link.source: source.suppressed for source in self.inputs}
 
     @property
     def in_force(self) -> tuple[tuple[Link, Sequence[tuple[int, int]]], ...]:
@@ -136,7 +133,7 @@ class HierarchicalArbitration:
             others = any(other is not source and other.until > now for other in self.inputs)
             self.forward(source, "highest priority in force" if others else "alone in force")
             return
-        source.suppressed += 1
+        self.suppressed[message.origin] += 1
         if best is not None and source is self.winner:
             # The arbiter behind it fell back to an older message than what is in force here.
             self.forward(best, f"latest among equals of {source.link.source}")

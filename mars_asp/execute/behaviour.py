@@ -8,6 +8,10 @@ from typing import Any
 from mars_asp.model import GRASP, MOTION_FUNCTIONS
 
 
+class AskedError(RuntimeError):
+    """What a module raises because somebody asked for that, to see what comes of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Behaviour:
     """A module's function, and when it runs.

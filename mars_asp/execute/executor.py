@@ -13,12 +13,13 @@ from mars_asp.execute.delivery import (
     Offer,
     open_link,
 )
-from mars_asp.execute.link import Link, Message, Observer
+from mars_asp.execute.link import Failures, Link, Message, Observer
 from mars_asp.execute.modules import COMMAND_TIMEOUT, Algorithm, Effector, Sensor
 from mars_asp.execute.nodes import ControlSplitter, DataSplitter, DataTransformer, InheritanceNode
 from mars_asp.execute.plan import Plan
 from mars_asp.execute.schedule import DATA, MILLISECOND, SECOND, Schedule
 from mars_asp.model import Configuration, Module
+from mars_asp.source import Span
 
 DEFAULT_PERIOD = 100 * MILLISECOND
 
@@ -65,6 +66,13 @@ class Executor:
         """Return every link, in the order of the relationships, with its counts."""
         return tuple(self.plan.links)
 
+    @property
+    def failures(self) -> dict[str, Failures]:
+        """Return what modules, converters and links raised that nobody asked for, by who did."""
+        found = {name: getattr(e, "failures", Failures()) for name, e in self.elements.items()}
+        found |= {f"{link.source} -> {link.client}": link.failures for link in self.links}
+        return {name: failures for name, failures in found.items() if failures.count}
+
     def step_until(self, time: int) -> None:
         """Run all events up to and including an instant (ns)."""
         self.schedule.step_until(time)
@@ -91,24 +99,26 @@ class Executor:
     def _refuse_incomplete(self) -> None:
         """Report at once all that is unbound and all that could never run."""
         plan, problems = self.plan, []
-        span = plan.configuration.span
+        whole = plan.configuration.span
+        spans = {name.text: name.span for name in plan.configuration.modules}
         for name in plan.names:
+            span = spans.get(name, whole)
             kind = plan.kind(name)
             if name in plan.behaviours or kind == "sink":
-                problems += self._never_runs(name)
+                problems += self._never_runs(name, span)
             elif kind in ("sensor", "data_out", "control_out") or (
                 kind == "effector" and plan.control_in[name]
             ):
                 problems.append(_unbound(name, kind, span))
         problems += [
-            _unbound(c.converter or c.transformer, "converter", span)
+            _unbound(c.converter or c.transformer, "converter", spans.get(c.transformer, whole))
             for c in plan.configuration.conversions
             if (c.converter or c.transformer) not in plan.behaviours
         ]
         if problems:
             raise MarsError(problems)
 
-    def _never_runs(self, name: str) -> list[Diagnostic]:
+    def _never_runs(self, name: str, span: Span) -> list[Diagnostic]:
         plan = self.plan
         if plan.kind(name) not in ("data_out", "control_out"):
             return []
@@ -120,7 +130,7 @@ class Executor:
             return []
         message = f"nothing ever makes `{name}` run: no input is notified and it has no period"
         help_text = f"give `{name}` a period in the scenario"
-        return [Diagnostic("never-runs", "error", message, plan.configuration.span, (), help_text)]
+        return [Diagnostic("never-runs", "error", message, span, (), help_text)]
 
     def _build(self, name: str) -> Any:
         kind, plan = self.plan.kind(name), self.plan
@@ -235,7 +245,7 @@ class Executor:
         return receive
 
 
-def _unbound(name: str, kind: str, span: Any) -> Diagnostic:
+def _unbound(name: str, kind: str, span: Span) -> Diagnostic:
     message = f"`{name}` has nothing to run it ({kind.replace('_', ' ')})"
     help_text = f"bind `{name}` to a device or a Python function in the scenario"
     return Diagnostic("unbound", "error", message, span, (), help_text)

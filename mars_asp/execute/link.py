@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from mars_asp.execute.behaviour import AskedError
 from mars_asp.execute.schedule import Schedule
 from mars_asp.model import Mode
 from mars_asp.source import Span
@@ -35,13 +36,37 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
 Observer: TypeAlias = Callable[[int, str, str, object], None]
 
 
+@dataclass(slots=True)
+class Failures:
+    """How many exceptions somebody raised that nobody asked for, and the text of the first."""
+
+    count: int = 0
+    first: str = ""
+
+    def note(self, error: Exception) -> None:
+        """Count an exception, unless it was asked for."""
+        if not isinstance(error, AskedError):
+            self.count += 1
+            self.first = self.first or _text_of(error)
+
+
+def _text_of(error: Exception) -> str:
+    """Return the kind and the text of an exception; a text may itself raise."""
+    name = type(error).__name__
+    try:
+        return f"{name}: {error}"
+    except Exception:  # the class of a user's exception may be wrong in any way
+        return name
+
+
 @dataclass(slots=True, eq=False)
 class Link:
     """One relationship of the specification, and what has passed over it.
 
     `dropped` counts by reason: `lowered` (a rate that was to be lowered), `unread` (overtaken
     before it was requested), `overtaken` (by another command of the instant), `failed` (an
-    exception; `fault` says which was the first). `hold` and ages are in ns.
+    exception; `fault` says which was the first). `failures` are those of the link itself, which
+    cannot do with messages what it is to do. `hold` and ages are in ns.
     """
 
     kind: Literal["data", "control"]
@@ -59,6 +84,7 @@ class Link:
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     fault: str = ""
+    failures: Failures = field(default_factory=Failures)
     oldest: int = 0
     schedule: Schedule = field(default_factory=Schedule)
     observe: Observer | None = None
@@ -79,9 +105,14 @@ class Link:
         self.receive(message)
 
     def fail(self, error: Exception) -> None:
+        """Count a message that the link itself cannot deal with."""
+        self.failures.note(error)
+        self.drop(error)
+
+    def drop(self, error: Exception) -> None:
         """Count a message that an exception dropped; the link is faulty from now on."""
         self.dropped["failed"] += 1
-        self.fault = self.fault or f"{type(error).__name__}: {error}"
+        self.fault = self.fault or _text_of(error)
         if self.observe is not None:
             name = type(error).__name__
             self.observe(self.schedule.now, "failed", f"{self.source} -> {self.client}", name)

@@ -6,7 +6,7 @@ from typing import Any
 
 from mars_asp.execute.behaviour import Behaviour, single_command
 from mars_asp.execute.delivery import Offer
-from mars_asp.execute.link import Link, Message, message_of
+from mars_asp.execute.link import Failures, Link, Message, message_of
 from mars_asp.execute.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
 
 COMMAND_TIMEOUT = 500 * MILLISECOND
@@ -20,6 +20,7 @@ class Sensor:
         self.call, self.delay = behaviour.call, behaviour.delay
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
+        self.failures = Failures()
         if hz is None and behaviour.period is not None:
             hz = Fraction(SECOND, behaviour.period)
         self.clocked = hz is not None
@@ -31,7 +32,7 @@ class Sensor:
         try:
             reading = self.call()
         except Exception as error:  # a device's fault must not end the run
-            fail(self.outputs, error)
+            fail(self.failures, self.outputs, error)
             return
         if reading is None:
             return
@@ -70,6 +71,7 @@ class Algorithm:
         self.queue = schedule.queue(self.rank)
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
+        self.failures = Failures()
         self.run = self.ask if pulls else self.compute
         self.latest: list[Any] = []
         self.unheard: set[int] = set()
@@ -128,7 +130,7 @@ class Algorithm:
             if result is not None and self.commands:
                 result = single_command(result)
         except Exception as error:  # a module's fault must not end the run
-            fail(self.outputs, error)
+            fail(self.failures, self.outputs, error)
             return
         if result is None:
             return
@@ -150,13 +152,12 @@ class Effector:
         self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
         self.message: Message | None = None
         self.awaited: Link | None = None
-        self.inputs: list[Link] = []
+        self.failures = Failures()
         self.applied: list[tuple[int, str, dict[str, float]]] = []
         self.timeouts = 0
 
     def input(self, link: Link) -> Callable[[Message], None]:
         """Return what takes the commands of one link."""
-        self.inputs.append(link)
         return lambda message: self.receive(link, message)
 
     def receive(self, link: Link, message: Message) -> None:
@@ -164,20 +165,20 @@ class Effector:
         if self.awaited is not None:
             self.awaited.dropped["overtaken"] += 1
         self.message, self.awaited = message, link
-        self.queue(lambda: self.apply(message))
+        self.queue(lambda: self.apply(message, link))
         if message.value:
             due = self.schedule.now + self.timeout
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
 
-    def apply(self, message: Message) -> None:
-        """Carry a command out, unless a later one of the same instant took its place."""
+    def apply(self, message: Message, link: Link | None) -> None:
+        """Carry out a link's command, unless a later one of the same instant took its place."""
         if message is not self.message:
             return
         self.awaited = None
         try:
             self.behaviour.call(message.value)
         except Exception as error:  # a device's fault must not end the run
-            fail(self.inputs, error)
+            fail(self.failures, [link] if link else [], error)
         if not self.applied or self.applied[-1][1:] != (message.origin, message.value):
             self.applied.append((self.schedule.now, message.origin, message.value))
 
@@ -186,7 +187,7 @@ class Effector:
         if message is self.message:
             self.timeouts += 1
             self.message = Message({}, self.schedule.now, "")
-            self.apply(self.message)
+            self.apply(self.message, None)
 
 
 def offer_all(offers: list[Offer], message: Message) -> None:
@@ -195,7 +196,8 @@ def offer_all(offers: list[Offer], message: Message) -> None:
         offer(message)
 
 
-def fail(links: list[Link], error: Exception) -> None:
-    """Count on every link the message that it did not get."""
+def fail(failures: Failures, links: list[Link], error: Exception) -> None:
+    """Count an exception, and on every link the message that it lost by it."""
+    failures.note(error)
     for link in links:
-        link.fail(error)
+        link.drop(error)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from mars_asp.execute.delivery import Offer
-from mars_asp.execute.link import Link, Message
+from mars_asp.execute.link import Failures, Link, Message
 from mars_asp.model import GRASP
 
 #: Rows of a rotation that takes vectors of the commanding frame into the provider's.
@@ -28,6 +28,7 @@ class DataTransformer:
 
     def __init__(self, convert: Callable[[Any], Any], outputs: list[Link]) -> None:
         self.convert, self.outputs = convert, outputs
+        self.failures = Failures()
         self.offers: list[Offer] = []
 
     def receive(self, message: Message) -> None:
@@ -35,8 +36,9 @@ class DataTransformer:
         try:
             value = self.convert(message.value)
         except Exception as error:  # a converter's fault must not end the run
+            self.failures.note(error)
             for link in self.outputs:
-                link.fail(error)
+                link.drop(error)
             return
         for offer in self.offers:
             offer(message._replace(value=value))
