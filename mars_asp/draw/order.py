@@ -77,22 +77,28 @@ def _swap(
     place: dict[int, int],
 ) -> None:
     """Swap neighbours as long as that takes crossings away."""
-    improved = True
-    while improved:
-        improved = False
-        for index, (u, v) in enumerate(pairwise(list(layer))):
-            if layer[index] != u:
-                continue
-            if _excess(u, v, below, place) + _excess(u, v, above, place) > 0:
+    ends = [
+        {vertex: [place[other] for other in near.get(vertex, ())] for vertex in layer}
+        for near in (below, above)
+    ]
+    due = list(range(len(layer) - 1))
+    while due:
+        moved: list[int] = []
+        for index in due:
+            if moved and moved[-1] == index - 1:
+                continue  # what came from there has its turn in the next round
+            u, v = layer[index : index + 2]
+            if sum(_excess(side[u], side[v]) for side in ends) > 0:
                 layer[index : index + 2] = [v, u]
                 place[u], place[v] = index + 1, index
-                improved = True
+                moved.append(index)
+        # The layers on both sides stand still, so only new neighbours can be out of order.
+        near_moved = {other for index in moved for other in (index - 1, index + 1)}
+        due = sorted(near_moved.intersection(range(len(layer) - 1)))
 
 
-def _excess(u: int, v: int, near: Mapping[int, list[int]], place: Mapping[int, int]) -> int:
-    """Return how many crossings swapping u, v takes away on one side."""
-    left = [place[other] for other in near.get(u, ())]
-    right = [place[other] for other in near.get(v, ())]
+def _excess(left: Sequence[int], right: Sequence[int]) -> int:
+    """Return how many crossings swapping two neighbours takes away on the side of these ends."""
     return sum((a > b) - (a < b) for a in left for b in right)
 
 
