@@ -1,6 +1,7 @@
 """URDF: what a document says as mounts and functions, and the same frames after a round trip."""
 
 import math
+import re
 from decimal import Decimal
 from pathlib import Path
 
@@ -386,6 +387,19 @@ def test_export_needs_one_tree() -> None:
         export_urdf(robot(ring, ()), {})
     with pytest.raises(MarsError, match="mounted twice"):
         export_urdf(robot([Mount("A", "B", HERE), Mount("A", "B", HERE)], ()), {})
+
+
+def test_zeros_have_no_sign() -> None:
+    written = "@configuration\n@modules B, A, C\nA is_mounted_on B (x,180,_,_,-0.0,-0,5)\n"
+    written += "C is_mounted_on A (x,-90,z,-180,0,-0.0,0)\n"
+    written += "@module_start\n@module_name A\n@Rotn_Z -0.0 5\n@Trans_X -5 -0\n@module_end\n"
+    configuration = parse_text(written, "z.mars").configuration
+    exported = export_urdf(configuration, {m.name: m for m in configuration.declared})
+    assert not re.search(r"-0(\.0)?[ \"]", exported)
+    assert "@Rotn_Z 0 5" in print_configuration(configuration)
+    negative = exported.replace('"0.0 0.0 0.005"', '"-0.0 -0 0.005"').replace('"0.0"', '"-0.0"')
+    assert negative != exported
+    assert not re.search(r"-0(\.0)?[ ,)\n]", print_configuration(imported(negative)))
 
 
 # ---- the verbs ----

@@ -67,8 +67,8 @@ def print_transformation(transformation: Transformation) -> str:
 
 
 def print_number(number: Decimal) -> str:
-    """Return a number without exponent and trailing zeros."""
-    text = format(number, "f")
+    """Return a number without exponent and trailing zeros; zero has no sign."""
+    text = format(number or abs(number), "f")
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 

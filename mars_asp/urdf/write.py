@@ -106,7 +106,7 @@ def _add_joint(
 
 
 def _add_origin(joint: ElementTree.Element, pose: Matrix) -> None:
-    xyz = " ".join(repr(float(length) / 1000) for length in pose[:3, 3])
+    xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
     rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
     ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
 
@@ -122,7 +122,8 @@ def _add_motion(joint: ElementTree.Element, function: Function) -> None:
         if value is None:
             limits[key] = str(open_[key])
         else:
-            limits[key] = repr(math.radians(value) if turns else float(value) / 1000)
+            # Adding zero takes the sign of a zero away.
+            limits[key] = repr((math.radians(value) if turns else float(value) / 1000) + 0.0)
     if joint.get("type") == "continuous":
         del limits["lower"], limits["upper"]
     ElementTree.SubElement(joint, "limit", limits)
