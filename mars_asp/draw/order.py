@@ -3,7 +3,6 @@
 from bisect import bisect_right, insort
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 _SWEEPS, _PATIENCE = 24, 6
 #: Swapping neighbours costs the square of their links; beyond this many vertices it is left out.
