@@ -51,11 +51,11 @@ class Rule:
         return frozenset(_head_signatures(self.ast))
 
     def __getstate__(self) -> dict[str, object]:
-        """Keep the heads, for most questions need no more of the tree, which cannot be kept."""
+        """Keep what most questions need of the tree, which itself cannot be kept."""
         written = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {**written, "heads": self.heads}
+        return {**written, "heads": self.heads, "is_choice": self.is_choice}
 
-    @property
+    @cached_property
     def is_choice(self) -> bool:
         """Say whether the rule offers atoms instead of forcing them."""
         return self.ast.head.ast_type not in (ast.ASTType.Literal, ast.ASTType.Disjunction)

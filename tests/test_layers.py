@@ -27,6 +27,7 @@ LAYERS = [
     "pack",
     "rulebook",
     "rule_cases",
+    "term",
     "ground_program",
     "optimum",
     "solve",

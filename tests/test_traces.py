@@ -14,6 +14,7 @@ import pytest
 
 from mars_asp.rulebook import Rule
 from mars_asp.source import Span
+from mars_asp.term import Term, as_term
 from mars_asp.trace import Absent, Derived, Given
 from mars_asp.trace.absence import why_not
 from mars_asp.trace.text import trace_json, traces_text
@@ -65,8 +66,12 @@ def test_random_programs(first: int) -> None:
 
 
 def step(atom: str, rule: Rule, *premises: Given | Derived | Absent, **values: int) -> Derived:
-    bindings = {name: clingo.Number(value) for name, value in values.items()}
-    return Derived(atom, rule, None, bindings, premises)
+    return Derived(as_term(clingo.parse_term(atom)), rule, bound(**values), premises)
+
+
+def bound(**values: int) -> Term:
+    pairs = ([clingo.String(name), clingo.Number(value)] for name, value in values.items())
+    return as_term(clingo.Function("v", [clingo.Function("", pair) for pair in pairs]))
 
 
 def test_the_checker_finds_what_is_wrong() -> None:
@@ -77,7 +82,7 @@ def test_the_checker_finds_what_is_wrong() -> None:
     assert faults([good], frozenset(), true) == []
     bad: Iterable[Derived | Given | Absent] = [
         replace(good, premises=(q2,)),
-        replace(good, atom="p(2)", premises=(q2,), bindings={"X": clingo.Number(2)}),
+        replace(good, head=as_term(clingo.parse_term("p(2)")), premises=(q2,), values=bound(X=2)),
         replace(good, premises=(Given("q(1)", Span("x", 1, 1, 1, 1)),)),
         replace(good, rule=rules[2], premises=()),
         Absent("q(_)"),

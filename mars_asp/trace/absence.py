@@ -7,12 +7,12 @@ import clingo
 
 from mars_asp.analysis import fill
 from mars_asp.rulebook import Rule
+from mars_asp.term import as_symbol
 from mars_asp.trace.explainer import Explainer
 from mars_asp.trace.firings import Firing
-from mars_asp.trace.near import Candidate, NearMisses
+from mars_asp.trace.near import NEAR, Candidate, NearMisses
 from mars_asp.trace.pattern import can_be_followed, fixed_parts, shown_pattern
-from mars_asp.trace.proofs import bindings_of
-from mars_asp.trace.values import Absent, Attempt, Missing, Trace
+from mars_asp.trace.values import Absent, Attempt, Missing, Trace, bindings_of
 
 Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 
@@ -46,7 +46,7 @@ def _come_near(
     for index, pattern in enumerate(patterns):
         kind = (pattern.name, len(pattern.arguments))
         parts = clingo.Function("w", fixed_parts(pattern))
-        asked.append(("_near", [clingo.Number(index), parts]))
+        asked.append((NEAR, [clingo.Number(index), parts]))
         for number, rule in enumerate(explainer.rules):
             if kind in rule.heads:
                 lines.append(near.text(rule, number, pattern, index))
@@ -68,7 +68,7 @@ def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, st
         candidate.fails is not None,
         not candidate.alone,
         -candidate.kept,
-        str(firing.bindings),
+        str(as_symbol(firing.values)),
     )
 
 
@@ -79,8 +79,9 @@ def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
         return (lack.arguments[0],)
     if lack.name == "no":
         return ()
-    counted = {p for g in firing.groups for e in g.elements for p in (*e.premises, *e.conditions)}
-    premises = () if lack.name == "value" and counted else firing.premises
+    elements = [element for group in firing.groups for element in group.elements]
+    counted = {as_symbol(p) for e in elements for p in (*e.premises, *e.conditions)}
+    premises = () if lack.name == "value" and counted else map(as_symbol, firing.premises)
     return tuple(dict.fromkeys((*premises, *sorted(counted))))
 
 
@@ -117,7 +118,7 @@ def _absence(
             cause = true[lack.arguments[0]]
         else:
             held = tuple(true[atom] for atom in _believed(firing))
-        rule, bindings = rules[candidate.rule], bindings_of(firing)
+        rule, bindings = rules[candidate.rule], bindings_of(firing.values)
         attempts.append(
             Attempt(
                 shown,

@@ -10,7 +10,7 @@ from mars_asp.source import Span
 from mars_asp.trace.demand import first_arguments, reachable_rules
 from mars_asp.trace.firings import Firing, read_firings
 from mars_asp.trace.proofs import Proofs
-from mars_asp.trace.rewrite import Rewriter, Signature, asking_name
+from mars_asp.trace.rewrite import QUESTION, Rewriter, Signature, asking_name
 from mars_asp.trace.values import Trace
 
 _COPIED = re.compile(r"_t_(\w+)")
@@ -62,23 +62,23 @@ class Explainer:
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
     def firings(
-        self, text: str, asked: Iterable[tuple[str, Sequence[clingo.Symbol]]]
+        self, text: str, asked: Sequence[tuple[str, Sequence[clingo.Symbol]]]
     ) -> list[Firing]:
         """Return what explanation rules find.
 
-        They are grounded as a part of their own, so that only they can matter, with the number of
-        the question as `k` and as the first argument of each asked fact, (name, arguments).
+        They are grounded as a part of their own, with predicates of their own, so that only they
+        can matter; `asked` are facts, (name, arguments), that they begin with.
         """
         self._copy_open(text)
         self._question += 1
-        part = f"_explain{self._question}"
-        number = clingo.Number(self._question)
-        self._control.add(part, ["k"], text)
+        question = str(self._question)
+        part = f"_explain{question}"
+        self._control.add(part, [], text.replace(QUESTION, question))
+        names = {name: name.replace(QUESTION, question) for name, _ in asked}
         with self._control.backend() as backend:
             for name, arguments in asked:
-                fact = clingo.Function(name, [number, *arguments])
-                backend.add_rule([backend.add_atom(fact)])
-        self._control.ground([(part, [number])])
+                backend.add_rule([backend.add_atom(clingo.Function(names[name], arguments))])
+        self._control.ground([(part, [])])
         return read_firings(self._control, self._question)
 
     def _present(self) -> frozenset[str]:

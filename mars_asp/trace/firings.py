@@ -6,13 +6,16 @@ support itself. An aggregate is reached when enough of its elements are; which o
 bound, as of `#count` and `#sum` from below.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import clingo
 
-Atoms: TypeAlias = tuple[clingo.Symbol, ...]
+from mars_asp import term
+from mars_asp.term import Term, as_symbol
+
+Terms: TypeAlias = tuple[Term, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,10 +25,10 @@ class Element:
     `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
     """
 
-    tuple: clingo.Symbol
-    premises: Atoms
-    conditions: Atoms
-    absent: Atoms
+    tuple: Term
+    premises: Terms
+    conditions: Terms
+    absent: Terms
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,62 +44,79 @@ class Group:
     elements: tuple[Element, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Firing:
-    """One use of a rule: true atoms that it needs, and groups of which it needs some."""
+    """One use of a rule: true atoms that it needs, and groups of which it needs some.
+
+    What is absent and what the variables stand for are read when somebody asks.
+    """
 
     rule: int
-    head: clingo.Symbol
-    premises: Atoms
-    absent: Atoms
-    bindings: Atoms
+    head: Term
+    premises: Terms
+    _absent: Term
+    #: The values of the variables, `v(("X",1),...)`.
+    values: Term
     groups: tuple[Group, ...] = ()
     #: What a firing that almost was lacks; `None` for a real one.
     lacks: clingo.Symbol | None = None
 
+    @property
+    def absent(self) -> Terms:
+        """Return the atoms whose absence the firing rests on."""
+        return tuple(dict.fromkeys(term.arguments(self._absent)))
+
 
 def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     """Return what the explanation rules of a question found."""
-    atoms = control.symbolic_atoms
-    number = clingo.Number(question)
-    elements: dict[tuple[clingo.Symbol, clingo.Symbol], list[Element]] = {}
-    for atom in atoms.by_signature("_e", 6):
-        firing, index, told_apart, needed, others, absent = atom.symbol.arguments
-        if firing.arguments[0] == number:
-            elements.setdefault((firing, index), []).append(
-                Element(
-                    told_apart,
-                    tuple(needed.arguments),
-                    tuple(others.arguments),
-                    tuple(absent.arguments),
-                )
-            )
-    groups: dict[clingo.Symbol, list[tuple[clingo.Symbol, Group]]] = {}
-    for atom in atoms.by_signature("_g", 5):
-        firing, index, function, relation, bound = atom.symbol.arguments
-        if firing.arguments[0] == number:
-            inside = sorted(elements.get((firing, index), ()), key=_element_order)
-            strict = relation.name in ("gt", "lt")
-            group = Group(function.name, strict, bound, tuple(inside))
-            groups.setdefault(firing, []).append((index, group))
+    elements: dict[tuple[Term, Term], list[Element]] = {}
+    for atom in _atoms(control, f"_e{question}_"):
+        firing, index, told_apart, *parts = term.arguments(atom)
+        inside = elements.setdefault((firing, index), [])
+        inside.append(Element(told_apart, *(tuple(term.arguments(part)) for part in parts)))
+    groups: dict[Term, list[tuple[int, Group]]] = {}
+    for atom in _atoms(control, f"_g{question}_"):
+        firing, index, *(function, relation, bound) = term.arguments(atom)
+        strict = as_symbol(relation).name in ("gt", "lt")
+        group = Group(
+            as_symbol(function).name,
+            strict,
+            as_symbol(bound),
+            tuple(elements.get((firing, index), ())),
+        )
+        groups.setdefault(firing, []).append((as_symbol(index).number, group))
     found = []
-    for atom in atoms.by_signature("_s", 6):
-        asked, tag, head, premises, absent, bindings = atom.symbol.arguments
-        if asked != number:
-            continue
-        is_number = tag.type == clingo.SymbolType.Number
+    rules: dict[Term, tuple[int, clingo.Symbol | None]] = {}
+    for atom in _atoms(control, f"_s{question}_"):
+        tag, head, premises, absent, values = term.arguments(atom)
+        if tag not in rules:
+            rules[tag] = _rule_of(as_symbol(tag))
+        rule, lacks = rules[tag]
         found.append(
             Firing(
-                tag.number if is_number else tag.arguments[0].number,
+                rule,
                 head,
-                tuple(dict.fromkeys(premises.arguments)),
-                tuple(dict.fromkeys(absent.arguments)),
-                tuple(bindings.arguments),
-                tuple(group for _, group in sorted(groups.get(atom.symbol, ()), key=_index)),
-                None if is_number else tag,
+                tuple(dict.fromkeys(term.arguments(premises))),
+                absent,
+                values,
+                tuple(group for _, group in sorted(groups.get(atom, ()), key=_index)),
+                lacks,
             )
         )
     return found
+
+
+def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
+    if tag.type == clingo.SymbolType.Number:
+        return tag.number, None
+    return tag.arguments[0].number, tag
+
+
+def _atoms(control: clingo.Control, prefix: str) -> Iterator[Term]:
+    """Yield the atoms of all predicates with a name that begins so."""
+    for name, arity, positive in control.symbolic_atoms.signatures:
+        if name.startswith(prefix):
+            yield from term.atoms(control, name, arity, positive)
 
 
 class _Tally:
@@ -104,7 +124,7 @@ class _Tally:
 
     def __init__(self, group: Group) -> None:
         self._group = group
-        self._counted: set[clingo.Symbol] = set()
+        self._counted: set[Term] = set()
         self._total = 0
         self._end: clingo.Symbol | None = None
         tuples = {element.tuple for element in group.elements}
@@ -119,8 +139,11 @@ class _Tally:
             return
         self._counted.add(element.tuple)
         self._missing -= 1
+        if self._group.function in ("all", "none", "count"):
+            self._total += 1
+            return
         weight = _weight(element.tuple)
-        self._total += 1 if self._group.function == "count" else max(0, _number(weight))
+        self._total += max(0, _number(weight))
         pick = min if self._group.function == "min" else max
         self._end = weight if self._end is None else pick(self._end, weight)
 
@@ -161,17 +184,17 @@ class _Part:
 
 def least_heights(
     firings: Sequence[Firing], given: Set[clingo.Symbol] | Mapping[clingo.Symbol, object]
-) -> tuple[dict[clingo.Symbol, Firing], dict[clingo.Symbol, int]]:
+) -> tuple[dict[Term, Firing], dict[Term, int]]:
     """Return for each atom its firing of least height, and the heights; given atoms have none.
 
     Ties go to the first rule, then to the first bindings and premises, so that no order of
     grounding shows.
     """
-    heads = {head for head in {firing.head for firing in firings} if head not in given}
-    users: dict[clingo.Symbol, list[tuple[_Waiting, _Part | None]]] = {}
+    heads = {f for f in {firing.head for firing in firings} if as_symbol(f) not in given}
+    users: dict[Term, list[tuple[_Waiting, _Part | None]]] = {}
     level: list[Firing] = []
 
-    def still_open(atoms: Atoms) -> set[clingo.Symbol]:
+    def still_open(atoms: Terms) -> set[Term]:
         return {atom for atom in atoms if atom in heads}
 
     for firing in firings:
@@ -192,12 +215,12 @@ def least_heights(
             waiting.open += not waiting.tallies[index].is_enough
         if not waiting.open:
             level.append(firing)
-    best: dict[clingo.Symbol, Firing] = {}
-    heights: dict[clingo.Symbol, int] = {}
+    best: dict[Term, Firing] = {}
+    heights: dict[Term, int] = {}
     height = 0
     while level:
         height += 1
-        new: dict[clingo.Symbol, Firing] = {}
+        new: dict[Term, Firing] = {}
         for firing in level:
             if firing.head in best:
                 continue
@@ -224,20 +247,17 @@ def least_heights(
     return best, heights
 
 
-def _order(firing: Firing) -> tuple[int, Atoms, Atoms]:
-    return firing.rule, firing.bindings, firing.premises
+def _order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
+    return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 
-def _element_order(element: Element) -> tuple[Atoms, clingo.Symbol]:
-    return element.premises, element.tuple
-
-
-def _index(pair: tuple[clingo.Symbol, Group]) -> clingo.Symbol:
+def _index(pair: tuple[int, Group]) -> int:
     return pair[0]
 
 
-def _weight(told_apart: clingo.Symbol) -> clingo.Symbol:
-    return told_apart.arguments[0] if told_apart.arguments else clingo.Number(0)
+def _weight(told_apart: Term) -> clingo.Symbol:
+    inside = term.arguments(told_apart)
+    return as_symbol(inside[0]) if inside else clingo.Number(0)
 
 
 def _number(weight: clingo.Symbol) -> int:

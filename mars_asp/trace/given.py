@@ -21,6 +21,14 @@ class GivenFacts(Mapping[clingo.Symbol, Span]):
     def __getitem__(self, atom: clingo.Symbol) -> Span:
         return self._spans_of(atom.name)[str(atom)]
 
+    def __contains__(self, atom: object) -> bool:
+        # Most that is asked about is derived, and an exception would be slow.
+        return (
+            isinstance(atom, clingo.Symbol)
+            and atom.name in self._facts
+            and str(atom) in self._spans_of(atom.name)
+        )
+
     def __iter__(self) -> Iterator[clingo.Symbol]:
         return (symbol_of(fact.atom) for facts in self._facts.values() for fact in facts)
 

@@ -17,9 +17,11 @@ from clingo import ast
 from mars_asp.rulebook import Rule
 from mars_asp.trace.order import global_variables, in_order, needs, provided
 from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
-from mars_asp.trace.rewrite import AGGREGATES, Rewriter, Terms, unsigned, variables_of
+from mars_asp.trace.rewrite import AGGREGATES, QUESTION, Rewriter, Terms, unsigned, variables_of
 
 _TYPE = ast.ASTType
+#: The predicate that asks: `NEAR(index, w(Parts))`.
+NEAR = f"_near{QUESTION}"
 _MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 
 
@@ -47,7 +49,7 @@ class NearMisses:
         self.candidates: list[Candidate] = []
 
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
-        """Return what finds near misses of a rule; `_near(k,index,w(Parts))` asks."""
+        """Return what finds near misses of a rule; the atom `_near` with `index` asks."""
         lines: list[str] = []
         for statement in rule.ast.unpool():
             for head, condition in _heads(statement.head):
@@ -69,7 +71,7 @@ class NearMisses:
             return
         literals = (*map(_literal, match.tests), *literals)
         shared = global_variables(head, literals)
-        asked = f"_near(k,{index},w({','.join(match.arguments)}))"
+        asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
         order = list(in_order(literals, match.bound, shared))
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]

@@ -1,14 +1,15 @@
 """Each rule rewritten into rules that find its firings, asked from the head down.
 
-For a rule `h(X) :- b(X,Y), not c(Y)` with number r, and question k:
+For a rule `h(X) :- b(X,Y), not c(Y)` with number 14, and question 2:
 
-    _s(k,r,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)) :- _ask_h(k,X), b(X,Y), not c(Y).
-    _ask_b(k,X,Y) :- _s(k,r,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)).
+    _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
+    _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)).
 
-An aggregate or conditional literal of a firing is a group: `_e` atoms are its elements, a `_g` atom
-says how many of them the firing rests on. A predicate that is decided only by solving, `open`, is
-read from copies `_t_h` of its true atoms. The terms of the firing atom are evaluated by clingo
-itself, so arithmetic needs no second reading.
+An aggregate or conditional literal of a firing is a group: `_e2_14` atoms are its elements, a
+`_g2_14` atom says how many of them the firing rests on. A predicate that is decided only by
+solving, `open`, is read from copies `_t_h` of its true atoms. The terms of the firing atom are
+evaluated by clingo itself, so arithmetic needs no second reading. Each rule has predicates of its
+own: with one for all, every firing would be matched against what every rule asks for next.
 """
 
 import re
@@ -25,8 +26,10 @@ from mars_asp.rulebook import Rule
 Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
 AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
-#: Stands for the number of a rule where its explanation rules are kept; no rule can hold it.
-_NUMBER = "\0"
+#: Stand for the numbers of a rule and of a question where explanation rules are kept; no rule can
+#: hold them.
+_NUMBER = "\0r"
+QUESTION = "\0q"
 MOST_KEPT = 5000
 #: A rule's text and those of its predicates that are open.
 _Key: TypeAlias = tuple[str, frozenset[Signature]]
@@ -43,7 +46,7 @@ class Rewriter:
     unsupported: dict[int, str] = field(default_factory=dict)
 
     def text(self, rules: Sequence[Rule], numbers: Iterable[int]) -> str:
-        """Return the explanation rules of the rules with these numbers.
+        """Return the explanation rules of the rules with these numbers, for any question.
 
         What a rule is rewritten into depends on its text and on which of its predicates are open,
         so it is kept from one command to the next.
@@ -117,6 +120,7 @@ class Rewriter:
         `shown` is the head and `names` are the variables that tell instances apart. With `ask`
         the premises are asked for in turn.
         """
+        place = f"{QUESTION}_{_NUMBER if ask else number}"
         premises: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
@@ -136,7 +140,7 @@ class Rewriter:
                 elif literal.atom.ast_type == _TYPE.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
         firing = (
-            f"_s(k,{tag},{shown},p({','.join(term for _, term in premises)}),"
+            f"_s{place}({tag},{shown},p({','.join(term for _, term in premises)}),"
             f"a({','.join(absent)}),v({','.join(_pair(name) for name in sorted(names))}))"
         )
         wanted = [*asked, *(text for text, _ in premises), *rest, *terms.equations]
@@ -144,9 +148,9 @@ class Rewriter:
         if ask:
             yield from (f"{asking(term)} :- {firing}." for _, term in premises)
         for index, group in enumerate(groups):
-            yield f"_g({firing},{index},{','.join(_needed(group))}) :- {firing}."
+            yield f"_g{place}({firing},{index},{','.join(_needed(group))}) :- {firing}."
             for element in _elements(group):
-                yield from self._element(index, firing, ask, *element)
+                yield from self._element(place, index, firing, ask, *element)
 
     def _symbolic(
         self,
@@ -168,6 +172,7 @@ class Rewriter:
 
     def _element(
         self,
+        place: str,
         index: int,
         firing: str,
         ask: bool,
@@ -190,7 +195,9 @@ class Rewriter:
             first = (premises[0][1],) if premises else ("absent", *absent)[:2]
             told_apart = f"t({','.join(first)})"
         needed, more = (",".join(term for _, term in found) for found in (premises, others))
-        element = f"_e({firing},{index},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        element = (
+            f"_e{place}({firing},{index},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        )
         wanted = [firing, *(text for text, _ in (*premises, *others)), *rest, *terms.equations]
         yield f"{element} :- {'; '.join(wanted)}."
         if ask:
@@ -304,13 +311,13 @@ def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
 def asking(shown: str) -> str:
     """Return the atom that asks for another one."""
     name, bracket, inside = shown.partition("(")
-    arguments = f"(k,{inside}" if bracket else "(k)"
-    return f"{asking_name(name)}{arguments}"
+    return f"{asking_name(name)}{bracket}{inside}"
 
 
 def asking_name(name: str) -> str:
     """Return the predicate that asks for atoms of another one; `-` is classical negation."""
-    return f"_ask_neg_{name[1:]}" if name.startswith("-") else f"_ask_{name}"
+    bare = name.removeprefix("-")
+    return f"_ask{QUESTION}{'_neg' if name != bare else ''}_{bare}"
 
 
 def _pair(name: str) -> str:

@@ -197,7 +197,7 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
         if id(premise) in seen:
             continue
         seen.add(id(premise))
-        if isinstance(premise, Derived) and premise.message is None:
+        if isinstance(premise, Derived) and premise.rule.because is None:
             stack += reversed(premise.premises)
         elif absences or not isinstance(premise, Absent):
             found[id(premise)] = premise
@@ -264,6 +264,9 @@ def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
 def wrapped(text: str, level: int) -> Iterator[str]:
     """Yield a text's lines, indented by its level, what goes on further."""
     indent = "  " * min(level, 20)
+    if len(indent) + len(text) <= WIDTH and text.isprintable() and text.strip(" ") == text:
+        yield indent + text
+        return
     yield from textwrap.wrap(
         text,
         WIDTH,

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import TypeAlias
 
 import clingo
 
+from mars_asp.analysis import fill
 from mars_asp.rulebook import Rule
 from mars_asp.source import Span
+from mars_asp.term import Term, arguments, as_symbol
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,21 +28,36 @@ class Absent:
     atom: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Derived:
     """An atom that one firing of a rule gives.
 
-    `chosen` is true where the rule only offers the atom and least cost picked it. `message` is
-    the rule's, its holes filled; `None` where the rule has none. Premises that several traces
+    `chosen` is true where the rule only offers the atom and least cost picked it. `head` is the
+    atom and `values` what the variables stand for, `v(("X",1),...)`. Premises that several traces
     share are the same object.
     """
 
-    atom: str
+    head: Term
     rule: Rule
-    message: str | None
-    bindings: Mapping[str, clingo.Symbol]
+    values: Term
     premises: tuple["Trace", ...]
     chosen: bool = False
+
+    # Written out when somebody asks: of many thousands of steps a reader sees few.
+    @cached_property
+    def atom(self) -> str:
+        """Return the text of the atom."""
+        return str(as_symbol(self.head))
+
+    @cached_property
+    def bindings(self) -> Mapping[str, clingo.Symbol]:
+        """Return what the variables stand for."""
+        return bindings_of(self.values)
+
+    @cached_property
+    def message(self) -> str | None:
+        """Return the rule's message, its holes filled; `None` where the rule has none."""
+        return None if self.rule.because is None else fill(self.rule.because, self.bindings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +97,17 @@ class Missing:
     atom: str
     attempts: tuple[Attempt, ...]
     followed: bool = True
+
+
+def bindings_of(values: Term) -> dict[str, clingo.Symbol]:
+    """Return what variables stand for, of a term `v(("X",1),...)`."""
+    pairs = map(arguments, arguments(values))
+    return {_string(name): as_symbol(value) for name, value in pairs}
+
+
+@cache
+def _string(name: Term) -> str:
+    return as_symbol(name).string
 
 
 Trace: TypeAlias = Given | Absent | Derived | Unexplained | Missing
