@@ -77,6 +77,8 @@ INNER = {
         "arguments",
         "overrides",
         "services",
+        "problems",
+        "pending",
         "modules",
         "files",
         "blocks",

@@ -1,0 +1,192 @@
+"""Function annotations and overrides, until the declaration that they belong to is read."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from mars_asp.annotations.arguments import Wrong, read_commands, read_cost, read_delivery
+from mars_asp.annotations.declarations import Declaration, NoFunction
+from mars_asp.annotations.directives import Directive
+from mars_asp.annotations.following import (
+    MOST_DECLARED,
+    Endless,
+    Following,
+    following,
+    stated,
+)
+from mars_asp.annotations.overrides import Overrides, read_overrides
+from mars_asp.annotations.problems import Problems
+from mars_asp.annotations.services import Signature, read_signature
+from mars_asp.diagnostic import Severity
+from mars_asp.model import SERVICE_KINDS, Service
+from mars_asp.source import Span
+
+#: One declaration has at most so many annotations.
+MOST_ANNOTATIONS = 500
+_MOST_SHOWN = 80
+_BEFORE = "put the annotation before its function, or say it in `@Signature DECLARATION`"
+
+
+class Pending:
+    """What waits for a declaration.
+
+    `until` is the offset behind the last annotation: from there on may stand what is waited for.
+    """
+
+    def __init__(self, problems: Problems) -> None:
+        """Wait for declarations in the source that `problems` are about."""
+        self.until = 0
+        self._problems = problems
+        self._source = problems.source
+        #: `None` stands for what could not be read, yet belongs to what follows.
+        self._services: list[tuple[Directive, Service | None]] = []
+        self._overrides: list[Directive] = []
+
+    def add(self, directive: Directive) -> None:
+        """Read a function annotation or an override."""
+        if len(self._services) + len(self._overrides) >= MOST_ANNOTATIONS:
+            message = f"more than {MOST_ANNOTATIONS} annotations of one declaration"
+            help_text = "leave out those that say the same"
+            self._problems.note_word("MARS213", directive, message, help_text)
+        elif directive.word in SERVICE_KINDS:
+            read = _read_service(directive, self._problems.span(directive.offset, directive.end))
+            if isinstance(read, Wrong):
+                self._problems.note_wrong(directive, read)
+                self.add_unread(directive)
+            else:
+                self._services.append((directive, read))
+        else:
+            if not directive.rest:
+                message = f"`@{directive.word}` without anything behind it"
+                help_text = f"write it behind `@{directive.word}`"
+                self._problems.note_word("MARS108", directive, message, help_text)
+            self._overrides.append(directive)
+
+    def add_unread(self, directive: Directive) -> None:
+        """Let what follows belong to a function annotation of which no more is known."""
+        self._services.append((directive, None))
+
+    def settle(self, offset: int, closing: bool = False) -> list[Service]:
+        """Return what the declaration before `offset` makes of what is pending, if one is there.
+
+        Where a module closes at `offset`, nothing stays pending.
+        """
+        if not self._services:
+            if self._overrides:
+                if closing or following(self._source, self.until, offset).over:
+                    self._note_idle()
+                    self._overrides = []
+            return []
+        behind = self._following(offset)
+        if not (behind.over or closing):
+            return []
+        pending, self._services = self._services, []
+        overrides, self._overrides = self._overrides, []
+        if not isinstance(behind.found, Declaration):
+            self._note_missing(behind, pending[0][0])
+            return []
+        written = [d for d in overrides if d.word != "Signature" and d.rest]
+        said, wrong = read_overrides(written, behind.found)
+        for directive, problem in wrong:
+            self._problems.note_wrong(directive, problem)
+        services = [service for _, service in pending if service is not None]
+        return self._bind(services, behind.found, behind.place, said)
+
+    def _following(self, offset: int) -> Following:
+        """Read the declaration that a `@Signature` states, else the one before an offset."""
+        signatures = [d for d in self._overrides if d.word == "Signature" and d.rest]
+        for again in signatures[1:]:
+            self._problems.note_word(
+                "MARS210", again, "a second `@Signature`", "keep one of the two"
+            )
+        if signatures:
+            return stated(self._source, signatures[0])
+        return following(self._source, self.until, offset)
+
+    def _note_idle(self) -> None:
+        for directive in self._overrides:
+            self._problems.note_word(
+                "MARS203",
+                directive,
+                f"`@{directive.word}` belongs to no function annotation",
+                "write it beside `@Sense`, `@DataOut`, `@ControlOut`, `@DataIn` or `@Converts`,"
+                " before the function",
+            )
+
+    def _note_missing(self, behind: Following, first: Directive) -> None:
+        """Report that no declaration follows the first of some annotations."""
+        found = behind.found
+        if isinstance(found, NoFunction):
+            # A string may go on for many lines.
+            word = '"' if found.found.startswith('"') else found.found[:_MOST_SHOWN]
+            begin, end = behind.place(found.offset), behind.place(found.offset + len(word))
+            message = f"`{word}` begins no function declaration"
+            self._problems.note("MARS202", begin, end, message, _BEFORE)
+        elif isinstance(found, Endless):
+            begin = behind.place(found.offset)
+            message = f"this declaration has no end within {MOST_DECLARED} bytes"
+            help_text = "state it by `@Signature DECLARATION`"
+            self._problems.note("MARS212", begin, begin, message, help_text)
+        else:
+            message = f"no function declaration follows `@{first.word}`"
+            self._problems.note_word("MARS201", first, message, _BEFORE)
+
+    def _bind(
+        self,
+        services: Sequence[Service],
+        declaration: Declaration,
+        place: Callable[[int], int],
+        overrides: Overrides,
+    ) -> list[Service]:
+        """Return the services with what their declaration says."""
+        at = place(declaration.offset)
+        bound: list[Service] = []
+        signatures: dict[bool, Signature] = {}
+        for service in services:
+            delivers = service.kind in ("Sense", "DataOut", "Converts")
+            if delivers not in signatures:
+                signatures[delivers] = read_signature(declaration, overrides, delivers)
+            signature = signatures[delivers]
+            for code, message, help_text in signature.remarks:
+                severity: Severity = "note" if code == "MARS207" else "warning"
+                self._problems.note(code, at, at, message, help_text, severity)
+            if service.kind == "Converts" and len(signature.inputs) != 1:
+                message = f"a converter with {len(signature.inputs)} inputs"
+                help_text = "a converter has one parameter; `@Input TYPE` says which it is"
+                self._problems.note("MARS208", at, at, message, help_text)
+                continue
+            bound.append(
+                replace(
+                    service,
+                    function=declaration.name,
+                    output=signature.output,
+                    inputs=signature.inputs,
+                )
+            )
+        if declaration.conditional is not None and overrides.inputs is None:
+            conditional = place(declaration.conditional)
+            self._problems.note(
+                "MARS204",
+                conditional,
+                conditional + 1,
+                f"`#if` inside the declaration of `{declaration.name}`: all branches are read",
+                "say what it takes: `@Input TYPE, TYPE`",
+                "warning",
+            )
+        return bound
+
+
+def _read_service(directive: Directive, span: Span) -> Service | Wrong:
+    """Read a function annotation; its declaration is yet to come."""
+    kind = next(kind for kind in SERVICE_KINDS if kind == directive.word)
+    if kind == "ControlOut":
+        commands = read_commands(directive.rest)
+        return commands if isinstance(commands, Wrong) else Service(kind, span, commands=commands)
+    if kind == "Converts":
+        cost = read_cost(directive.rest)
+        return cost if isinstance(cost, Wrong) else Service(kind, span, cost=cost)
+    if kind == "DataIn":
+        return Service(kind, span)
+    delivery = read_delivery(directive.rest)
+    if isinstance(delivery, Wrong):
+        return delivery
+    return Service(kind, span, modes=delivery[0], hz=delivery[1])

@@ -1,0 +1,65 @@
+"""What is wrong in one source, as diagnostics at their places."""
+
+from mars_asp.annotations.arguments import Wrong
+from mars_asp.annotations.directives import MOST_CHARACTERS, Directive
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Diagnostic, Severity
+from mars_asp.source import Span
+
+
+class Problems:
+    """Collects what is found; `errors` counts those that are errors."""
+
+    def __init__(self, source: Source) -> None:
+        """Take the source that the places are in."""
+        self.source = source
+        self.found: list[Diagnostic] = []
+        self.errors = 0
+
+    def span(self, begin: int, end: int) -> Span:
+        """Return the span of a stretch of offsets."""
+        first = self.source.position(begin)
+        last = self.source.position(end) if end > begin else first
+        return Span(self.source.path, *first, *last)
+
+    def note(
+        self,
+        code: str,
+        begin: int,
+        end: int,
+        message: str,
+        help_text: str,
+        severity: Severity = "error",
+        labels: tuple[tuple[Span, str], ...] = (),
+    ) -> None:
+        """Report a stretch of the source."""
+        span, excerpt = self.span(begin, end), self.source.excerpt(begin)
+        self.found.append(Diagnostic(code, severity, message, span, labels, help_text, excerpt))
+        self.errors += severity == "error"
+
+    def note_word(self, code: str, directive: Directive, message: str, help_text: str) -> None:
+        """Report an annotation at its `@`."""
+        self.note(code, directive.offset, directive.end, message, help_text)
+
+    def note_wrong(self, directive: Directive, wrong: Wrong) -> None:
+        """Report a part of what stands behind an annotation's word, or all of the annotation."""
+        begin, end = directive.offset, directive.end
+        if wrong.begin is not None:
+            begin = directive.place(self.source, wrong.begin)
+            end = directive.place(self.source, wrong.end)
+        self.note(wrong.code, begin, end, wrong.message, wrong.help)
+
+    def note_twice(self, directive: Directive, what: str) -> None:
+        """Report an annotation that says again what another one of its module says."""
+        message = f"`{what}` stands twice in one module"
+        self.note_word("MARS117", directive, message, "keep one of the two")
+
+    def is_too_long(self, directive: Directive) -> bool:
+        """Report an annotation that was cut for its length."""
+        if len(directive.rest) <= MOST_CHARACTERS:
+            return False
+        message = f"`@{directive.word}` with more than {MOST_CHARACTERS} characters behind it"
+        self.note_word(
+            "MARS214", directive, message, "after a comma, the next line goes on with it"
+        )
+        return True
