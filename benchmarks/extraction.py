@@ -53,6 +53,7 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
     "comments_signs.cpp": ("// @module_", "//@\n", ""),
     "comments_words.cpp": ("// @module_", "// @param x\n", ""),
     "comments_words.py": ("# @module_start\n", "# @Sensory x\n", ""),
+    "comments_different_words.cpp": (START, "// @tenser%d\n", ""),
     "quotes.cpp": (SENSE, '"', ""),
     "quotes_single.cpp": (SENSE, "'", ""),
     "quotes_triple.py": ("# @module_start\n# @Sense RequestWhenReady\n", '"""', ""),
@@ -117,9 +118,10 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
 
 
 def repeated(before: str, part: str, behind: str, size: int = MEGABYTE) -> bytes:
-    """Return a text of about so many bytes that repeats a part."""
+    """Return a text of about so many bytes that repeats a part; `%d` in it is its number."""
     count = (size - len(before) - len(behind)) // len(part)
-    return (before + part * count + behind).encode()
+    parts = (part % number for number in range(count)) if "%d" in part else [part] * count
+    return (before + "".join(parts) + behind).encode()
 
 
 def code(lines: int) -> str:

@@ -17,7 +17,10 @@ _LOWER = {word.lower(): word for word in WORDS}
 _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
 _REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
+_LETTERS = {word: frozenset(word) for word in WORDS}
 _MOST_MISSPELT = 20
+#: So many different words that are not ours are compared with ours, in one file.
+MOST_OTHERS = 500
 #: What stands behind the word of an annotation may be so long; what goes on longer is cut.
 MOST_CHARACTERS = 8192
 
@@ -39,11 +42,6 @@ class Directive:
     until: int
     pieces: tuple[tuple[int, int], ...]
 
-    @property
-    def is_plainly_ours(self) -> bool:
-        """Whether no other use of comments writes such a line, however it is spelt."""
-        return "_" in self.word or _DELIVERY.match(self.rest) is not None
-
     def place(self, source: Source, index: int) -> int:
         """Return the offset in its file of a character of `rest`."""
         begin, offset = self.pieces[bisect_left(self.pieces, (index + 1,)) - 1]
@@ -58,15 +56,50 @@ class Misspelt:
     corrected: Directive
 
 
-def directives(source: Source) -> Iterator[Directive | Misspelt]:
-    """Yield the annotations of a source in order, comma-wrapped ones joined."""
-    for line in source.annotations(_is_near):
+@dataclass(frozen=True, slots=True)
+class Uncompared:
+    """The first of the words that are not compared with ours, for there were too many others."""
+
+    offset: int
+
+
+class _Words:
+    """Tells which words are ours or nearly so; `meant` keeps which of ours each of them is."""
+
+    def __init__(self) -> None:
+        self.meant: dict[str, str] = {}
+        self.others = 0
+        self.uncompared: Uncompared | None = None
+
+    def is_near(self, word: str, offset: int) -> bool:
+        meant = _LOWER.get(word.lower())
+        if meant is None:
+            self.others += 1
+            if self.others > MOST_OTHERS:
+                self.uncompared = self.uncompared or Uncompared(offset)
+                return False
+            meant = nearest(word)
+        if meant is not None:
+            self.meant[word] = meant
+        return meant is not None
+
+
+def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
+    """Yield the annotations of a source in order, comma-wrapped ones joined.
+
+    Outside of modules a word that is not spelt as ours is another's, unless it is plainly ours.
+    """
+    words = _Words()
+    inside = False
+    for line in source.annotations(words.is_near):
         match = _DIRECTIVE.match(line.text)
-        meant = match and (_LOWER.get(match[1].lower()) or nearest(match[1]))
-        if match is None or meant is None:
+        if match is None:
+            continue
+        written, meant = match[1] + match[2], words.meant[match[1]]
+        if not (inside or written == meant or _is_plain(meant, match[3])):
             continue
         # Pieces are joined once: a comment may go on for very many lines.
-        texts = [_REMARK.split(match[3], maxsplit=1)[0].rstrip()]
+        texts = [_without_remark(match[3])]
         pieces = [(0, source.within(line.offset, line.text, match.start(3)))]
         last, length = line, 0
         while texts[-1].endswith(",") and length <= MOST_CHARACTERS:
@@ -74,11 +107,10 @@ def directives(source: Source) -> Iterator[Directive | Misspelt]:
             if below is None:
                 break
             length += len(texts[-1]) + 1
-            texts.append(_REMARK.split(below.text, maxsplit=1)[0].rstrip())
+            texts.append(_without_remark(below.text))
             pieces.append((length, below.offset))
             last = below
         end = source.within(last.offset, last.text, len(last.text))
-        written = match[1] + match[2]
         is_right = match[1].lower() in _LOWER and not match[2]
         directive = Directive(
             meant,
@@ -90,10 +122,19 @@ def directives(source: Source) -> Iterator[Directive | Misspelt]:
             tuple(pieces),
         )
         yield directive if is_right else Misspelt(written, directive)
+        if meant in ("module_start", "module_end"):
+            inside = meant == "module_start"
+    if words.uncompared is not None:
+        yield words.uncompared
 
 
-def _is_near(word: str) -> bool:
-    return word.lower() in _LOWER or nearest(word) is not None
+def _is_plain(word: str, rest: str) -> bool:
+    """Say whether no other use of comments writes such a line, however its word is spelt."""
+    return "_" in word or _DELIVERY.match(rest) is not None
+
+
+def _without_remark(text: str) -> str:
+    return _REMARK.split(text, maxsplit=1)[0].rstrip() if "--" in text else text.rstrip()
 
 
 @lru_cache(maxsize=1024)
@@ -101,7 +142,10 @@ def nearest(word: str) -> str | None:
     """Return our word within two edits of another one."""
     if len(word) > _MOST_MISSPELT:
         return None
-    near = [ours for ours in WORDS if abs(len(ours) - len(word)) < 3 and edits(word, ours) <= 2]
+    letters = set(word)
+    # An edit changes two letters at most.
+    alike = (ours for ours, own in _LETTERS.items() if len(letters ^ own) <= 4)
+    near = [ours for ours in alike if abs(len(ours) - len(word)) <= 2 and edits(word, ours) <= 2]
     # Of several the one that is nearest whatever the capitals: `@ouput` is no `@Input`.
     return min(near, key=lambda ours: (edits(word.lower(), ours.lower()), ours), default=None)
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 
 from mars_asp.annotations.arguments import FUNCTIONS, Wrong, read_bounds, read_vertex
 from mars_asp.annotations.directives import (
-    BOUNDARIES,
+    MOST_OTHERS,
     OVERRIDES,
     Directive,
     Misspelt,
+    Uncompared,
     directives,
 )
 from mars_asp.annotations.pending import Pending
@@ -26,11 +27,14 @@ MOST_ERRORS = 500
 def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
     """Return the modules of a source, those with errors included, and the errors."""
     reader = _Reader(source)
-    for directive in directives(source):
-        if reader.problems.errors >= MOST_ERRORS:
-            reader.give_up(directive)
+    for found in directives(source):
+        if isinstance(found, Uncompared):
+            reader.note_uncompared(found)
+        elif reader.problems.errors >= MOST_ERRORS:
+            reader.give_up(found)
             break
-        reader.read(directive)
+        else:
+            reader.read(found)
     reader.finish()
     return tuple(reader.modules), tuple(reader.problems.found)
 
@@ -62,12 +66,9 @@ class _Reader:
         self.excused = False
 
     def read(self, found: Directive | Misspelt) -> None:
+        """Read an annotation as if spelt right, so that one mistake is told once."""
         directive = found.corrected if isinstance(found, Misspelt) else found
         wrong_case = directive.written != directive.word
-        if self.open is None and directive.word not in BOUNDARIES:
-            # Outside of modules a word that is not spelt as ours is another's, unless it is plain.
-            if (isinstance(found, Misspelt) or wrong_case) and not directive.is_plainly_ours:
-                return
         if self.open is not None:
             self.open.services += self.pending.settle(directive.offset)
         if isinstance(found, Misspelt):
@@ -87,7 +88,6 @@ class _Reader:
                 f"write `@{directive.word}`",
             )
         if directive.word == "module_start":
-            # Read as if spelt right, so that one mistake is told once.
             self.begin(directive)
         elif self.open is not None:
             self.read_inside(self.open, directive, isinstance(found, Misspelt))
@@ -231,6 +231,11 @@ class _Reader:
             "write `@module_end` behind the module",
         )
         self.problems.note_word("MARS101", start, message, help_text)
+
+    def note_uncompared(self, found: Uncompared) -> None:
+        message = f"{MOST_OTHERS} other words behind `@` before this: no misspelt ones are sought"
+        help_text = "look for misspelt annotations from here on yourself"
+        self.problems.note("MARS122", found.offset, found.offset + 1, message, help_text, "note")
 
     def give_up(self, found: Directive | Misspelt) -> None:
         """Say that the rest is not read, and let nothing that is open be an error of its own."""

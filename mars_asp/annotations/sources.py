@@ -5,7 +5,7 @@ Offsets are those of bytes; text is decoded only where something is read.
 
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -28,8 +28,13 @@ _ANNOTATED_BELOW = {
     language: re.compile(rb"\n" + pattern.pattern) for language, pattern in _ANNOTATED.items()
 }
 _WORD = re.compile(r"\w+")
-_IF = re.compile(rb"#[ \t]*+(if|ifdef|ifndef|else|elif|endif)\b[ \t]*+([^\n]*)")
-_DEAD_IF = re.compile(rb"#[ \t]*+if[ \t]++(?:0|false)[ \t]*+(?://[^\n]*+)?(?=\n|\Z)")
+_DEAD = rb"if[ \t]++(?:0|false)[ \t]*+(?://[^\n]*+)?(?=\n|\Z)"
+_DEAD_IF = re.compile(rb"#[ \t]*+" + _DEAD)
+#: A line of the preprocessor that has to do with conditions, to its end.
+_CONDITION = re.compile(
+    rb"#[ \t]*+(?:(?P<dead>" + _DEAD + rb")|(?P<open>if|ifdef|ifndef)\b[^\n]*+"
+    rb"|(?P<other>else|elif)\b[^\n]*+|(?P<close>endif)\b[^\n]*+)"
+)
 _CONTINUATION = bytes(range(0x80, 0xC0))
 _MOST_EXCERPT = 400
 #: Between an annotation that ends with a comma and the comment on the next line, in bytes.
@@ -77,8 +82,12 @@ class Source:
         # Places that were asked for: offset, line, column and where the line begins.
         self._places: list[tuple[int, int, int, int]] = [(0, 1, 1, 0)]
 
-    def annotations(self, known: Callable[[str], bool]) -> Iterator[CommentLine]:
-        """Yield the comment lines that begin with `@` and a known word, in order."""
+    def annotations(self, known: Callable[[str, int], bool]) -> Iterator[CommentLine]:
+        """Yield the comment lines that begin with `@` and a known word, in order.
+
+        Args:
+            known: Says it of a word and the offset of the first `@` before it.
+        """
         data, dead = self.data, self._dead
         first, below = _ANNOTATED[self._kind].match, _ANNOTATED_BELOW[self._kind].finditer
         ours: dict[bytes, bool] = {}
@@ -86,15 +95,17 @@ class Source:
             if dead and self._in_dead(begin):
                 continue
             match = first(data, begin, end)
-            found = (match,) if match else ()
-            for match in chain(found, below(data, begin, end)):
-                written = match[1]
-                if written not in ours:
-                    word = _WORD.match(written.decode(self._encoding, "replace"))
-                    ours[written] = word is not None and known(word[0])
-                if ours[written]:
-                    block = data.startswith(b"/*", begin)
-                    yield self._line(match.start(1) - 1, end, block)
+            found: Iterable[re.Match[bytes]] = [] if match is None else [match]
+            if data.find(b"\n", begin, end) >= 0:
+                found = chain(found, below(data, begin, end))
+            for match in found:
+                word = match[1]
+                at = match.start(1) - 1
+                if word not in ours:
+                    text = _WORD.match(word.decode(self._encoding, "replace"))
+                    ours[word] = text is not None and known(text[0], at)
+                if ours[word]:
+                    yield self._line(at, end, data.startswith(b"/*", begin))
 
     def following(self, line: CommentLine) -> CommentLine | None:
         """Return the comment line on the line below, if there is one without an annotation.
@@ -205,24 +216,26 @@ class Source:
 
 def _dead_stretches(data: bytes) -> Iterator[tuple[int, int]]:
     """Yield what stands between `#if 0` and its `#else`, `#elif` or `#endif`."""
-    at = 0
-    while opening := _DEAD_IF.search(data, at):
-        at = opening.end()
-        if not _begins_line(data, opening.start()):
+    first = _DEAD_IF.search(data)
+    if first is None:
+        return
+    depth = begin = 0
+    for line in _CONDITION.finditer(data, first.start()):
+        kind = line.lastgroup
+        if not (depth or kind == "dead") or not _begins_line(data, line.start()):
             continue
-        depth, end = 1, len(data)
-        for match in _IF.finditer(data, at):
-            if not _begins_line(data, match.start()):
-                continue
-            depth += match[1].startswith(b"if")
-            depth -= match[1] == b"endif"
-            if not depth or (depth == 1 and match[1] in (b"else", b"elif")):
-                end = match.start()
-                break
-        yield at, end
-        at = end
+        if not depth:
+            depth, begin = 1, line.end()
+        elif kind in ("dead", "open"):
+            depth += 1
+        elif kind == "close" or depth == 1:
+            depth -= 1
+            if not depth:
+                yield begin, line.start()
+    if depth:
+        yield begin, len(data)
 
 
 def _begins_line(data: bytes, at: int) -> bool:
     start = data.rfind(b"\n", 0, at) + 1
-    return not data[start:at].strip(b" \t")
+    return start == at or not data[start:at].strip(b" \t")
