@@ -27,10 +27,15 @@ class Diagnostic:
     excerpt: str | None = None
 
 
+def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Return diagnostics in the order of their places."""
+    return tuple(sorted(diagnostics, key=lambda d: (d.span, d.code, d.message)))
+
+
 class MarsError(Exception):
     """Raised once per stage, with everything that stage found wrong, sorted by place."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep the diagnostics for the command line to render."""
-        self.diagnostics = tuple(sorted(diagnostics, key=lambda d: (d.span, d.code, d.message)))
+        self.diagnostics = by_place(diagnostics)
         super().__init__(f"{len(self.diagnostics)} problem(s), first: {self.diagnostics[0]}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mars_asp.atom import Fact
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, by_place
 from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_file, parse_text
 from mars_asp.model import Configuration, Module, Mount
@@ -60,7 +60,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     errors = [d for d in diagnostics if d.severity == "error"] + clashes
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
-    return Project(configuration, modules, diagnostics)
+    return Project(configuration, modules, by_place(diagnostics))
 
 
 def project_facts(project: Project, moved: Iterable[str] = ()) -> tuple[Fact, ...]:

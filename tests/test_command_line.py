@@ -77,6 +77,9 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["rules", "show"], None, 2, "needs the ID"),
         (["verify", LEVEL0, "tests/specifications/level0.mars"], None, 2, "SPEC stands first"),
         (["test", "missing.lp"], None, 2, "missing.lp"),
+        (["extract", LEVEL0], None, 2, "`mars-asp check` and `mars-asp analyse` read it"),
+        (["extract", "README.md"], None, 2, "known: .c, "),
+        (["extract", "tests/extraction/h14_typo.cpp"], None, 1, "MARS109"),
     ],
 )
 def test_mistakes(words: list[str], text: str | None, status: int, mentions: str) -> None:

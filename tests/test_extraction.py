@@ -10,6 +10,7 @@ import pytest
 
 from mars_asp.annotations.blocks import read_blocks
 from mars_asp.annotations.comments import tokens
+from mars_asp.annotations.directives import MOST_OTHERS
 from mars_asp.annotations.files import extract
 from mars_asp.annotations.following import MOST_DECLARED
 from mars_asp.annotations.languages import LANGUAGES
@@ -326,6 +327,61 @@ def test_a_file_full_of_errors_is_given_up(tmp_path: Path) -> None:
     assert problems[-1].span.line == MOST_ERRORS + 1
 
 
+def test_words_that_are_not_ours_are_compared_with_ours_up_to_a_limit(tmp_path: Path) -> None:
+    others = "".join(f"// @zq{number}\n" for number in range(MOST_OTHERS))
+    text = (
+        LAYOUTS["line"].format(f="X f();").replace("// @module_end", "// @Outptu X\n// @module_end")
+    )
+    _, (problem,) = only(tmp_path, others + text)
+    assert (problem.code, problem.span.line, problem.severity) == (
+        "MARS122",
+        MOST_OTHERS + 5,
+        "note",
+    )
+    _, problems = only(tmp_path, others.removeprefix("// @zq0\n") + text)
+    assert "MARS109" in {problem.code for problem in problems}
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("#if 0\n#endif\n{m}", 3),
+        ("#if 0\n{m}#else\n{m}#endif\n", 8),
+        ("  # if 0 // old\n#ifdef A\n#else\n#endif\n{m}#elif B\n{m}#endif\n", 11),
+        ("#if 0\n#if 0\n#endif\n{m}#endif\n{m}", 10),
+        ("int a; #if 0\n{m}", 2),
+        ("#if 0\n int a; #endif\n{m}#endif\n{m}", 9),
+        ("#if 01\n{m}#endif\n", 2),
+        ("#if 0\n#endif\n#if false\n{m}", 0),
+    ],
+)
+def test_what_stands_in_if_0_is_no_annotation(tmp_path: Path, text: str, line: int) -> None:
+    module = LAYOUTS["line"].format(f="X f();")
+    assert module.count("\n") == 5
+    modules, problems = only(tmp_path, text.replace("{m}", module))
+    assert [module.span.line for module in modules] == ([line] if line else [])
+    assert problems == []
+
+
+@pytest.mark.parametrize(
+    ("written", "column", "message", "help_text"),
+    [
+        ("600 -600", 13, "MIN is `600`, MAX is `-600`", "`-600 600`"),
+        ("1 2 0", 17, "RATE is `0`", "speed"),
+        ("1  2 -3", 18, "RATE is `-3`", "speed"),
+        ("1 2 3 4", 13, "`1 2 3 4`", "MIN MAX RATE"),
+    ],
+)
+def test_wrong_bounds_say_which_is_wrong(
+    tmp_path: Path, written: str, column: int, message: str, help_text: str
+) -> None:
+    text = LAYOUTS["line"].format(f="").replace("Sense RequestWhenReady", f"Trans_Z {written}")
+    _, (problem,) = only(tmp_path, text)
+    assert (problem.code, problem.span.line, problem.span.column) == ("MARS116", 3, column)
+    assert message in problem.message
+    assert help_text in str(problem.help)
+
+
 def test_places_are_right_behind_wide_characters_and_wrapped_lines(tmp_path: Path) -> None:
     text = (
         "// \u2014 \U0001f916\n/* \u00e9 */ int x; // @module_start\n// @module_name A\n"
@@ -401,9 +457,8 @@ def test_what_is_too_long_or_has_no_end(
     tmp_path: Path, layout: str, problem: tuple[str, int, int]
 ) -> None:
     _, problems = only(tmp_path, LAYOUTS["line"].format(f=layout))
-    found = problems[0]
-    assert (found.code, found.span.line, found.span.column) == problem
-    assert "\n" not in found.message
+    assert problem in [(found.code, found.span.line, found.span.column) for found in problems]
+    assert not any("\n" in found.message for found in problems)
 
 
 @pytest.mark.parametrize(

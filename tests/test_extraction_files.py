@@ -51,6 +51,40 @@ def test_one_file_behind_two_links_is_read_once(tmp_path: Path) -> None:
     assert found.diagnostics == ()
 
 
+def test_one_name_in_many_places_is_one_error(tmp_path: Path) -> None:
+    path = tmp_path / "a.cpp"
+    path.write_text(MODULE.format(name="A") * 20 + MODULE.format(name="B") * 2)
+    many, two = extract([path]).diagnostics
+    assert "`A` is annotated 20 times" in many.message
+    assert [span.line for span, _ in many.labels] == [1, 12, 17, 22, 27]
+    assert "`B` is annotated twice" in two.message
+    assert (many.span.line, two.span.line) == (7, 107)
+
+
+def test_what_is_told_stands_in_the_order_of_places(tmp_path: Path) -> None:
+    """A module's missing name is known at its end, and one that is repeated behind all files."""
+    unnamed = "// @module_start\n// @Sence X\nX f();\n// @module_end\n"
+    for name in ("b.cpp", "a.cpp"):
+        (tmp_path / name).write_text(MODULE.format(name="A") + MODULE.format(name="A") + unnamed)
+    found = extract([tmp_path / "b.cpp", tmp_path / "a.cpp"]).diagnostics
+    assert [(Path(d.span.path).name, d.span.line, d.code) for d in found] == [
+        ("a.cpp", 11, "MARS104"),
+        ("a.cpp", 12, "MARS109"),
+        ("b.cpp", 7, "MARS121"),
+        ("b.cpp", 11, "MARS104"),
+        ("b.cpp", 12, "MARS109"),
+    ]
+
+
+def test_a_folder_is_read_in_order_and_links_to_folders_are_not_followed(tmp_path: Path) -> None:
+    for name in ("b/x.cpp", "b/a/y.cpp", "a.cpp", ".git/z.cpp", "b/__pycache__/z.cpp"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        letter = name.replace("/", "_").partition(".cpp")[0].replace(".", "")
+        (tmp_path / name).write_text(MODULE.format(name=letter))
+    (tmp_path / "c").symlink_to(tmp_path / "b")
+    assert [module.name for module in extract([tmp_path]).modules] == ["a", "b_x", "b_a_y"]
+
+
 @pytest.mark.parametrize(
     ("used", "annotated", "told"),
     [

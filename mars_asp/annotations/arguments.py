@@ -16,6 +16,7 @@ _HIGHEST_HZ = 2_000_000
 _MODES = "write delivery modes, such as `NotifyWhenReady` or `NotifyAtFrequency 25`"
 _HZ = "write a positive number of Hz without a unit, such as `NotifyAtFrequency 25`"
 _BOUNDS = "write `MIN MAX` or `MIN MAX RATE` as numbers, `_` for an open bound"
+_RATE = "write the speed without its direction, in degrees or mm per second"
 
 _BRACKETS = re.compile(r"[<([{>)\]}]")
 
@@ -95,15 +96,21 @@ def _no_mode(found: str, at: int) -> Wrong:
 
 def read_bounds(text: str) -> Bounds | Wrong:
     """Read `[MIN MAX [RATE]]`."""
-    values: list[Decimal | None] = []
-    for word in re.finditer(r"\S+", text):
-        values.append(None if word[0] == "_" else parse_number(word[0]))
-        if values[-1] is None and word[0] != "_":
+    words = list(re.finditer(r"\S+", text))
+    values = [None if word[0] == "_" else parse_number(word[0]) for word in words]
+    for word, value in zip(words, values, strict=True):
+        if value is None and word[0] != "_":
             return Wrong("MARS116", f"`{word[0]}` is no bound", _BOUNDS, *word.span())
-    low, high, rate = (*values, None, None, None)[:3]
-    wrong = len(values) not in (0, 2, 3) or (low is not None and high is not None and low > high)
-    if wrong or (rate is not None and rate <= 0):
+    if len(values) not in (0, 2, 3):
         return Wrong("MARS116", f"`{text}` are no bounds", _BOUNDS, 0, len(text))
+    low, high, rate = (*values, None, None, None)[:3]
+    if low is not None and high is not None and low > high:
+        message = f"bounds in the wrong order: MIN is `{words[0][0]}`, MAX is `{words[1][0]}`"
+        help_text = f"swap them: `{words[1][0]} {words[0][0]}`"
+        return Wrong("MARS116", message, help_text, words[0].start(), words[1].end())
+    if rate is not None and rate <= 0:
+        message = f"RATE is `{words[2][0]}`, which is not above 0"
+        return Wrong("MARS116", message, _RATE, *words[2].span())
     return low, high, rate
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, Severity
+from mars_asp.diagnostic import Diagnostic, Severity, by_place
 from mars_asp.model import Module
 from mars_asp.source import point
 
@@ -25,13 +25,15 @@ _MARK = re.compile(
     rb"|(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-]))"
 )
 _MARK_16 = re.compile(rb"(?i)@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
+#: So many of the places where a name is repeated are shown.
+_MOST_PLACES = 5
 _PIECE = 1 << 20
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
 
 @dataclass(frozen=True, slots=True)
 class Extraction:
-    """The modules found, in the order of their files, and what is wrong or noteworthy."""
+    """The modules found, in the order of their files, and by place what is wrong or noteworthy."""
 
     modules: tuple[Module, ...]
     diagnostics: tuple[Diagnostic, ...]
@@ -62,8 +64,8 @@ def extract(paths: Sequence[Path]) -> Extraction:
         found, wrong = _read(path, status)
         modules += found
         problems += wrong
-    problems += _twice(modules)
-    return Extraction(tuple(modules), tuple(problems))
+    problems += _repeated(modules)
+    return Extraction(tuple(modules), by_place(problems))
 
 
 def _files(paths: Iterable[Path]) -> Iterator[tuple[Path, os.stat_result | OSError]]:
@@ -119,10 +121,11 @@ def _read(
     shown = str(path)
     language = _language(path.name)
     if language is None:
-        known = ", ".join(sorted(LANGUAGES))
-        return (), (
-            _about(shown, "MARS306", "error", "is in no known language", f"known: {known}"),
-        )
+        reason, help_text = "is in no known language", f"known: {', '.join(sorted(LANGUAGES))}"
+        if path.suffix.lower() == ".mars":
+            reason = "is a configuration and no source"
+            help_text = "`mars-asp check` and `mars-asp analyse` read it"
+        return (), (_about(shown, "MARS306", "error", reason, help_text),)
     try:
         if isinstance(status, OSError):
             raise status
@@ -189,17 +192,24 @@ def _about(shown: str, code: str, severity: Severity, reason: str, help_text: st
     return Diagnostic(code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text)
 
 
-def _twice(modules: Iterable[Module]) -> Iterator[Diagnostic]:
-    first: dict[str, Module] = {}
+def _repeated(modules: Iterable[Module]) -> Iterator[Diagnostic]:
+    """Yield one error for each name that several modules have."""
+    found: dict[str, list[Module]] = {}
     for module in modules:
-        earlier = first.setdefault(module.name, module)
-        if earlier is not module:
-            where = earlier.span
-            yield Diagnostic(
-                "MARS121",
-                "error",
-                f"module `{module.name}` is annotated twice, first at {where.path}:{where.line}",
-                module.named or module.span,
-                ((where, "first annotated here"),),
-                "give one of the two another name",
-            )
+        found.setdefault(module.name, []).append(module)
+    for name, (first, *again) in found.items():
+        if not again:
+            continue
+        times = "twice" if len(again) == 1 else f"{len(again) + 1} times"
+        places = [module.named or module.span for module in again]
+        yield Diagnostic(
+            "MARS121",
+            "error",
+            f"module `{name}` is annotated {times}, first at {first.span.path}:{first.span.line}",
+            places[0],
+            (
+                (first.span, "first annotated here"),
+                *((place, "and here") for place in places[1:_MOST_PLACES]),
+            ),
+            "give each another name" if places[1:] else "give one of the two another name",
+        )
