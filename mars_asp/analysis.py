@@ -5,21 +5,23 @@ the answer set, its message the metadata of the rule that derives it.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import clingo
 
-from mars_asp.atom import Fact
+from mars_asp.atom import Atom, Fact
 from mars_asp.conflict import check_packs
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
+from mars_asp.term import Term, arguments, as_symbol, atoms
 
-Key: TypeAlias = tuple[clingo.Symbol, clingo.Symbol, clingo.Symbol]
+#: Kind, subject and case of a consequence.
+Key: TypeAlias = tuple[Term, Term, Term]
 _SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 _CONSEQUENCE = ("consequence", 4)
 _HOLE = re.compile(r"\{([^{}]*)\}")
@@ -54,10 +56,16 @@ class Analysis:
         return any(consequence.severity == "error" for consequence in self.consequences)
 
 
-def analyse(facts: Iterable[Fact], rulebook: Rulebook, configuration: Span) -> Analysis:
+def analyse(
+    facts: Iterable[Fact],
+    rulebook: Rulebook,
+    configuration: Span,
+    subject: str | None = None,
+) -> Analysis:
     """Ground the rules over facts and read off the consequences.
 
-    `configuration` is where a consequence is placed that concerns no line.
+    `configuration` is where a consequence is placed that concerns no line. With a `subject`, as
+    in `data_divergence(Camera)` or the whole atom, only what it names is read.
 
     Raises:
         MarsError: clingo refuses the rules, or rule packs leave no answer.
@@ -68,35 +76,32 @@ def analyse(facts: Iterable[Fact], rulebook: Rulebook, configuration: Span) -> A
     text = facts_text(facts)
     grounding = Grounding(f"{rulebook.text('base')}\n{said}", text)
     check_packs(grounding.control, rulebook, text)
-    places = {fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"}
-    participants = _collect(grounding, "participant", 5)
-    concerned = _collect(grounding, "concerns", 4)
-    first: dict[clingo.Symbol, tuple[int, clingo.Symbol]] = {}
-    for symbol in grounding.symbols("_said", 3):
-        number, head, values = symbol.arguments
-        told = (number.number, values)
-        if head not in first or told < first[head]:
-            first[head] = told
+    first = _first_said(grounding)
+    if subject is not None:
+        first = {head: told for head, told in first.items() if _is_named(head, subject)}
+    keys = {head: _key(arguments(head)) for head in first}
+    participants = _collect(grounding, ("participant", 5), set(keys.values()))
+    concerned = _collect(grounding, ("concerns", 4), set(keys.values()))
+    identifiers = {row[0] for rows in concerned.values() for row in rows}
+    spans_of = _places(facts, {_plain(identifier) for identifier in identifiers})
     consequences = []
-    for head, (speaker, spoken) in first.items():
-        kind, severity, subject, case = head.arguments
-        key = (kind, subject, case)
-        rule = speakers[speaker]
-        named = dict(zip(rule.holes, spoken.arguments, strict=True))
-        spans = {
-            places[_plain(row[0])] for row in concerned.get(key, ()) if _plain(row[0]) in places
-        }
+    for head, key in keys.items():
+        kind, severity, about, _ = map(as_symbol, arguments(head))
+        number, values = first[head]
+        rule = speakers[number]
+        named = dict(zip(rule.holes, map(as_symbol, arguments(values)), strict=True))
+        places = (spans_of.get(_plain(row[0])) for row in concerned.get(key, ()))
         consequences.append(
             Consequence(
                 str(kind),
                 _severity(severity),
-                shown(subject),
+                shown(about),
                 _in_order(participants.get(key, ())),
-                fill(rule.because, named) or str(head),
+                fill(rule.because, named) or str(as_symbol(head)),
                 fill(rule.help, named),
                 rule,
-                tuple(sorted(spans)) or (configuration,),
-                head,
+                tuple(sorted({span for span in places if span})) or (configuration,),
+                as_symbol(head),
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -141,20 +146,56 @@ def _saying(number: int, rule: Rule) -> str:
     return f"_said({number},{rule.ast.head},v({values.rstrip(',')})) :- {body}."
 
 
-def _collect(grounding: Grounding, name: str, arity: int) -> dict[Key, list[list[clingo.Symbol]]]:
-    rows: dict[Key, list[list[clingo.Symbol]]] = {}
-    for symbol in grounding.symbols(name, arity):
-        kind, subject, case, *rest = symbol.arguments
-        rows.setdefault((kind, subject, case), []).append(rest)
+def _first_said(grounding: Grounding) -> dict[Term, tuple[int, Term]]:
+    """Return for each consequence the first rule that says it, and the values of its holes."""
+    first: dict[Term, tuple[int, Term]] = {}
+    for atom in atoms(grounding.control, "_said", 3, True):
+        speaker, head, values = arguments(atom)
+        told = (as_symbol(speaker).number, values)
+        rival = first.get(head)
+        if rival is None or (told[0], as_symbol(values)) < (rival[0], as_symbol(rival[1])):
+            first[head] = told
+    return first
+
+
+def _is_named(head: Term, subject: str) -> bool:
+    kind, _, about, _ = as_symbol(head).arguments
+    return subject in (f"{kind}({shown(about)})", str(as_symbol(head)))
+
+
+def _key(parts: Sequence[Term]) -> Key:
+    kind, _, about, case = parts
+    return kind, about, case
+
+
+def _collect(
+    grounding: Grounding, predicate: tuple[str, int], keys: Set[Key]
+) -> dict[Key, list[Sequence[Term]]]:
+    """Return what atoms say of consequences, by their keys: the arguments behind the key."""
+    rows: dict[Key, list[Sequence[Term]]] = {}
+    for atom in atoms(grounding.control, *predicate, True):
+        kind, about, case, *rest = arguments(atom)
+        if (kind, about, case) in keys:
+            rows.setdefault((kind, about, case), []).append(rest)
     return rows
 
 
-def _in_order(rows: Iterable[list[clingo.Symbol]]) -> tuple[str, ...]:
-    ordered = sorted(rows, key=lambda row: (row[0], str(row[1])))
-    return tuple(dict.fromkeys(shown(name) for _, name in ordered))
+def _places(facts: Iterable[Fact], identifiers: Set[int | str]) -> dict[int | str | Atom, Span]:
+    return {
+        fact.atom.arguments[0]: fact.span
+        for fact in facts
+        if fact.atom.name == "place" and fact.atom.arguments[0] in identifiers
+    }
 
 
-def _plain(symbol: clingo.Symbol) -> int | str:
+def _in_order(rows: Iterable[Sequence[Term]]) -> tuple[str, ...]:
+    symbols = ([as_symbol(part) for part in row] for row in rows)
+    ordered = sorted(symbols, key=lambda row: (row[0], str(row[1])))
+    return tuple(dict.fromkeys(shown(row[1]) for row in ordered))
+
+
+def _plain(identifier: Term) -> int | str:
+    symbol = as_symbol(identifier)
     if symbol.type == clingo.SymbolType.Number:
         return symbol.number
     return shown(symbol)

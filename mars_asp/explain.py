@@ -78,12 +78,8 @@ def explain(
 
 def _explain_part(project: Project, part: Slice, subject: str) -> Explanation:
     """Explain what no choice decides from the rules and facts that it needs alone."""
-    analysis = analyse(part.facts, part.rulebook, project.configuration.span)
-    asked = [
-        (f"{c.kind}({c.subject})", c.atom)
-        for c in analysis.consequences
-        if subject in (f"{c.kind}({c.subject})", str(c.atom))
-    ]
+    analysis = analyse(part.facts, part.rulebook, project.configuration.span, subject)
+    asked = [(f"{c.kind}({c.subject})", c.atom) for c in analysis.consequences]
     if not asked:
         with contextlib.suppress(MarsError):
             asked = [_asked_atom(subject, project, analysis, None)]
