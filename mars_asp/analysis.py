@@ -7,6 +7,7 @@ the answer set, its message the metadata of the rule that derives it.
 import re
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import clingo
@@ -44,51 +45,72 @@ class Consequence:
 
 @dataclass(frozen=True)
 class Analysis:
-    """All consequences, sorted by place, and the grounding they were read from."""
+    """What the rules derive from facts.
 
-    consequences: tuple[Consequence, ...]
-    unchecked: tuple[str, ...]
+    Consequences are read from the grounding when somebody asks, as not every question does. With
+    a `subject`, only those that it names are.
+    """
+
     grounding: Grounding
+    facts: tuple[Fact, ...]
+    speakers: tuple[Rule, ...]
+    #: Where a consequence is placed that concerns no line.
+    configuration: Span
+    subject: str | None = None
 
-    @property
+    @cached_property
+    def consequences(self) -> tuple[Consequence, ...]:
+        """Return the consequences, sorted by place."""
+        return _consequences(self)
+
+    @cached_property
+    def unchecked(self) -> tuple[str, ...]:
+        """Return the modules of which nothing is known."""
+        symbols = self.grounding.symbols("unchecked", 1)
+        return tuple(sorted(symbol.arguments[0].string for symbol in symbols))
+
+    @cached_property
     def has_errors(self) -> bool:
         """Say whether a consequence is an error."""
-        return any(consequence.severity == "error" for consequence in self.consequences)
+        severities = {arguments(a)[1] for a in atoms(self.grounding.control, *_CONSEQUENCE, True)}
+        return any(_severity(as_symbol(severity)) == "error" for severity in severities)
 
 
 def analyse(
-    facts: Iterable[Fact],
-    rulebook: Rulebook,
-    configuration: Span,
-    subject: str | None = None,
+    facts: Iterable[Fact], rulebook: Rulebook, configuration: Span, subject: str | None = None
 ) -> Analysis:
-    """Ground the rules over facts and read off the consequences.
+    """Ground the rules over facts.
 
-    `configuration` is where a consequence is placed that concerns no line. With a `subject`, as
-    in `data_divergence(Camera)` or the whole atom, only what it names is read.
+    `configuration` is where a consequence is placed that concerns no line; `subject`, as in
+    `data_divergence(Camera)` or the whole atom, is what alone will be read.
 
     Raises:
         MarsError: clingo refuses the rules, or rule packs leave no answer.
     """
     facts = tuple(facts)
-    speakers = [rule for rule in rulebook.rules if _speaks(rule)]
+    speakers = tuple(rule for rule in rulebook.rules if _speaks(rule))
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     text = facts_text(facts)
     grounding = Grounding(f"{rulebook.text('base')}\n{said}", text)
     check_packs(grounding.control, rulebook, text)
-    first = _first_said(grounding)
+    return Analysis(grounding, facts, speakers, configuration, subject)
+
+
+def _consequences(analysis: Analysis) -> tuple[Consequence, ...]:
+    control, subject = analysis.grounding.control, analysis.subject
+    first = _first_said(control)
     if subject is not None:
         first = {head: told for head, told in first.items() if _is_named(head, subject)}
     keys = {head: _key(arguments(head)) for head in first}
-    participants = _collect(grounding, ("participant", 5), set(keys.values()))
-    concerned = _collect(grounding, ("concerns", 4), set(keys.values()))
+    participants = _collect(control, ("participant", 5), set(keys.values()))
+    concerned = _collect(control, ("concerns", 4), set(keys.values()))
     identifiers = {row[0] for rows in concerned.values() for row in rows}
-    spans_of = _places(facts, {_plain(identifier) for identifier in identifiers})
+    spans_of = _places(analysis.facts, {_plain(identifier) for identifier in identifiers})
     consequences = []
     for head, key in keys.items():
         kind, severity, about, _ = map(as_symbol, arguments(head))
         number, values = first[head]
-        rule = speakers[number]
+        rule = analysis.speakers[number]
         named = dict(zip(rule.holes, map(as_symbol, arguments(values)), strict=True))
         places = (spans_of.get(_plain(row[0])) for row in concerned.get(key, ()))
         consequences.append(
@@ -100,13 +122,12 @@ def analyse(
                 fill(rule.because, named) or str(as_symbol(head)),
                 fill(rule.help, named),
                 rule,
-                tuple(sorted({span for span in places if span})) or (configuration,),
+                tuple(sorted({span for span in places if span})) or (analysis.configuration,),
                 as_symbol(head),
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
-    unchecked = sorted(symbol.arguments[0].string for symbol in grounding.symbols("unchecked", 1))
-    return Analysis(tuple(consequences), tuple(unchecked), grounding)
+    return tuple(consequences)
 
 
 def diagnostic(consequence: Consequence) -> Diagnostic:
@@ -146,10 +167,10 @@ def _saying(number: int, rule: Rule) -> str:
     return f"_said({number},{rule.ast.head},v({values.rstrip(',')})) :- {body}."
 
 
-def _first_said(grounding: Grounding) -> dict[Term, tuple[int, Term]]:
+def _first_said(control: clingo.Control) -> dict[Term, tuple[int, Term]]:
     """Return for each consequence the first rule that says it, and the values of its holes."""
     first: dict[Term, tuple[int, Term]] = {}
-    for atom in atoms(grounding.control, "_said", 3, True):
+    for atom in atoms(control, "_said", 3, True):
         speaker, head, values = arguments(atom)
         told = (as_symbol(speaker).number, values)
         rival = first.get(head)
@@ -169,11 +190,11 @@ def _key(parts: Sequence[Term]) -> Key:
 
 
 def _collect(
-    grounding: Grounding, predicate: tuple[str, int], keys: Set[Key]
+    control: clingo.Control, predicate: tuple[str, int], keys: Set[Key]
 ) -> dict[Key, list[Sequence[Term]]]:
     """Return what atoms say of consequences, by their keys: the arguments behind the key."""
     rows: dict[Key, list[Sequence[Term]]] = {}
-    for atom in atoms(grounding.control, *predicate, True):
+    for atom in atoms(control, *predicate, True):
         kind, about, case, *rest = arguments(atom)
         if (kind, about, case) in keys:
             rows.setdefault((kind, about, case), []).append(rest)
