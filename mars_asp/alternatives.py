@@ -19,12 +19,12 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.print import print_configuration
 from mars_asp.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.project import Project, project_facts
-from mars_asp.resolve import COSTS, NODES, Synthesis, specification_of, synthesise
+from mars_asp.resolve import COSTS, NODES, Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
-from mars_asp.solve import Part
+from mars_asp.solve import Answer, Part
 from mars_asp.source import point
 from mars_asp.spelling import nearest
-from mars_asp.synthesis import Specification
+from mars_asp.synthesis import Specification, specify
 
 _DOCSTRING = re.compile(r"^%\*!\s*(\w+)\(([^)]*)\)\s*\n(.*?)\n\*%", re.MULTILINE | re.DOTALL)
 
@@ -133,12 +133,9 @@ class _Search:
         return islice(others(part.component, part.best, most, self.deadline), most)
 
     def _told(self, part: Part, other: Optimum, own: Sequence[str]) -> Alternative:
-        instead = {part.symbols[number - 1] for number in other.true}
-        kept = self.synthesis.resolution.taken.difference(s for s in part.symbols if s is not None)
-        taken = kept | {symbol for symbol in instead if symbol is not None}
-        specification = specification_of(
-            self.project.configuration, self.project.modules, self.analysis.grounding, taken
-        )
+        kept = set(self.synthesis.resolution.answer.decided).difference(part.decided(part.best))
+        answer = Answer(self.analysis.grounding, (*kept, *part.decided(other)))
+        specification = specify(self.project.configuration, self.project.modules, answer.shown)
         changes = list(difflib.ndiff(own, _lines(specification)))
         extra = {level: other.cost.get(level, 0) - cost for level, cost in _costs(part)}
         return Alternative(
@@ -150,8 +147,9 @@ class _Search:
 
     def _needs(self, part: Part, names: Mapping[clingo.Symbol, str]) -> Iterator[Need]:
         documented = _docstrings(self.rulebook)
+        symbol_of = self.analysis.grounding.symbol_of
         for atoms in disjoint_needs(part.component, NODES, self.deadline):
-            told = [symbol for atom in atoms if (symbol := part.symbols[atom - 1]) is not None]
+            told = [symbol_of[number] for atom in atoms if (number := part.atoms[atom - 1]) in symbol_of]
             yield Need(
                 tuple(_words(symbol, documented) for symbol in told),
                 tuple(names[symbol] for symbol in told if symbol in names),

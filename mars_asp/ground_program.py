@@ -1,44 +1,44 @@
 """The undecided part of a ground program, cut into independent components.
 
-Atoms are clingo's integers; a negative one in a body is a negated atom. Two atoms belong together
-when a rule names both, so components can be solved apart and their costs add up.
+Atoms are clingo's integers; a negative one in a body is a negated atom. Only rules on which a
+choice, a constraint or a cost depends are kept, because all else follows from the decisions. Two
+atoms belong together when a rule names both, so components can be solved apart and their costs add
+up.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from array import array
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class GroundRule:
-    """A ground rule; `bound` and `weighted` replace `body` in a rule with a weight body."""
+class GroundRule(NamedTuple):
+    """A ground rule; where `bound` is positive, it and `weighted` replace `body`."""
 
     choice: bool
     head: tuple[int, ...]
     body: tuple[int, ...]
-    bound: int | None = None
+    bound: int = 0
     weighted: Weighted = ()
 
     def atoms(self) -> tuple[int, ...]:
         """Return every atom that the rule names."""
-        return (*self.head, *map(abs, self.body), *(abs(literal) for literal, _ in self.weighted))
+        if self.bound:
+            return (*self.head, *(abs(literal) for literal, _ in self.weighted))
+        return (*self.head, *map(abs, self.body))
 
     def renamed(self, names: Mapping[int, int]) -> "GroundRule":
-        """Return the rule with other atoms."""
-
-        def rename(literal: int) -> int:
-            return names[literal] if literal > 0 else -names[-literal]
-
+        """Return the rule with other literals; `names` maps each literal."""
         return GroundRule(
             self.choice,
-            tuple(sorted(map(rename, self.head))),
-            tuple(sorted(map(rename, self.body))),
+            tuple(sorted([names[atom] for atom in self.head])),
+            tuple(sorted([names[literal] for literal in self.body])),
             self.bound,
-            tuple(sorted((rename(literal), weight) for literal, weight in self.weighted)),
+            tuple(sorted([(names[literal], weight) for literal, weight in self.weighted])),
         )
 
 
@@ -52,27 +52,36 @@ class Component:
     projected: tuple[int, ...]
 
 
-@dataclass
 class Recorder(clingo.Observer):
-    """Notes what clingo grounds from the moment it is registered."""
+    """Notes what clingo grounds from the moment it is registered.
 
-    rules: list[GroundRule] = field(default_factory=list)
-    facts: set[int] = field(default_factory=set)
-    costs: list[tuple[int, int, int]] = field(default_factory=list)
-    projected: set[int] = field(default_factory=set)
+    Rules are kept as numbers in one array, because there are many: whether the rule is a choice,
+    how long head and body are, the bound, then both. A weight body lists literals and weights.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nothing."""
+        self._rules = array("i")
+        self.facts = array("i")
+        self.costs: list[tuple[int, int, int]] = []
+        self.projected: set[int] = set()
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Note a rule or a fact."""
         if not body and len(head) == 1 and not choice:
-            self.facts.add(head[0])
+            self.facts.append(head[0])
         else:
-            self.rules.append(GroundRule(choice, tuple(head), tuple(body)))
+            self._rules.extend((choice, len(head), len(body), 0, *head, *body))
 
     def weight_rule(
         self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]
     ) -> None:
         """Note a rule with a weight body."""
-        self.rules.append(GroundRule(choice, tuple(head), (), lower_bound, tuple(body)))
+        if lower_bound <= 0:
+            self.rule(choice, head, ())
+            return
+        weighted = [number for pair in body for number in pair]
+        self._rules.extend((choice, len(head), len(weighted), lower_bound, *head, *weighted))
 
     def minimize(self, priority: int, literals: Sequence[tuple[int, int]]) -> None:
         """Note what is minimised."""
@@ -82,94 +91,131 @@ class Recorder(clingo.Observer):
         """Note the atoms that tell answers apart."""
         self.projected.update(atoms)
 
+    def rules(self) -> Iterator[GroundRule]:
+        """Yield the rules in the order in which they were grounded."""
+        numbers, at = self._rules, 0
+        while at < len(numbers):
+            choice, heads, bodies, bound = numbers[at : at + 4]
+            middle = at + 4 + heads
+            head, at = tuple(numbers[at + 4 : middle]), middle + bodies
+            body = tuple(numbers[middle:at])
+            if bound:
+                pairs = tuple(zip(body[::2], body[1::2], strict=True))
+                yield GroundRule(bool(choice), head, (), bound, pairs)
+            else:
+                yield GroundRule(bool(choice), head, body)
+
 
 @dataclass(frozen=True, slots=True)
 class Partition:
     """Components with their own numbering, each with the ground atoms that its numbers stand for.
 
-    `constant` is the cost, level by level, of what is decided already; `facts` are its atoms.
+    `constant` is the cost, level by level, of what is decided already.
     """
 
     components: tuple[tuple[Component, tuple[int, ...]], ...]
     constant: Mapping[int, int]
-    facts: frozenset[int]
 
 
-def partition(recorder: Recorder, rank: Callable[[int], object]) -> Partition:
-    """Cut the recorded program into components.
+def partition(
+    program: Recorder, names: Mapping[int, str], asked: Iterable[int] = ()
+) -> Partition:
+    """Cut a program into components.
 
-    Equal components come out equal: their atoms are numbered by `rank`, a sort key of the name of
-    a ground atom (clingo's own auxiliary atoms follow in their order).
+    Equal components come out equal: the atoms that tell answers apart are numbered first, in the
+    order of their names, all others in the order in which clingo grounded them. Rules on which
+    `asked` atoms depend are kept besides those on which choices, constraints and costs do.
     """
-    facts = frozenset(recorder.facts)
-    rules = [rule for rule in map(_without(facts), recorder.rules) if rule is not None]
+    rules = _relevant(program, asked)
+    mentioned = {atom for rule in rules for atom in rule.atoms()}
+    mentioned.update(abs(literal) for _, _, literal in program.costs)
+    facts = mentioned.intersection(program.facts)
+    if facts:
+        rules = [kept for rule in rules if (kept := _simplified(rule, facts)) is not None]
     groups = _Groups()
     for rule in rules:
         groups.join(rule.atoms())
     constant: dict[int, int] = {}
-    open_costs = []
     known = groups.parent
-    for level, weight, literal in recorder.costs:
-        constant.setdefault(level, 0)
-        if literal in facts or (literal < 0 and -literal not in known and -literal not in facts):
-            constant[level] += weight
-        elif abs(literal) in known:
-            open_costs.append((level, weight, literal))
-    rules_of: dict[int, list[GroundRule]] = {}
     costs_of: dict[int, list[tuple[int, int, int]]] = {}
+    for level, weight, literal in program.costs:
+        constant.setdefault(level, 0)
+        if abs(literal) in known:
+            costs_of.setdefault(groups.find(abs(literal)), []).append((level, weight, literal))
+        elif (literal in facts) if literal > 0 else (-literal not in facts):
+            constant[level] += weight
+    rules_of: dict[int, list[GroundRule]] = {}
     for rule in rules:
-        atoms = rule.atoms()
-        if atoms:
-            rules_of.setdefault(groups.find(atoms[0]), []).append(rule)
-    for cost in open_costs:
-        costs_of.setdefault(groups.find(abs(cost[2])), []).append(cost)
+        for atom in rule.atoms()[:1]:
+            rules_of.setdefault(groups.find(atom), []).append(rule)
+    del rules
     components = []
     for root, members in groups.members().items():
-        ordered = tuple(sorted(members, key=lambda atom: (rank(atom), atom)))
-        names = {atom: number for number, atom in enumerate(ordered, 1)}
+        ordered = _ordered(members, program.projected, names)
+        renaming = {atom: number for number, atom in enumerate(ordered, 1)}
+        renaming.update([(-atom, -number) for atom, number in renaming.items()])
         part = Component(
             len(ordered),
-            tuple(sorted((r.renamed(names) for r in rules_of.get(root, ())), key=_rule_key)),
-            tuple(
-                sorted(
-                    (level, weight, names[lit] if lit > 0 else -names[-lit])
-                    for level, weight, lit in costs_of.get(root, ())
-                )
-            ),
-            tuple(sorted(names[atom] for atom in ordered if atom in recorder.projected)),
+            tuple(sorted([rule.renamed(renaming) for rule in rules_of.pop(root)])),
+            tuple(sorted([(at, w, renaming[lit]) for at, w, lit in costs_of.pop(root, ())])),
+            tuple(range(1, 1 + sum(atom in program.projected for atom in ordered))),
         )
         components.append((part, ordered))
-    return Partition(tuple(components), constant, facts)
+    return Partition(tuple(components), constant)
 
 
-def _rule_key(rule: GroundRule) -> tuple[object, ...]:
-    return (rule.choice, rule.head, rule.body, rule.bound or 0, rule.weighted)
+def _ordered(
+    members: Sequence[int], projected: set[int], names: Mapping[int, str]
+) -> tuple[int, ...]:
+    """Return atoms, given in clingo's order, as a component numbers them."""
+    told = sorted((atom for atom in members if atom in projected), key=names.__getitem__)
+    return (*told, *(atom for atom in members if atom not in projected))
 
 
-def _without(facts: frozenset[int]) -> Callable[[GroundRule], GroundRule | None]:
-    """Return a function that takes facts out of a rule, or the rule away where it is settled."""
+def _relevant(program: Recorder, asked: Iterable[int]) -> list[GroundRule]:
+    """Return the rules on which a choice, a constraint, a cost or an asked atom depends."""
+    rules = list(program.rules())
+    by_head: dict[int, list[int]] = {}
+    keep = bytearray(len(rules))
+    open_rules = []
+    for index, rule in enumerate(rules):
+        if rule.choice or not rule.head:
+            keep[index] = 1
+            open_rules.append(index)
+        else:
+            for atom in rule.head:
+                by_head.setdefault(atom, []).append(index)
+    reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
+    for atom in reached:
+        open_rules += by_head.get(atom, ())
+    while open_rules:
+        index = open_rules.pop()
+        keep[index] = 1
+        for atom in rules[index].atoms():
+            if atom not in reached:
+                reached.add(atom)
+                open_rules += by_head.get(atom, ())
+    return [rule for rule, kept in zip(rules, keep, strict=True) if kept]
 
-    def simplify(rule: GroundRule) -> GroundRule | None:
-        if not rule.choice and any(atom in facts for atom in rule.head):
-            return None
-        if any(-literal in facts for literal in rule.body):
-            return None
-        body = tuple(literal for literal in rule.body if literal not in facts)
-        head = tuple(atom for atom in rule.head if atom not in facts)
-        if rule.choice and not head:
-            return None
-        if rule.bound is None:
-            return GroundRule(rule.choice, head, body)
-        held = sum(weight for literal, weight in rule.weighted if literal in facts)
-        weighted = tuple(
-            (literal, weight) for literal, weight in rule.weighted if abs(literal) not in facts
-        )
-        bound = rule.bound - held
-        if bound <= 0:
-            return GroundRule(rule.choice, head, ())
-        return GroundRule(rule.choice, head, (), bound, weighted)
 
-    return simplify
+def _simplified(rule: GroundRule, facts: set[int]) -> GroundRule | None:
+    """Return a rule without facts, or nothing where they settle it."""
+    if facts.isdisjoint(rule.atoms()):
+        return rule
+    if not rule.choice and not facts.isdisjoint(rule.head):
+        return None
+    if any(-literal in facts for literal in rule.body):
+        return None
+    head = tuple(atom for atom in rule.head if atom not in facts)
+    if rule.choice and not head:
+        return None
+    if not rule.bound:
+        return GroundRule(rule.choice, head, tuple(lit for lit in rule.body if lit not in facts))
+    bound = rule.bound - sum(weight for literal, weight in rule.weighted if literal in facts)
+    if bound <= 0:
+        return GroundRule(rule.choice, head, ())
+    weighted = tuple((lit, weight) for lit, weight in rule.weighted if abs(lit) not in facts)
+    return GroundRule(rule.choice, head, (), bound, weighted)
 
 
 class _Groups:

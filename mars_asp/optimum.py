@@ -55,16 +55,26 @@ def optimise(component: Component, deadline: float | None = None) -> Optimum:
     return Optimum(true, found.cost, found.bound, True, count)
 
 
+def least(component: Component, deadline: float | None = None) -> Optimum:
+    """Find a least answer of a component; how many there are is not counted.
+
+    Raises:
+        UnsatisfiableError: there is no answer.
+        TimeoutError: the deadline passed before any answer was found.
+    """
+    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
+    return _search(component, levels, deadline)
+
+
 def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
-    """Find a least answer in which an atom is true; how many there are is not counted.
+    """Find a least answer in which an atom is true.
 
     Raises:
         UnsatisfiableError: no answer has it.
         TimeoutError: the deadline passed before any answer was found.
     """
     forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
-    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
-    return _search(forced, levels, deadline)
+    return least(forced, deadline)
 
 
 def others(
@@ -136,10 +146,10 @@ def _control(component: Component, options: Sequence[str] = ()) -> clingo.Contro
         for _ in range(component.size):
             backend.add_atom()
         for rule in component.rules:
-            if rule.bound is None:
-                backend.add_rule(rule.head, rule.body, rule.choice)
-            else:
+            if rule.bound:
                 backend.add_weight_rule(rule.head, rule.bound, rule.weighted, rule.choice)
+            else:
+                backend.add_rule(rule.head, rule.body, rule.choice)
     return control
 
 

@@ -1,42 +1,90 @@
 """Ground rules and facts with clingo, and find the least resolution, component by component."""
 
+import re
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 
 import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, Recorder, partition
-from mars_asp.optimum import Optimum, UnsatisfiableError, least_with, optimise
+from mars_asp.optimum import Optimum, UnsatisfiableError, least, least_with, optimise
 from mars_asp.source import point
 
-_OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined")
+# What is least is found component by component; the whole is never minimised.
+_OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
 _MOST_MESSAGES = 10_000
+_PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
+class Answer:
+    """An answer of the resolution rules: what follows from the literals that decide it.
+
+    It is found in one go, without any search, so it also shows that the decisions for the
+    components are an answer of the whole.
+    """
+
+    grounding: "Grounding"
+    decided: tuple[int, ...]
+
+    @cached_property
+    def shown(self) -> tuple[clingo.Symbol, ...]:
+        """Return the true atoms that the rules show, facts among them."""
+        with self._model() as model:
+            return tuple(model.symbols(shown=True))
+
+    @cached_property
+    def taken(self) -> frozenset[clingo.Symbol]:
+        """Return the true atoms that are no facts."""
+        with self._model() as model:
+            opened = self.grounding.open_atoms()
+            return frozenset(a.symbol for a in opened if model.is_true(a.literal))
+
+    @contextmanager
+    def _model(self) -> Iterator[clingo.Model]:
+        with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
+            model = handle.model()
+            if model is None:
+                raise self.grounding.refused("no resolution satisfies the rules of `rules/resolve`")
+            yield model
+
+
+@dataclass(frozen=True)
 class Resolution:
     """The least answer of the resolution rules.
 
-    `taken` are the true atoms that are no facts; `cost` and `bound` map the levels of the
-    minimisation to values; `count` is how many optima there are, `None` where nobody counted.
+    `cost` and `bound` map the levels of the minimisation to values; `count` is how many optima
+    there are, `None` where nobody counted.
     """
 
-    taken: frozenset[clingo.Symbol]
+    answer: Answer
     cost: dict[int, int]
     bound: dict[int, int]
     proven: bool
     count: int | None
 
+    @property
+    def taken(self) -> frozenset[clingo.Symbol]:
+        """Return the true atoms that are no facts."""
+        return self.answer.taken
+
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A component, the symbols of its atoms (`None` for clingo's own) from 1, and its optimum."""
+    """A component, the ground atoms that its numbers from 1 stand for, and its optimum."""
 
     component: Component
-    symbols: tuple[clingo.Symbol | None, ...]
+    atoms: tuple[int, ...]
     best: Optimum
+
+    def decided(self, answer: Optimum) -> tuple[int, ...]:
+        """Return the literals that hold in an answer of the component."""
+        numbered = enumerate(self.atoms, 1)
+        return tuple(atom if number in answer.true else -atom for number, atom in numbered)
 
 
 class Grounding:
@@ -49,26 +97,50 @@ class Grounding:
             MarsError: clingo refuses a rule, or the rules leave a choice.
         """
         self._messages: list[tuple[clingo.MessageCode, str]] = []
-        #: The components that were solved, and where each open atom stands: part and number.
+        #: The components that were solved.
         self.parts: list[Part] = []
-        self._places: dict[clingo.Symbol, tuple[int, int]] = {}
+        self._program = Recorder()
+        self._names: dict[int, str] = {}
+        self._steps = 0
         self.control = clingo.Control(_OPTIONS, self._note, _MOST_MESSAGES)
-        self._add("base", f"{base}\n{facts}")
+        self.add(f"{base}\n{facts}")
+        #: What is a fact, whatever later rules choose.
+        self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
     def _note(self, code: clingo.MessageCode, message: str) -> None:
         self._messages.append((code, message))
 
-    def _add(self, part: str, text: str) -> None:
+    def add(self, text: str) -> None:
+        """Ground rules and facts over what is grounded already.
+
+        Raises:
+            MarsError: clingo refuses a rule.
+        """
+        self._steps += 1
+        part = f"step{self._steps}"
         try:
             self.control.add(part, [], text)
             self.control.ground([(part, [])])
         except RuntimeError as error:
-            raise self._refused(str(error)) from None
+            raise self.refused(str(error)) from None
         worst = clingo.MessageCode.OperationUndefined
         if any(code == worst for code, _ in self._messages):
-            raise self._refused("an operation is undefined")
+            raise self.refused("an operation is undefined")
 
-    def _refused(self, reason: str) -> MarsError:
+    def derive(self, text: str) -> None:
+        """Ground rules for the sake of their atoms alone; answers cannot be asked for any more.
+
+        Neither the solver nor what recorded the ground program is told of them, which is most of
+        the cost.
+
+        Raises:
+            MarsError: clingo refuses a rule.
+        """
+        self.control.register_observer(clingo.Observer(), replace=True)
+        self.add(text)
+
+    def refused(self, reason: str) -> MarsError:
+        """Return the error that says why clingo cannot use the rules."""
         details = "; ".join(message.strip() for _, message in self._messages[:5]) or reason
         return MarsError(
             (
@@ -105,45 +177,48 @@ class Grounding:
             MarsError: the rules are refused, or have no answer.
             TimeoutError: the deadline passed before every component had an answer.
         """
-        recorder = Recorder()
-        self.control.register_observer(recorder)
-        self._add("resolve", rules)
-        names = {
-            atom.literal: atom.symbol
-            for atom in self.control.symbolic_atoms
-            if not atom.is_fact and atom.literal not in recorder.facts
+        self._program = Recorder()
+        self.control.register_observer(self._program)
+        self.add(rules)
+        atoms = self.control.symbolic_atoms
+        self._names = {
+            atom.literal: str(atom.symbol)
+            for name, arity in _PROJECTED.findall(rules)
+            for atom in atoms.by_signature(name, int(arity))
         }
-        last = (1, "")
-        keys = {literal: (0, str(symbol)) for literal, symbol in names.items()}
-        parts = partition(recorder, lambda atom: keys.get(atom, last))
-        taken = {names[atom] for atom in parts.facts if atom in names}
+        parts = partition(self._program, self._names)
         cost = dict(parts.constant)
         bound = dict(parts.constant)
         count: int | None = 1
         proven = True
         known: dict[Component, Optimum] = {}
-        for done, (component, atoms) in enumerate(parts.components):
+        decided: list[int] = []
+        for done, (component, numbered) in enumerate(parts.components):
             if progress is not None:
                 progress(done, len(parts.components))
             # Equal components have equal optima, so each is solved once.
             best = known.get(component)
             if best is None:
                 best = known[component] = self._optimise(component, deadline)
-            symbols = tuple(names.get(atom) for atom in atoms)
-            for number, symbol in enumerate(symbols, 1):
-                if symbol is not None:
-                    self._places[symbol] = (len(self.parts), number)
-            self.parts.append(Part(component, symbols, best))
-            taken.update(s for n in best.true if (s := symbols[n - 1]) is not None)
+            part = Part(component, numbered, best)
+            self.parts.append(part)
+            decided += part.decided(best)
             for level, value in best.cost.items():
                 cost[level] = cost.get(level, 0) + value
                 bound[level] = bound.get(level, 0) + best.bound[level]
             proven = proven and best.proven
             count = None if count is None or best.count is None else count * best.count
-        return Resolution(frozenset(taken), cost, bound, proven, count)
+        return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
+
+    def open_atoms(self) -> Iterator[clingo.SymbolicAtom]:
+        """Yield the atoms that the rules leave to decide, and what depends on them."""
+        atoms = self.control.symbolic_atoms
+        for signature in atoms.signatures:
+            if signature not in self._settled:
+                yield from (atom for atom in atoms.by_signature(*signature) if not atom.is_fact)
 
     def extra_cost(
-        self, atom: clingo.Symbol, deadline: float | None = None
+        self, symbol: clingo.Symbol, deadline: float | None = None
     ) -> dict[int, int] | None:
         """Return what the cheapest answer with an atom costs more, level by level.
 
@@ -152,20 +227,32 @@ class Grounding:
         Raises:
             TimeoutError: the deadline passed before any answer was found.
         """
-        if atom not in self._places:
+        atom = self.control.symbolic_atoms[symbol]
+        if atom is None:
             return None
-        index, number = self._places[atom]
-        component, best = self.parts[index].component, self.parts[index].best
-        try:
-            forced = least_with(component, number, deadline)
-        except UnsatisfiableError:
-            return None
-        return {level: forced.cost[level] - cost for level, cost in best.cost.items()}
+        for component, atoms in partition(self._program, self._names, [atom.literal]).components:
+            if atom.literal in atoms:
+                try:
+                    forced = least_with(component, 1 + atoms.index(atom.literal), deadline)
+                except UnsatisfiableError:
+                    return None
+                free = least(component, deadline)
+                return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
+        return None
 
-    def part_of(self, atom: clingo.Symbol) -> Part | None:
+    def part_of(self, symbol: clingo.Symbol) -> Part | None:
         """Return the component in which an atom is open; `None` where the rules decide it."""
-        place = self._places.get(atom)
-        return None if place is None else self.parts[place[0]]
+        atom = self.control.symbolic_atoms[symbol]
+        return None if atom is None else self._part_of.get(atom.literal)
+
+    @cached_property
+    def _part_of(self) -> dict[int, Part]:
+        return {atom: part for part in self.parts for atom in part.atoms}
+
+    @cached_property
+    def symbol_of(self) -> dict[int, clingo.Symbol]:
+        """Return the open atoms by the numbers that stand for them in components."""
+        return {atom.literal: atom.symbol for atom in self.open_atoms()}
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
         if deadline is not None and time.monotonic() > deadline:
@@ -173,4 +260,4 @@ class Grounding:
         try:
             return optimise(component, deadline)
         except UnsatisfiableError:
-            raise self._refused("no resolution satisfies the rules of `rules/resolve`") from None
+            raise self.refused("no resolution satisfies the rules of `rules/resolve`") from None

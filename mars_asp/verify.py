@@ -34,31 +34,42 @@ class Verification:
 
 
 def verify(
-    specification: Configuration, project: Project, rulebook: Rulebook
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    grounding: Grounding | None = None,
 ) -> tuple[Violation, ...]:
     """Return what keeps a specification from realising a project's configuration.
 
-    `rulebook` holds the stage `verify`.
+    `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
+    is one already.
 
     Raises:
         MarsError: numbers that do not fit, rules that clingo refuses.
     """
-    return judge_specification(specification, project, rulebook).violations
+    return judge_specification(specification, project, rulebook, grounding).violations
 
 
 def judge_specification(
-    specification: Configuration, project: Project, rulebook: Rulebook
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    grounding: Grounding | None = None,
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
     Raises:
         MarsError: numbers that do not fit, rules that clingo refuses.
     """
-    facts = (*project_facts(project), *specification_facts(specification, project))
     judges = [r for r in rulebook.rules if r.text.startswith(f"{_VIOLATION}(")]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
-    text = "\n".join((rulebook.text("base"), rulebook.text("verify"), said))
-    grounding = Grounding(text, facts_text(facts))
+    facts = facts_text(specification_facts(specification, project))
+    text = f"{rulebook.text('verify')}\n{said}\n{facts}"
+    if grounding is None:
+        base = f"{rulebook.text('base')}\n{text}"
+        grounding = Grounding(base, facts_text(project_facts(project)))
+    else:
+        grounding.derive(text)
     found: dict[tuple[int, str], Violation] = {}
     for symbol in grounding.symbols("_judged", 3):
         number, head, values = symbol.arguments
@@ -108,5 +119,6 @@ def _conversions(specification: Configuration, project: Project) -> Iterator[Fac
 
 
 def _saying(number: int, rule: Rule) -> str:
-    body = "; ".join(str(literal) for literal in rule.ast.body)
+    """Return a rule that keeps the values of the holes; it begins with what is rarely there."""
+    body = "; ".join(str(literal) for literal in (rule.ast.head, *rule.ast.body))
     return f"_judged({number},{rule.ast.head},v({','.join(rule.holes)})) :- {body}."

@@ -43,7 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
-    violations = verify(found.specification.configuration, project, rulebook)
+    printed = found.specification.configuration
+    violations = verify(printed, project, rulebook, analysis.grounding)
     if violations:
         print(
             f"mars-asp: a fault of ours, please report it: {violations[0].message}", file=sys.stderr

@@ -48,15 +48,16 @@ class Draft:
         }
         self.nodes: dict[str, Node] = {}
         self.lines: list[Relationship] = []
-        self._rows: dict[tuple[str, int], list[Sequence[Symbol]]] = {}
+        self._atoms: dict[str, list[Symbol]] = {}
         for atom in atoms:
-            self._rows.setdefault((atom.name, len(atom.arguments)), []).append(atom.arguments)
+            self._atoms.setdefault(atom.name, []).append(atom)
         self._names = {name.text for name in configuration.modules} | set(described)
         self._next: dict[NodeKind, int] = {}
 
     def rows(self, name: str, arity: int) -> list[Sequence[Symbol]]:
         """Return the arguments of the true atoms of a predicate."""
-        return self._rows.get((name, arity), [])
+        found = (atom.arguments for atom in self._atoms.get(name, ()))
+        return [arguments for arguments in found if len(arguments) == arity]
 
     def node(self, kind: NodeKind, term: str, conversion: Conversion | None = None) -> str:
         """Return the name of a node, introducing it where it is new."""
