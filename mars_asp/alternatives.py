@@ -149,7 +149,9 @@ class _Search:
         documented = _docstrings(self.rulebook)
         symbol_of = self.analysis.grounding.symbol_of
         for atoms in disjoint_needs(part.component, NODES, self.deadline):
-            told = [symbol_of[number] for atom in atoms if (number := part.atoms[atom - 1]) in symbol_of]
+            told = [
+                symbol_of[number] for atom in atoms if (number := part.atoms[atom - 1]) in symbol_of
+            ]
             yield Need(
                 tuple(_words(symbol, documented) for symbol in told),
                 tuple(names[symbol] for symbol in told if symbol in names),

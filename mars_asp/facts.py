@@ -47,6 +47,17 @@ def configuration_facts(
     return _Compiler(configuration, modules or {}).compile()
 
 
+def wiring_facts(configuration: Configuration) -> tuple[Fact, ...]:
+    """Turn modules and relationships alone into facts, without their places.
+
+    Raises:
+        MarsError: a number does not fit clingo's 32 bit integers.
+    """
+    compiler = _Compiler(configuration, {})
+    compiler.wiring()
+    return compiler.compiled("place", "in_words")
+
+
 def described_modules(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> dict[str, Module]:
@@ -121,6 +132,20 @@ class _Compiler:
         self.canonical, self.ambiguous = names.canonical, names.ambiguous
 
     def compile(self) -> tuple[Fact, ...]:
+        self.wiring()
+        self.annotations()
+        self.resemblances()
+        self.walks()
+        return self.compiled()
+
+    def compiled(self, *without: str) -> tuple[Fact, ...]:
+        """Return the facts collected but for those of some predicates."""
+        if self.problems:
+            raise MarsError(self.problems)
+        return tuple(fact for fact in self.facts if fact.atom.name not in without)
+
+    def wiring(self) -> None:
+        """Tell the architecture, modules and relationships."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         for name in configuration.modules:
@@ -131,6 +156,10 @@ class _Compiler:
                 self.add(name.span, "node", name.text, Atom(kind))
         for number, relationship in numbered(configuration.relationships):
             self.relationship(number, relationship)
+
+    def annotations(self) -> None:
+        """Tell what modules are described to be."""
+        configuration = self.configuration
         for module in self.described.values():
             self.add(module.span, "described", module.name)
             for module_class in module_classes(module):
@@ -141,11 +170,6 @@ class _Compiler:
             else:
                 self.add(annotation.span, "native", number, module.name, annotation.name)
             self.place(number, annotation.span)
-        self.resemblances()
-        self.walks()
-        if self.problems:
-            raise MarsError(self.problems)
-        return tuple(self.facts)
 
     def add(self, span: Span, name: str, *arguments: Term) -> None:
         self.facts.append(Fact(Atom(name, arguments), span))

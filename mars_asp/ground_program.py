@@ -117,9 +117,7 @@ class Partition:
     constant: Mapping[int, int]
 
 
-def partition(
-    program: Recorder, names: Mapping[int, str], asked: Iterable[int] = ()
-) -> Partition:
+def partition(program: Recorder, names: Mapping[int, str], asked: Iterable[int] = ()) -> Partition:
     """Cut a program into components.
 
     Equal components come out equal: the atoms that tell answers apart are numbered first, in the

@@ -29,6 +29,8 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
     sys.stderr.flush()
     # What both have in common is not written to, and so not copied, by a collection in the child.
     gc.freeze()
+    # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
+    gc.set_threshold(50_000, 20, 20)
     child = os.fork()
     if child:
         return _wait(child, arguments)

@@ -54,9 +54,13 @@ class Draft:
         self._names = {name.text for name in configuration.modules} | set(described)
         self._next: dict[NodeKind, int] = {}
 
+    def atoms(self, name: str) -> tuple[Symbol, ...]:
+        """Return the true atoms with a name."""
+        return tuple(self._atoms.get(name, ()))
+
     def rows(self, name: str, arity: int) -> list[Sequence[Symbol]]:
         """Return the arguments of the true atoms of a predicate."""
-        found = (atom.arguments for atom in self._atoms.get(name, ()))
+        found = (atom.arguments for atom in self.atoms(name))
         return [arguments for arguments in found if len(arguments) == arity]
 
     def node(self, kind: NodeKind, term: str, conversion: Conversion | None = None) -> str:

@@ -6,6 +6,7 @@ order, as in the figures of the paper.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from clingo import Symbol
 
@@ -15,13 +16,25 @@ from mars_asp.synthesis.data_lines import DataLines
 from mars_asp.synthesis.draft import Draft, Node
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Specification:
-    """A configuration's resolution: what is printed, the nodes, and what each resolves."""
+    """A configuration's resolution: what is printed, and the nodes.
+
+    `purposes` are atoms resolves(Node, Kind, Subject).
+    """
 
     configuration: Configuration
     nodes: tuple[Node, ...]
-    resolves: Mapping[str, tuple[str, ...]]
+    purposes: tuple[Symbol, ...]
+
+    @cached_property
+    def resolves(self) -> Mapping[str, tuple[str, ...]]:
+        """Return what each node resolves, by its name."""
+        found: dict[str, set[str]] = {}
+        for purpose in self.purposes:
+            term, kind, subject = purpose.arguments
+            found.setdefault(str(term), set()).add(f"{kind.name}({subject.string})")
+        return {node.name: tuple(sorted(found.get(node.term, ()))) for node in self.nodes}
 
 
 def specify(
@@ -51,7 +64,7 @@ def specify(
         declared=(),
         conversions=(*configuration.conversions, *conversions),
     )
-    return Specification(printed, nodes, _purposes(draft, nodes))
+    return Specification(printed, nodes, draft.atoms("resolves"))
 
 
 def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:
@@ -61,10 +74,3 @@ def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) ->
     if configuration.kind == "specification" and configuration.stated:
         return True
     return any(node.kind == "arbitration_node" for node in nodes)
-
-
-def _purposes(draft: Draft, nodes: Iterable[Node]) -> dict[str, tuple[str, ...]]:
-    found: dict[str, set[str]] = {}
-    for term, kind, subject in draft.rows("resolves", 3):
-        found.setdefault(str(term), set()).add(f"{kind.name}({subject.string})")
-    return {node.name: tuple(sorted(found.get(node.term, ()))) for node in nodes}
