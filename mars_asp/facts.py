@@ -148,6 +148,9 @@ class _Compiler:
         """Tell the architecture, modules and relationships."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
+        if configuration.period_ms is not None:
+            period = self.whole(configuration.period_ms, "ms", configuration.span)
+            self.add(configuration.span, "period", period)
         for name in configuration.modules:
             self.add(name.span, "module", name.text)
             self.place(name.text, name.span)
