@@ -45,9 +45,15 @@ class Explanation:
 
 
 def explain(
-    project: Project, rulebook: Rulebook, subject: str | None = None, seconds: float | None = None
+    project: Project,
+    rulebook: Rulebook,
+    subject: str | None = None,
+    seconds: float | None = None,
+    every: bool = False,
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
+
+    With `every` each step of a trace has all `others` derivations of its atom, too.
 
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
@@ -56,7 +62,7 @@ def explain(
     facts = tuple(project_facts(project))
     part = None if subject is None else slice_for(subject, rulebook, facts)
     if part is not None:
-        answer = _explain_part(project, part, subject or "")
+        answer = _explain_part(project, part, subject or "", every)
         if answer.topics:
             return answer
     analysis = analyse(facts, rulebook, project.configuration.span)
@@ -71,12 +77,12 @@ def explain(
         asked = [_asked_atom(subject, project, analysis, synthesis)]
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
-    traces = explainer.why(dict.fromkeys(atom for _, atom in asked))
+    traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
     topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
     return Explanation(subject, topics, analysis, synthesis)
 
 
-def _explain_part(project: Project, part: Slice, subject: str) -> Explanation:
+def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> Explanation:
     """Explain what no choice decides from the rules and facts that it needs alone."""
     analysis = analyse(part.facts, part.rulebook, project.configuration.span, subject)
     asked = [(f"{c.kind}({c.subject})", c.atom) for c in analysis.consequences]
@@ -84,7 +90,7 @@ def _explain_part(project: Project, part: Slice, subject: str) -> Explanation:
         with contextlib.suppress(MarsError):
             asked = [_asked_atom(subject, project, analysis, None)]
     explainer = explainer_for(part.rulebook, part.facts, analysis, None)
-    traces = explainer.why(dict.fromkeys(atom for _, atom in asked))
+    traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
     topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
     return Explanation(subject, topics, analysis, None)
 

@@ -65,6 +65,8 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["explain", LEVEL0, "--repair", "--depth", "2"], None, 2, "--depth says nothing"),
         (["explain", LEVEL0, "--alternatives", "--depth", "all"], None, 2, "--depth says nothing"),
         (["explain", LEVEL0, "--alternatives", "--repair"], None, 2, "not allowed with"),
+        (["explain", LEVEL0, "--all", "--repair"], None, 2, "not allowed with"),
+        (["explain", LEVEL0, "--all", "--why-not", "a"], None, 2, "not allowed with"),
         (["rules", "show", "data/divergenc"], None, 2, "did you mean `data/divergence`"),
         (["draw", LEVEL0], None, 2, "--output"),
         (["draw", LEVEL0, "-o", "picture.bmp"], None, 2, "`picture.bmp`"),

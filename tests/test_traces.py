@@ -6,6 +6,7 @@
 import random
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -20,7 +21,14 @@ from mars_asp.trace.absence import why_not
 from mars_asp.trace.text import trace_json, traces_text
 from tests.programs import explainer_of, rulebook_of
 from tests.random_programs import atoms_besides, random_program
-from tests.trace_checker import could_give, faults, height, least_heights
+from tests.trace_checker import (
+    all_steps,
+    could_give,
+    faults,
+    height,
+    least_heights,
+    standing_firings,
+)
 
 #: So many absent atoms of a program are asked about, each over so many levels.
 _ASKED, _LEVELS = 2, 9
@@ -53,6 +61,48 @@ def wrong_in(seed: int) -> list[str] | None:
             if id(rule) not in said and could_give(rule, atom)
         ]
     return wrong + faults(traces.values(), given, true)
+
+
+def wrong_in_others(seed: int) -> list[str] | None:
+    """Return what is wrong with all derivations of a random program; `None` without answer set."""
+    text, facts = random_program(seed)
+    found = explainer_of(text, facts)
+    if found is None:
+        return None
+    explainer, true = found
+    given = frozenset(map(clingo.parse_term, facts))
+    traces = explainer.why(sorted(true), every=True)
+    steps = all_steps(traces.values())
+    wrong = faults(traces.values(), given, true)
+    numbers = {id(rule): number for number, rule in enumerate(explainer.rules)}
+    told = {
+        (numbers[id(step.rule)], frozenset(step.bindings.items()), clingo.parse_term(step.atom))
+        for step in steps
+    }
+    standing = standing_firings(explainer.rules, given, true)
+    wrong += [f"{firing} is no derivation" for firing in told - standing]
+    wrong += [f"{firing} is missing" for firing in standing - told]
+    alike = Counter(
+        (
+            step.atom,
+            id(step.rule),
+            *map(str, step.bindings.items()),
+            *(premise.atom for premise in step.premises),
+        )
+        for step in steps
+    )
+    wrong += [f"{firing} is told twice" for firing, count in alike.items() if count > 1]
+    return wrong
+
+
+@pytest.mark.parametrize("first", range(0, 160, 20))
+def test_all_derivations_of_random_programs(first: int) -> None:
+    answered = 0
+    for seed in range(first, first + 20):
+        wrong = wrong_in_others(seed)
+        assert not wrong, f"{random_program(seed)}\n{wrong}"
+        answered += wrong is not None
+    assert answered > 10
 
 
 @pytest.mark.parametrize("first", range(0, 160, 20))
@@ -104,6 +154,84 @@ def test_a_chain_of_ten_thousand_steps_needs_no_deep_recursion() -> None:
         assert isinstance(premises, list)
         steps, below = steps + 1, premises[0]
     assert steps == 10000
+
+
+def derivations(program: str, atom: str) -> Derived:
+    """Return an atom's trace with all derivations."""
+    found = explainer_of(program)
+    assert found is not None
+    symbol = clingo.parse_term(atom)
+    trace = found[0].why([symbol], every=True)[symbol]
+    assert isinstance(trace, Derived)
+    return trace
+
+
+_GATHERED = """
+g. q(1). q(2) :- a. a :- g. b :- 2 <= #count { V : q(V) }. a :- b.
+"""
+#: Without `a`, too, there are two elements to count in the end.
+_GATHERED_OTHERWISE = _GATHERED + "c :- g. d :- c. e :- d. q(3) :- e."
+
+
+@pytest.mark.parametrize(
+    ("program", "atom", "rules"),
+    [
+        ("a. a :- a.", "a", ["a."]),
+        ("a. b :- a. a :- b.", "a", ["a."]),
+        ("a. b :- a. c :- b. c. a :- c.", "a", ["a.", "a :- c."]),
+        ("g. a :- g. b :- a. c :- b. b :- d. d :- e. e :- g. a :- c.", "a", ["a :- g.", "a :- c."]),
+        (_GATHERED, "a", ["a :- g."]),
+        (_GATHERED_OTHERWISE, "a", ["a :- g.", "a :- b."]),
+    ],
+)
+def test_a_derivation_counts_when_it_stands_without_its_atom(
+    program: str, atom: str, rules: list[str]
+) -> None:
+    trace = derivations(program, atom)
+    assert sorted(step.rule.text for step in (trace, *trace.others)) == sorted(rules)
+
+
+@pytest.mark.parametrize(("entrances", "count"), [("n(0).", 1), ("n(0). n(302).", 2)])
+def test_a_road_is_walked_from_each_entrance_alone(entrances: str, count: int) -> None:
+    """All places lead to each other, but only with two entrances there are two ways to one."""
+    both_ways = "n(X+1) :- n(X), X < 301. n(X-1) :- n(X), X > 1."
+    steps = all_steps([derivations(entrances + both_ways, "n(301)")])
+    counts = Counter(step.atom for step in steps)
+    assert {counts[f"n({x})"] for x in range(1, 302)} == {count}
+
+
+def test_several_derivations_are_numbered_and_told_apart() -> None:
+    program = "t :- p. p :- q(X). p :- r. q(1..2). r :- p. r."
+    lines = traces_text([("t", derivations(program, "t"))], lambda span: "", depth=None)
+    assert [re.sub(r"  \[.*", "", line) for line in lines] == [
+        "t",
+        "  t :- p.",
+        "    (1) p :- q(X)., derivation 1 of 3 for X = 1",
+        "      q((1..2)).",
+        "    p :- q(X)., derivation 2 of 3 for X = 2",
+        "      q((1..2)).",
+        "    p :- r., derivation 3 of 3",
+        "      r., derivation 1 of 2",
+        "      r :- p., derivation 2 of 2",
+        "        p :- q(X)., as in (1)",
+    ]
+
+
+def test_json_of_several_derivations() -> None:
+    found = trace_json(derivations("p :- q(X). q(1..2). p :- r. r.", "p"))
+    others = found["others"]
+    assert isinstance(others, list)
+    assert [other["bindings"] for other in others] == [{"X": "2"}, {}]
+    assert [other["premises"][0]["atom"] for other in others] == ["q(2)", "r"]
+    assert "others" not in others[0]
+
+
+def test_all_derivations_of_a_lattice_are_told_once_each() -> None:
+    """It has 2 ** (2 ** 31) proofs."""
+    sides = "".join(f"n(L+1,{s}) :- n(L,S), side(S), L < 31. n(1,{s})." for s in "ab")
+    trace = derivations(f"{sides} side(a). side(b).", "n(31,a)")
+    assert len(list(traces_text([("top", trace)], lambda span: "", depth=None))) < 800
+    assert str(trace_json(trace)).count("'others'") == 59
 
 
 def test_a_lattice_of_thirty_layers_prints_each_shared_step_once() -> None:

@@ -83,7 +83,7 @@ def _need(atom: ast.AST) -> str:
     return "none" if all(c in down for c in left) and all(c in up for c in right) else "all"
 
 
-def _heads(rule: Rule) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+def _heads(rule: "Rule | _Unpooled") -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
     head = rule.ast.head
     if head.ast_type == _TYPE.Literal:
         yield head, ()
@@ -92,7 +92,9 @@ def _heads(rule: Rule) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
         yield inner.literal, tuple(inner.condition)
 
 
-def _instances(rule: Rule, place: str | None, values: Values, given: str) -> Iterator[str]:
+def _instances(
+    rule: "Rule | _Unpooled", place: str | None, values: Values, given: str
+) -> Iterator[str]:
     """Yield bodies, one for each head, that bind `_H` to what the rule gives."""
     for head, condition in _heads(rule):
         if head.atom.ast_type == _TYPE.SymbolicAtom:
@@ -127,6 +129,71 @@ def least_heights(
             level, inside = atom.arguments
             heights[inside] = min(level.number, heights.get(inside, level.number))
     return heights
+
+
+#: What tells one firing of a rule from another: the rule's number, its bindings, its head.
+Told = tuple[int, frozenset[tuple[str, clingo.Symbol]], clingo.Symbol]
+
+
+def standing_firings(
+    rules: Sequence[Rule], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
+) -> frozenset[Told]:
+    """Return all firings of which the premises can be derived without the head.
+
+    For each true atom A, `in(without(A),...)` is all that can be derived when A is not; the firings
+    of A that hold there count. Bindings are those of a rule's global variables.
+    """
+    lines = [f"place(without({atom}))." for atom in true]
+    lines += [f"in(_P,{atom}) :- place(_P); _P != without({atom})." for atom in given]
+    for number, rule in enumerate(rules):
+        for statement in rule.ast.unpool():
+            unpooled = _Unpooled(statement)
+            names = sorted(_globals(unpooled))
+            pairs = "".join(f'("{name}",{name}),' for name in names)
+            for body in _instances(unpooled, "_P", {}, "place(_P)"):
+                lines.append(f"in(_P,_H) :- {body}; true(_H); _P != without(_H).")
+                fired = f"fired({number},v({pairs.rstrip(',')}),_H)"
+                lines.append(f"{fired} :- {body}; true(_H); _P = without(_H).")
+    found: set[Told] = set()
+    for atom in _solved(lines, true):
+        if atom.match("fired", 3) and atom.arguments[2] not in given:
+            told_by, values, head = atom.arguments
+            bindings = frozenset((p.arguments[0].string, p.arguments[1]) for p in values.arguments)
+            found.add((told_by.number, bindings, head))
+    return frozenset(found)
+
+
+class _Unpooled:
+    """A rule without pools."""
+
+    def __init__(self, statement: ast.AST) -> None:
+        self.ast = statement
+
+
+def _globals(rule: _Unpooled) -> set[str]:
+    """Return the variables that some literal outside of aggregates and conditions names."""
+    found: list[str] = []
+    for head, condition in _heads(rule):
+        found.append(str(head))
+        found += map(str, condition)
+    for literal in rule.ast.body:
+        if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
+            guards = [getattr(literal.atom, f"{side}_guard", None) for side in ("left", "right")]
+            aggregate = literal.atom.ast_type in _AGGREGATES
+            found += [str(g.term) for g in guards if g] if aggregate else [str(literal)]
+    return {name for text in found for name in re.findall(r"(?<!\w)[A-Z]\w*", text)}
+
+
+def all_steps(traces: Iterable[Trace]) -> list[Derived]:
+    """Return each step in and below traces, and below their others, once."""
+    found: dict[int, Derived] = {}
+    waiting = list(traces)
+    while waiting:
+        step = waiting.pop()
+        if isinstance(step, Derived) and id(step) not in found:
+            found[id(step)] = step
+            waiting += (*step.premises, *step.others)
+    return list(found.values())
 
 
 class _Claims:
@@ -208,10 +275,20 @@ class _Claims:
 def faults(
     traces: Iterable[Trace], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
 ) -> list[str]:
-    """Return what is wrong with traces: a step, a leaf, or an atom among its own reasons."""
+    """Return what is wrong with traces: a step, a leaf, or an atom among its own reasons.
+
+    Of the other derivations of a step no more is asked here than that its rule gives it.
+    """
     claims = _Claims(given)
-    for trace in traces:
+    asked = tuple(traces)
+    steps = all_steps(asked)
+    others = {id(other): other for step in steps for other in step.others}
+    for trace in (*asked, *(step for step in steps if id(step) not in others)):
         claims.look(trace)
+    for other in others.values():
+        claims.step(other)
+        for premise in other.premises:
+            claims.look(premise)
     held = _solved(claims.lines, true)
     return claims.wrong + [said for atom, said in claims.said.items() if atom not in held]
 

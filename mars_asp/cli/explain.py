@@ -35,6 +35,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     question = parser.add_mutually_exclusive_group()
     question.add_argument(
+        "--all",
+        dest="every",
+        action="store_true",
+        help="every derivation of each step, not only the shortest, each numbered `1 of 2`",
+    )
+    question.add_argument(
         "--repair", action="store_true", help="the smallest edits that remove each error"
     )
     question.add_argument(
@@ -76,7 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
-    answer = explain(project, rulebook_for(arguments), subject, arguments.time_limit)
+    rulebook = rulebook_for(arguments)
+    answer = explain(project, rulebook, subject, arguments.time_limit, arguments.every)
     if arguments.format == "json":
         traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
         json.dump({"subject": subject, "traces": traces}, sys.stdout)

@@ -42,14 +42,16 @@ class Explainer:
         self._question = 0
         self._copied: set[Signature] = set()
 
-    def why(self, atoms: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
-        """Return the trace of each atom that is true.
+    def why(
+        self, atoms: Iterable[clingo.Symbol], every: bool = False
+    ) -> dict[clingo.Symbol, Trace]:
+        """Return the trace of each atom that is true; with `every`, with its other derivations.
 
         One grounding finds all firings behind the atoms; traces share what they have in common.
         """
         asked = tuple(atoms)
         firings = self._ask(asked)
-        proofs = Proofs(firings, self._given, self.rules, self.rewriter.unsupported)
+        proofs = Proofs(firings, self._given, self.rules, self.rewriter.unsupported, every)
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:

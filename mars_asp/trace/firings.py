@@ -6,7 +6,7 @@ support itself. An aggregate is reached when enough of its elements are; which o
 bound, as of `#count` and `#sum` from below.
 """
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -225,7 +225,7 @@ def least_heights(
             if firing.head in best:
                 continue
             rival = new.get(firing.head)
-            if rival is None or _order(firing) < _order(rival):
+            if rival is None or firing_order(firing) < firing_order(rival):
                 new[firing.head] = firing
         best |= new
         heights |= dict.fromkeys(new, height)
@@ -247,7 +247,16 @@ def least_heights(
     return best, heights
 
 
-def _order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
+def is_reached(group: Group, elements: Iterable[Element]) -> bool:
+    """Say whether some of its elements are enough for a group."""
+    tally = _Tally(group)
+    for element in elements:
+        tally.add(element)
+    return tally.is_enough
+
+
+def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
+    """Return a sort key: the first rule, then the least values and premises."""
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 

@@ -1,13 +1,15 @@
 """Traces of least height, built from firings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import clingo
 
 from mars_asp.rulebook import Rule
 from mars_asp.source import Span
 from mars_asp.term import Term, as_symbol, as_term
-from mars_asp.trace.firings import Firing, Terms, least_heights
+from mars_asp.trace.firings import Firing, Terms, firing_order, least_heights
+from mars_asp.trace.needs import Needs
 from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
 
 
@@ -20,19 +22,32 @@ class Proofs:
         given: Mapping[clingo.Symbol, Span],
         rules: Sequence[Rule],
         unsupported: Mapping[int, str],
+        every: bool = False,
     ) -> None:
-        """Find the least heights."""
+        """Find the least heights; with `every` traces have their other derivations."""
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
         self._best, self._heights = least_heights(firings, given)
         self._traces: dict[Term, Trace] = {}
         self._absences: dict[Term, Absent] = {}
+        derived = (firing for firing in firings if as_symbol(firing.head) not in given)
+        self._needs = Needs(derived, self._heights) if every else None
+        #: The other derivations of each atom that has a trace; filled after all traces are made,
+        #: for they may lead back to each other.
+        self._others: dict[Term, list[Derived]] = {}
+        self._filled: set[Term] = set()
 
     def of(self, atom: clingo.Symbol) -> Trace:
         """Return the trace of a true atom, of least height."""
-        traces = self._traces
         root = as_term(atom)
+        trace = self._least(root)
+        if self._needs is not None:
+            self._add_others(root, self._needs)
+        return trace
+
+    def _least(self, root: Term) -> Trace:
+        traces = self._traces
         stack: list[tuple[Term, tuple[Terms, Terms] | None]] = [(root, None)]
         while stack:
             head, below = stack.pop()
@@ -42,39 +57,46 @@ class Proofs:
             if firing is None:
                 traces[head] = self._leaf(as_symbol(head))
             elif below is None:
-                below = self._below(firing, self._heights[head])
+                below = self._below_best(head)
                 stack.append((head, below))
                 stack += ((premise, None) for premise in below[0] if premise not in traces)
             else:
-                premises, absent = below
-                steps = (*(traces[premise] for premise in premises), *map(self._absent, absent))
-                rule = self._rules[firing.rule]
-                traces[head] = Derived(head, rule, firing.values, steps, rule.is_choice)
+                others: Sequence[Derived] = ()
+                if self._needs is not None:
+                    others = self._others[head] = []
+                traces[head] = self._step(firing, below, others)
         return traces[root]
 
-    def _below(self, firing: Firing, height: int) -> tuple[Terms, Terms]:
-        """Return what supports a firing, and what it rests on the absence of.
+    def _add_others(self, root: Term, needs: Needs) -> None:
+        """Add the other derivations of an atom and of all that any of its derivations rests on."""
+        waiting = [root]
+        while waiting:
+            atom = waiting.pop()
+            if atom in self._filled or atom not in self._best:
+                continue
+            self._filled.add(atom)
+            waiting += self._below_best(atom)[0]
+            for firing in sorted(needs.firings_of(atom), key=firing_order):
+                if firing is not self._best[atom]:
+                    below = _below(firing, partial(needs.stands_without, atom))
+                    waiting += below[0]
+                    for premise in below[0]:
+                        self._least(premise)
+                    self._others[atom].append(self._step(firing, below))
 
-        Of an aggregate stand here all elements that are reached below the height, so that a
-        reader sees everything that counts, and no atom is among its own reasons.
-        """
-        if not firing.groups:
-            return firing.premises, firing.absent
-        premises = list(firing.premises)
-        absent = list(firing.absent)
-        for group in firing.groups:
-            inside: list[Term] = []
-            lacking: list[Term] = []
-            for element in group.elements:
-                if all(self._is_below(premise, height) for premise in element.premises):
-                    inside += element.premises
-                    lacking += element.absent
-                    inside += (c for c in element.conditions if self._is_below(c, height))
-            premises += sorted(set(inside), key=as_symbol)
-            absent += sorted(set(lacking), key=as_symbol)
-        return tuple(dict.fromkeys(premises)), tuple(dict.fromkeys(absent))
+    def _step(
+        self, firing: Firing, below: tuple[Terms, Terms], others: Sequence[Derived] = ()
+    ) -> Derived:
+        premises, absent = below
+        steps = (*(self._traces[premise] for premise in premises), *map(self._absent, absent))
+        rule = self._rules[firing.rule]
+        return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
-    def _is_below(self, atom: Term, height: int) -> bool:
+    def _below_best(self, atom: Term) -> tuple[Terms, Terms]:
+        """Return what supports the firing of least height: what has a lesser one."""
+        return _below(self._best[atom], partial(self._is_below, self._heights[atom]))
+
+    def _is_below(self, height: int, atom: Term) -> bool:
         return self._heights.get(atom, 0) < height
 
     def _absent(self, pattern: Term) -> Absent:
@@ -92,3 +114,26 @@ class Proofs:
         if self._unsupported:
             return Unexplained(str(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
         return Unexplained(str(atom), "no rule gives it without itself")
+
+
+def _below(firing: Firing, counts: Callable[[Term], bool]) -> tuple[Terms, Terms]:
+    """Return what supports a firing, and what it rests on the absence of.
+
+    Of an aggregate stand here all elements of which the premises count, so that a reader sees
+    everything that is counted, and no atom is among its own reasons.
+    """
+    if not firing.groups:
+        return firing.premises, firing.absent
+    premises = list(firing.premises)
+    absent = list(firing.absent)
+    for group in firing.groups:
+        inside: list[Term] = []
+        lacking: list[Term] = []
+        for element in group.elements:
+            if all(map(counts, element.premises)):
+                inside += element.premises
+                lacking += element.absent
+                inside += filter(counts, element.conditions)
+        premises += sorted(set(inside), key=as_symbol)
+        absent += sorted(set(lacking), key=as_symbol)
+    return tuple(dict.fromkeys(premises)), tuple(dict.fromkeys(absent))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from mars_asp.source import Span
 from mars_asp.trace.absence_text import attempt_text, failure, nearest
+from mars_asp.trace.others_text import numbered
 from mars_asp.trace.values import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
 
 WIDTH = 80
@@ -24,9 +25,11 @@ def traces_text(
     """Yield the lines of several traces, each under its title: messages, rules and places.
 
     What has no message is folded into what it supports. What is shared stands once; where it is
-    needed again, it is referred to by a number.
+    needed again, it is referred to by a number. Several derivations of an atom stand one below
+    the other, each with its number.
     """
-    entries = [entry for topic in topics for entry in _entries(*topic, line_at, depth)]
+    opened: set[int] = set()
+    entries = [entry for topic in topics for entry in _entries(*topic, line_at, depth, opened)]
     shown: set[int] = set()
     again: set[int] = set()
     for entry in entries:
@@ -35,17 +38,12 @@ def traces_text(
         shown.add(id(entry.step))
     numbers: dict[int, int] = {}
     referred = 0
-    hidden: int | None = None
     for entry in entries:
-        if hidden is not None and entry.level > hidden:
-            continue
-        hidden = None
         key = id(entry.step)
         if entry.step is None:
             yield from wrapped(entry.text, entry.level)
         elif key in numbers and key in again:
             yield from wrapped(f"{entry.text}, as in ({numbers[key]})", entry.level)
-            hidden = entry.level
         else:
             referred += key in again
             numbers[key] = referred
@@ -65,11 +63,16 @@ class _Entry(NamedTuple):
 
 
 def _entries(
-    title: str, trace: Trace, line_at: Callable[[Span], str], depth: int | None
+    title: str,
+    trace: Trace,
+    line_at: Callable[[Span], str],
+    depth: int | None,
+    opened: set[int],
 ) -> Iterator[_Entry]:
+    """Yield the lines of one trace; what is below a step in `opened` was told before."""
     yield _Entry(0, title, None)
     stack: list[tuple[Trace | Attempt | str, int]] = [(trace, 1)]
-    opened: set[int] = set()
+    said_of: dict[int, str] = {}
     said: set[tuple[int, str]] = set()
     while stack:
         step, level = stack.pop()
@@ -81,6 +84,11 @@ def _entries(
             case Derived():
                 said = {entry for entry in said if entry[0] <= level}
                 remark = ", chosen as the cheapest" if step.chosen else ""
+                if step.others and id(step) not in opened:
+                    said_of |= numbered(step)
+                    stack += [(other, level) for other in reversed(step.others)]
+                if id(step) in said_of:
+                    remark += f", {said_of[id(step)]}"
                 yield _Entry(level, step.message or step.atom, step, remark)
                 below = _interesting(step.premises, level == 1 or depth is None)
                 if depth is not None and level >= depth:
@@ -104,7 +112,8 @@ def _entries(
 def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
     """Return a trace with the keys of the command line's contract.
 
-    What is shared stands once; elsewhere it has `"shared": true` and no premises.
+    What is shared stands once; elsewhere it has `"shared": true` and no premises. The other
+    derivations of an atom are its `others`, each with premises of its own.
     """
     root: dict[str, object] = {}
     shown: set[int] = set()
@@ -125,6 +134,10 @@ def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
         premises: list[dict[str, object]] = [{} for _ in inside]
         target["premises"] = premises
         below = list(zip(inside, premises, strict=True))
+        if isinstance(step, Derived) and step.others:
+            others: list[dict[str, object]] = [{} for _ in step.others]
+            target["others"] = others
+            below += zip(step.others, others, strict=True)
         stack += [(premise, entry, level + 1) for premise, entry in reversed(below)]
     return root
 
@@ -197,7 +210,7 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
         if id(premise) in seen:
             continue
         seen.add(id(premise))
-        if isinstance(premise, Derived) and premise.rule.because is None:
+        if isinstance(premise, Derived) and premise.rule.because is None and not premise.others:
             stack += reversed(premise.premises)
         elif absences or not isinstance(premise, Absent):
             found[id(premise)] = premise

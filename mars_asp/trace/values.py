@@ -1,6 +1,6 @@
 """Derivation traces as plain values."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TypeAlias
@@ -35,6 +35,10 @@ class Derived:
     `chosen` is true where the rule only offers the atom and least cost picked it. `head` is the
     atom and `values` what the variables stand for, `v(("X",1),...)`. Premises that several traces
     share are the same object.
+
+    `others` are the other derivations of the atom, where they were asked for: all firings of which
+    the premises stand without the atom. Premises alone never lead back to the atom; those of
+    `others` can, for each has a derivation without it, but the one of least height may be another.
     """
 
     head: Term
@@ -42,6 +46,7 @@ class Derived:
     values: Term
     premises: tuple["Trace", ...]
     chosen: bool = False
+    others: Sequence["Derived"] = ()
 
     # Written out when somebody asks: of many thousands of steps a reader sees few.
     @cached_property
