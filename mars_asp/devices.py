@@ -7,6 +7,7 @@ from typing import Any
 
 from mars_asp.bindings import Clock, faulty
 from mars_asp.execute import Behaviour
+from mars_asp.execute.behaviour import single_command
 from mars_asp.execute.plan import Plan
 from mars_asp.execute.schedule import MILLISECOND
 from mars_asp.scenario import Scenario
@@ -66,8 +67,14 @@ def _sensor(
     if kind == "odometry":
         return odometry(body, noise, **stated("sigma"))
     if kind == "joystick":
-        return joystick([tuple(entry) for entry in table.get("script", ())])
+        return joystick([_entry(*entry) for entry in table.get("script", ())])
     return bumper(body)
+
+
+def _entry(at: Any, function: Any, rate: Any) -> tuple[float, str, float]:
+    """Return an entry of a script; what is no command is told before the run."""
+    single_command((function, rate))
+    return float(at), function, float(rate)
 
 
 def _way(

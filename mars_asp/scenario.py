@@ -4,6 +4,8 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +48,7 @@ SCHEMA: Mapping[str, Mapping[str, tuple[type, ...]]] = {
         "speed": _NUMBER,
     },
     "robot": {"module": (str,), "radius": _NUMBER, "start": (list,), "limits": (dict,)},
+    "robot.limits": dict.fromkeys((*MOTION_FUNCTIONS, GRASP), _NUMBER),
     "devices": {
         "kind": (str,),
         "period": _NUMBER,
@@ -89,6 +92,18 @@ CHOICES = {
     ("faults", "kind"): ("silent", "late", "stuck", "throwing", "babbling"),
     ("devices", "function"): (*MOTION_FUNCTIONS, GRASP),
 }
+#: The least and the most that numbers of a key can be; for any other key they are +-1e9.
+_RANGES: Mapping[str, tuple[float, float]] = {
+    **dict.fromkeys(("duration", "period", "by"), (0.001, 1e9)),
+    **dict.fromkeys(("beams", "rays"), (1, 100_000)),
+    **dict.fromkeys(("count", "moving"), (0, 100_000)),
+    **dict.fromkeys(("command_timeout", "delay", "sigma", "speed", "free"), (0, 1e9)),
+    **dict.fromkeys(("radius", "reach", "clearance", "coverage", "limits"), (0, 1e9)),
+    **dict.fromkeys(("low", "high"), (-inf, inf)),
+    **dict.fromkeys(("rate", "until"), (0, inf)),
+    "within": (0, 1e9),
+    "seed": (-(2**63), 2**63 - 1),
+}
 _NAMED = ("devices", "bindings", "faults")
 _NESTED = ("world", "robot", "requirements")
 #: A table's header, the key at the start of a line, and one of its parts between dots.
@@ -96,6 +111,10 @@ _PART = re.compile(r"([\w-]+)|\"([^\"]*)\"|'([^']*)'")
 _DOTTED = r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*'|\s*\.\s*)++)\s*"
 _HEADER = re.compile(r"\s*\[\[?" + _DOTTED + r"\]")
 _KEY = re.compile(_DOTTED + "=")
+#: Whoever mends these reads no more.
+_MOST_PROBLEMS = 200
+#: No key of ours has more parts.
+_DEEPEST = 4
 #: Lines behind the start of a table in which a key of it is looked for.
 _FAR = 200
 
@@ -149,8 +168,13 @@ def read_scenario(text: str, path: Path) -> Scenario:
         line, column = (int(place[1]), int(place[2])) if place else (1, 1)
         message = str(error).split(" (at")[0]
         raise MarsError([_problem(point(str(path), line, column), message)]) from None
+    except RecursionError:
+        message = "its lists and tables are too deep to be read"
+        raise MarsError([_problem(point(str(path), 1, 1), message)]) from None
+    except ValueError as error:  # a number of more digits than Python reads
+        raise MarsError([_problem(point(str(path), 1, 1), str(error).split(";")[0])]) from None
     check = _Check(text, str(path))
-    problems = list(check.scenario(tables))
+    problems = list(islice(check.scenario(tables), _MOST_PROBLEMS))
     if problems:
         raise MarsError(problems)
     places = {key: check.find(key, ("requirements",)) for key in tables.get("requirements", ())}
@@ -167,6 +191,24 @@ def _problem(span: Span, message: str, help_text: str | None = None) -> Diagnost
     return Diagnostic("scenario", "error", message, span, (), help_text)
 
 
+def _numbers(value: Any) -> Iterator[float]:
+    """Yield the numbers in a value's lists; how deep these are, TOML's reader bounds."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        yield value
+    for part in value if isinstance(value, list) else ():
+        yield from _numbers(part)
+
+
+def _usable(number: float, key: str) -> bool:
+    least, most = _RANGES.get(key, (-1e9, 1e9))
+    return least <= number <= most
+
+
+def _range_of(key: str) -> str:
+    least, most = _RANGES.get(key, (-1e9, 1e9))
+    return f"from {least:g} to {most:g}"
+
+
 class _Check:
     """Compares tables with the schema; places are found by looking for keys line by line."""
 
@@ -178,7 +220,7 @@ class _Check:
             match = _HEADER.match(line) or _KEY.match(line)
             if match is None:
                 continue
-            parts = list(_PART.finditer(match[1]))
+            parts = list(_PART.finditer(match[1]))[:_DEEPEST]
             keys = tuple(part[1] or part[2] or part[3] or "" for part in parts)
             if match.re is _HEADER:
                 under = ()
@@ -241,10 +283,8 @@ class _Check:
                 near = nearest(str(value), choices)
                 hint = f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
                 yield _problem(span, f"`{value}` is no `{key}`", hint)
-            elif key in ("duration", "period", "radius", "beams", "rays", "reach") and (
-                isinstance(value, int | float) and not 0 < value < 1e9
-            ):
-                yield _problem(span, f"`{key}` is not positive")
+            elif wrong := [n for n in _numbers(value) if not _usable(n, key)]:
+                yield _problem(span, f"`{wrong[0]}` is no number for `{key}`", _range_of(key))
 
     def find(self, key: str, under: tuple[str, ...]) -> Span:
         """Return where a key stands; one of an inline table is looked for behind the table."""

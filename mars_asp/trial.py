@@ -204,19 +204,33 @@ def with_seed(scenario: Scenario, seed: int) -> Scenario:
 def make_world(scenario: Scenario) -> World:
     """Build the world; scattered circles are drawn from the seed."""
     world = scenario.world
-    circles = [Circle((x, y), r) for x, y, r in world.get("circles", ())]
+    circles = [Circle((x, y), _radius(r)) for x, y, r in world.get("circles", ())]
     circles += [
-        Circle(tuple(m["from"]), m["radius"], tuple(m["to"]), m["speed"])
+        Circle(_point(m["from"]), m["radius"], _point(m["to"]), m["speed"])
         for m in world.get("moving", ())
     ]
     if "scatter" in world:
         circles += list(_scattered(world["scatter"], scenario))
-    seen = [Mark(tuple(m["at"]), m["colour"]) for m in world.get("marks", ())]
+    seen = [Mark(_point(m["at"]), m["colour"]) for m in world.get("marks", ())]
     return World(_points(world.get("walls")), _points(world.get("polygons")), circles, seen)
 
 
 def _points(lines: Any) -> list[list[tuple[float, float]]]:
-    return [[(float(x), float(y)) for x, y in line] for line in lines or ()]
+    found = [[_point(at) for at in line] for line in lines or ()]
+    if not all(found):
+        raise ValueError("a wall or polygon without points")
+    return found
+
+
+def _radius(radius: Any) -> float:
+    if not radius > 0:
+        raise ValueError(f"a circle of radius {radius}")
+    return float(radius)
+
+
+def _point(at: Any) -> tuple[float, float]:
+    x, y = at
+    return float(x), float(y)
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:

@@ -213,3 +213,10 @@ def test_a_verb_that_runs_out_of_time_says_so(capsys: pytest.CaptureFixture[str]
 
     assert run_plain(late, argparse.Namespace()) == 3
     assert "the time limit ended this" in capsys.readouterr().err
+
+
+def test_an_output_without_a_folder_is_named_as_it_was_given(tmp_path: Path) -> None:
+    target = tmp_path / "missing" / "out.mars"
+    done = mars("synthesise", "examples/level0/config.mars", "-o", str(target))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"mars-asp: `{target}`: No such file or directory\n"

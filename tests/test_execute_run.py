@@ -123,6 +123,11 @@ def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
         "[requirements]\nreach = { radius = 3 }",
         '[requirements]\nexclusive = ["Trans_Z"]',
         '[requirements]\nexclusive = [["Trans_Z", "Turn"]]',
+        "[world]\nmoving = [{ from = [0, 0], to = ['x', 1], radius = 3, speed = 4 }]",
+        "[world]\npolygons = [[]]",
+        "[world]\ncircles = [[1, 1, -1]]",
+        "[devices.D]\nkind = 'joystick'\nscript = [[0, 'Trans_Q', 1]]",
+        "[devices.D]\nkind = 'joystick'\nscript = [[0, 'Trans_Z']]",
     ],
 )
 def test_values_of_a_wrong_form_are_reported(wrong: str) -> None:
@@ -438,3 +443,40 @@ def test_a_fault_that_nothing_has_is_refused(name: str) -> None:
 def test_a_device_without_a_kind_is_refused() -> None:
     with pytest.raises(MarsError, match="`C` has no `kind`"):
         trial(BASE + "[devices.C]\nperiod = 3\n")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ("command_timeout = inf", "`inf` is no number for `command_timeout`"),
+        ("command_timeout = -1e308", "`-1e+308` is no number for `command_timeout`"),
+        (f"seed = {2**63}", f"`{2**63}` is no number for `seed`"),
+        ("world.circles = [[0, nan, 1]]", "`nan` is no number for `circles`"),
+        ("world.scatter = { count = 1000000 }", "`1000000` is no number for `count`"),
+        ("faults.C = { kind = 'babbling', by = 0 }", "`0` is no number for `by`"),
+        ("robot.limits = { Trans_Q = 3 }", "`Trans_Q` is no key here"),
+        ("a = " + "[" * 5000 + "]" * 5000, "its lists and tables are too deep to be read"),
+        ("seed = " + "9" * 5000, "Exceeds the limit (4300 digits)"),
+    ],
+)
+def test_numbers_beyond_reason_are_refused_before_the_run(wrong: str, told: str) -> None:
+    text = f'{wrong}\nduration = 3\n[robot]\nmodule = "P"\n'
+    if wrong.startswith("robot"):
+        text = f'{wrong}\nrobot.module = "P"\nduration = 3\n'
+    with pytest.raises(MarsError) as raised:
+        read_scenario(text, Path("s.toml"))
+    (found,) = raised.value.diagnostics
+    assert found.message.startswith(told)
+    assert found.span.line == 1
+    # What may be open stays open.
+    moving = "[world]\nmoving = [{ from = [-9, -9], to = [0, 0], radius = 1, speed = 1 }]\n"
+    assert read_scenario(BASE + moving, Path("s.toml")).world["moving"][0]["from"] == [-9, -9]
+    joint = '[devices.J]\nkind = "joint"\nlow = -inf\nhigh = inf\nrate = inf\n'
+    assert read_scenario(BASE + joint, Path("s.toml")).devices["J"]["low"] < 0
+
+
+def test_a_scenario_of_mistakes_is_told_in_part() -> None:
+    wrong = "".join(f"key{number} = 1\n" for number in range(5000))
+    with pytest.raises(MarsError) as raised:
+        read_scenario(wrong, Path("s.toml"))
+    assert len(raised.value.diagnostics) == 200
