@@ -23,7 +23,7 @@ from mars_asp.model import (
 )
 from mars_asp.modes import parse_mode
 from mars_asp.source import Span
-from mars_asp.spelling import nearest
+from mars_asp.spelling import resemblances
 from mars_asp.walks import shortest_closed_walks
 
 MOST = 2**31 - 1
@@ -287,10 +287,9 @@ class _Compiler:
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}
         for strangers, candidates in pools:
-            for stranger in sorted(strangers):
-                if near := nearest(stranger, candidates, 0.75):
-                    span = places.get(stranger, self.configuration.span)
-                    self.add(span, "resembles", stranger, near)
+            for stranger, near in resemblances(sorted(strangers), candidates, 0.75):
+                span = places.get(stranger, self.configuration.span)
+                self.add(span, "resembles", stranger, near)
 
     def walks(self) -> None:
         """Tell the shortest closed walk of every knot of relationships of one kind."""

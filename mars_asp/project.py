@@ -11,7 +11,7 @@ from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_file, parse_text
 from mars_asp.model import Configuration, Module, Mount
 from mars_asp.source import Span
-from mars_asp.spelling import nearest
+from mars_asp.spelling import resemblances
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,19 +110,19 @@ def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> 
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
     """Yield names that are annotated nowhere, but much like one that is and is not used."""
-    used = {name.text for name in configuration.modules}
+    spans = {name.text: name.span for name in configuration.modules}
     described = modules.keys() | {module.name for module in configuration.declared}
-    for name in configuration.modules:
-        near = None if name.text in described else nearest(name.text, modules.keys() - used, 0.8)
+    unknown = (name for name in spans if name not in described)
+    for name, near in resemblances(unknown, modules.keys() - spans.keys(), 0.8):
         # `Camera1` and `Camera2` are two modules.
-        if near is None or _undigited(near) == _undigited(name.text):
+        if _undigited(near) == _undigited(name):
             continue
         place = modules[near].named or modules[near].span
         yield Diagnostic(
             "annotations-missing",
             "warning",
-            f"`{name.text}` is annotated nowhere",
-            name.span,
+            f"`{name}` is annotated nowhere",
+            spans[name],
             ((place, f"`{near}` is annotated here"),),
             f"did you mean `{near}`?",
         )

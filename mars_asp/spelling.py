@@ -1,7 +1,11 @@
 """What a misspelt word was probably meant to be."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Iterator
+from itertools import islice
+
+#: So many pairs of names are compared at most; a pair takes some 15 microseconds.
+_MOST_COMPARED = 100_000
 
 
 def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | None:
@@ -15,3 +19,17 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | Non
         if candidate.lower() == word.lower():
             return candidate
     return next(iter(difflib.get_close_matches(word, reversed(words), 1, likeness)), None)
+
+
+def resemblances(
+    names: Iterable[str], known: Collection[str], likeness: float
+) -> Iterator[tuple[str, str]]:
+    """Yield names with the known one that each is most like, where one is alike.
+
+    Of very many names only the first are compared, for the time grows with the product of both,
+    and where most of them are unknown they are not misspelt.
+    """
+    if known:
+        for name in islice(names, max(1, _MOST_COMPARED // len(known))):
+            if near := nearest(name, known, likeness):
+                yield name, near
