@@ -1,5 +1,6 @@
 """The declaration that annotations belong to: what `@Signature` states, else what follows them."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -12,7 +13,13 @@ from mars_asp.annotations.sources import Source, Stretch
 
 #: How far behind its annotations a declaration may end, in bytes; most end much earlier.
 MOST_DECLARED = 16384
-_SHORT = 2048
+_STEPS = (256, 1024, 4096, MOST_DECLARED)
+#: Parameters without names may be names whose types stand behind the brackets; so far, at least,
+#: these are looked for.
+_LEAST_OLD_STYLE = 4096
+_BEHIND_ANY = re.compile(r"[()\[\]{;]")
+#: A result of Go may hold braces of its own; those of the function end their line.
+_BEHIND_PARAMETERS = {"go": re.compile(r"[()\[\];]|\{(?=[ \t]*\n)")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +56,7 @@ def stated(source: Source, signature: Directive) -> Following:
 
 def following(source: Source, begin: int, end: int) -> Following:
     """Read the declaration between two offsets, looking no further ahead than it needs."""
-    for most in (_SHORT, MOST_DECLARED):
+    for most in _STEPS:
         stretch = source.stretch(begin, max(begin, end), most)
         read = read_declaration(source.language, stretch.text, stretch.code)
         whole = not stretch.cut or _is_whole(source.language, read, stretch)
@@ -68,10 +75,22 @@ def _begins_otherwise(read: Declaration | NoFunction) -> bool:
 
 
 def _is_whole(language: str, read: Declaration | NoFunction | None, stretch: Stretch) -> bool:
-    """Say whether all of a declaration stands in a stretch that is cut."""
+    """Say whether all of a declaration stands in a stretch that is cut.
+
+    What stands behind the parameters counts as well: a return type, or in old C their types.
+    """
     if not isinstance(read, Declaration):
         return False
     if language == "python":
         return read.end < len(stretch.code)
-    ends = "\n" if language == "matlab" else "{;"
-    return any(stretch.code.find(sign, read.end) >= 0 for sign in ends)
+    if language == "matlab":
+        return stretch.code.find("\n", read.end) >= 0
+    if language == "c" and len(stretch.code) < _LEAST_OLD_STYLE:
+        if read.parameters and all(parameter.name is None for parameter in read.parameters):
+            return False
+    depth = 0
+    for sign in _BEHIND_PARAMETERS.get(language, _BEHIND_ANY).finditer(stretch.code, read.end + 1):
+        depth += (sign[0] in "([") - (sign[0] in ")]")
+        if depth <= 0 and sign[0] in "{;":
+            return True
+    return False
