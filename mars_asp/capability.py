@@ -18,6 +18,7 @@ from mars_asp.project import Project, project_facts
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import Span
 from mars_asp.spelling import nearest
+from mars_asp.term import as_term
 from mars_asp.trace import Derived, Trace
 
 #: What places in a query are shown under.
@@ -88,7 +89,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
         symbol
         for name, arity in _VERDICTS
         for symbol, is_fact in analysis.grounding.atoms(name, arity)
-        if is_fact or symbol in resolution.taken
+        if is_fact or as_term(symbol) in resolution.taken
     ]
     traces = explainer_for(rulebook, facts, analysis, resolution).why(found)
     return Answer(

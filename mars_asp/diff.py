@@ -21,6 +21,7 @@ from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import Span
 from mars_asp.synthesis import Node
+from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
 from mars_asp.trace.values import Absent, Derived, Given
 
@@ -151,7 +152,7 @@ class _Side:
     def holds(self, symbol: clingo.Symbol) -> bool:
         atom = self.analysis.grounding.control.symbolic_atoms[symbol]
         taken = frozenset() if self.synthesis is None else self.synthesis.resolution.taken
-        return atom is not None and (atom.is_fact or symbol in taken)
+        return atom is not None and (atom.is_fact or as_term(symbol) in taken)
 
     def matching(self, pattern: str) -> Iterator[clingo.Symbol]:
         """Yield the true atoms that match a text with `_` for anything.

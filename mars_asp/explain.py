@@ -22,6 +22,7 @@ from mars_asp.solve import Resolution
 from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.synthesis import Node
+from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
 from mars_asp.trace.given import GivenFacts
 
@@ -103,15 +104,7 @@ def explainer_for(
     control = analysis.grounding.control
     if resolution is None:
         return Explainer(rulebook, control, given)
-    derived = {
-        signature for rule in rulebook.rules if rule.stage != "base" for signature in rule.heads
-    }
-    opened = {
-        (name, arity)
-        for name, arity in derived
-        if any(not is_fact for _, is_fact in analysis.grounding.atoms(name, arity))
-    }
-    return Explainer(rulebook, control, given, resolution.taken, opened)
+    return Explainer(rulebook, control, given, resolution.answer.true)
 
 
 def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:
@@ -165,7 +158,7 @@ def _asked_atom(
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
         atom = analysis.grounding.control.symbolic_atoms[symbol]
-        if atom is not None and (atom.is_fact or symbol in taken):
+        if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol
     names = {name.text for name in project.configuration.modules}
     if subject in names:

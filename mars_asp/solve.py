@@ -2,7 +2,7 @@
 
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +13,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, Recorder, partition
 from mars_asp.optimum import Optimum, UnsatisfiableError, least, least_with, optimise
 from mars_asp.source import point
+from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled
 
 # What is least is found component by component; the whole is never minimised.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
@@ -38,11 +39,18 @@ class Answer:
             return tuple(model.symbols(shown=True))
 
     @cached_property
-    def taken(self) -> frozenset[clingo.Symbol]:
-        """Return the true atoms that are no facts."""
+    def true(self) -> Mapping[Signature, Sequence[Term]]:
+        """Return the true atoms of each predicate of which not all are facts."""
         with self._model() as model:
-            opened = self.grounding.open_atoms()
-            return frozenset(a.symbol for a in opened if model.is_true(a.literal))
+            return {
+                signature: [a.atom for a in atoms if a.is_fact or model.is_true(a.literal)]
+                for signature, atoms in self.grounding.open_predicates()
+            }
+
+    @cached_property
+    def taken(self) -> frozenset[Term]:
+        """Return the true atoms that are no facts, and some that are."""
+        return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
     @contextmanager
     def _model(self) -> Iterator[clingo.Model]:
@@ -68,8 +76,8 @@ class Resolution:
     count: int | None
 
     @property
-    def taken(self) -> frozenset[clingo.Symbol]:
-        """Return the true atoms that are no facts."""
+    def taken(self) -> frozenset[Term]:
+        """Return the true atoms that are no facts, and some that are."""
         return self.answer.taken
 
 
@@ -210,12 +218,13 @@ class Grounding:
             count = None if count is None or best.count is None else count * best.count
         return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
 
-    def open_atoms(self) -> Iterator[clingo.SymbolicAtom]:
-        """Yield the atoms that the rules leave to decide, and what depends on them."""
-        atoms = self.control.symbolic_atoms
-        for signature in atoms.signatures:
+    def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
+        """Yield the predicates that the rules leave open, at least in part, and their atoms."""
+        for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
-                yield from (atom for atom in atoms.by_signature(*signature) if not atom.is_fact)
+                found = labelled(self.control, *signature)
+                if not all(atom.is_fact for atom in found):
+                    yield signature, found
 
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None
@@ -252,7 +261,8 @@ class Grounding:
     @cached_property
     def symbol_of(self) -> dict[int, clingo.Symbol]:
         """Return the open atoms by the numbers that stand for them in components."""
-        return {atom.literal: atom.symbol for atom in self.open_atoms()}
+        found = (atom for _, atoms in self.open_predicates() for atom in atoms if not atom.is_fact)
+        return {atom.literal: as_symbol(atom.atom) for atom in found}
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
         if deadline is not None and time.monotonic() > deadline:

@@ -1,4 +1,4 @@
-"""Ground terms as numbers, which are compared and taken apart much faster than clingo's symbols.
+"""Ground terms and atoms as numbers, which are compared and taken apart faster than symbols.
 
 A number stands for one term as long as the process lives. Its size says nothing: sort by symbols.
 Numbers and symbols are clingo's own where its Python package offers them, though not in its
@@ -6,12 +6,24 @@ documented interface; otherwise they are counted here, more slowly.
 """
 
 import importlib
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, NewType
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple, NewType, TypeAlias
 
 import clingo
 
 Term = NewType("Term", int)
+
+
+#: A predicate: its name, its arity, and whether it is not classically negated.
+Signature: TypeAlias = tuple[str, int, bool]
+
+
+class Labelled(NamedTuple):
+    """An atom with its literal in the ground program, and whether it is a fact."""
+
+    atom: Term
+    literal: int
+    is_fact: bool
 
 
 class Reader(NamedTuple):
@@ -21,6 +33,8 @@ class Reader(NamedTuple):
     as_symbol: Callable[[Term], clingo.Symbol]
     arguments: Callable[[Term], Sequence[Term]]
     atoms: Callable[[clingo.Control, str, int, bool], list[Term]]
+    labelled: Callable[[clingo.Control, str, int, bool], list[Labelled]]
+    state: Callable[[clingo.Control, str, bool, Iterable[Term]], None]
 
 
 def plain_reader() -> Reader:
@@ -42,7 +56,17 @@ def plain_reader() -> Reader:
         found = control.symbolic_atoms.by_signature(name, arity, positive)
         return [as_term(atom.symbol) for atom in found]
 
-    return Reader(as_term, symbols.__getitem__, arguments, atoms)
+    def labelled(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Labelled]:
+        found = control.symbolic_atoms.by_signature(name, arity, positive)
+        return [Labelled(as_term(atom.symbol), atom.literal, atom.is_fact) for atom in found]
+
+    def state(control: clingo.Control, name: str, positive: bool, like: Iterable[Term]) -> None:
+        with control.backend() as backend:
+            for term in like:
+                fact = clingo.Function(name, symbols[term].arguments, positive)
+                backend.add_rule([backend.add_atom(fact)])
+
+    return Reader(as_term, symbols.__getitem__, arguments, atoms, labelled, state)
 
 
 def raw_reader() -> Reader | None:
@@ -62,7 +86,8 @@ def raw_reader() -> Reader | None:
     read, unpack = lib.clingo_symbol_arguments, ffi.unpack
 
     def as_term(symbol: clingo.Symbol) -> Term:
-        return Term(symbol._rep)
+        raw: Any = symbol
+        return Term(raw._rep)
 
     def arguments(term: Term) -> Sequence[Term]:
         check(read(term, inside, size))
@@ -70,26 +95,77 @@ def raw_reader() -> Reader | None:
         found: Sequence[Term] = unpack(inside[0], count) if count else ()
         return found
 
-    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Term]:
+    atoms, labelled = _raw_atoms(ffi, lib, check)
+    return Reader(as_term, symbol_of, arguments, atoms, labelled, _raw_state(ffi, lib, check))
+
+
+def _raw_atoms(
+    ffi: Any, lib: Any, check: Any
+) -> tuple[
+    Callable[[clingo.Control, str, int, bool], list[Term]],
+    Callable[[clingo.Control, str, int, bool], list[Labelled]],
+]:
+    def each(control: clingo.Control, name: str, arity: int, positive: bool) -> Iterator[Any]:
+        """Yield the place of each atom among all, which the next step moves."""
         base: Any = control.symbolic_atoms
         signature = ffi.new("clingo_signature_t*")
         place = ffi.new("clingo_symbolic_atom_iterator_t*")
         valid = ffi.new("bool*")
-        symbol = ffi.new("clingo_symbol_t*")
         check(lib.clingo_signature_create(name.encode(), arity, positive, signature))
         check(lib.clingo_symbolic_atoms_begin(base._rep, signature, place))
-        found = []
-        is_valid, read_symbol = lib.clingo_symbolic_atoms_is_valid, lib.clingo_symbolic_atoms_symbol
-        following = lib.clingo_symbolic_atoms_next
+        is_valid, following = lib.clingo_symbolic_atoms_is_valid, lib.clingo_symbolic_atoms_next
         check(is_valid(base._rep, place[0], valid))
         while valid[0]:
-            check(read_symbol(base._rep, place[0], symbol))
-            found.append(symbol[0])
+            yield base._rep, place[0]
             check(following(base._rep, place[0], place))
             check(is_valid(base._rep, place[0], valid))
+
+    symbol = ffi.new("clingo_symbol_t*")
+    literal = ffi.new("clingo_literal_t*")
+    is_fact = ffi.new("bool*")
+    read_symbol, read_literal = lib.clingo_symbolic_atoms_symbol, lib.clingo_symbolic_atoms_literal
+    read_is_fact = lib.clingo_symbolic_atoms_is_fact
+
+    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Term]:
+        found: list[Term] = []
+        for base, place in each(control, name, arity, positive):
+            check(read_symbol(base, place, symbol))
+            found.append(symbol[0])
         return found
 
-    return Reader(as_term, symbol_of, arguments, atoms)
+    def labelled(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Labelled]:
+        found = []
+        for base, place in each(control, name, arity, positive):
+            check(read_symbol(base, place, symbol))
+            check(read_literal(base, place, literal))
+            check(read_is_fact(base, place, is_fact))
+            found.append(Labelled(symbol[0], literal[0], is_fact[0]))
+        return found
+
+    return atoms, labelled
+
+
+def _raw_state(
+    ffi: Any, lib: Any, check: Any
+) -> Callable[[clingo.Control, str, bool, Iterable[Term]], None]:
+    inside = ffi.new("clingo_symbol_t**")
+    size = ffi.new("size_t*")
+    symbol = ffi.new("clingo_symbol_t*")
+    atom = ffi.new("clingo_atom_t*")
+    read, create = lib.clingo_symbol_arguments, lib.clingo_symbol_create_function
+    add, rule = lib.clingo_backend_add_atom, lib.clingo_backend_rule
+
+    def state(control: clingo.Control, name: str, positive: bool, like: Iterable[Term]) -> None:
+        word = name.encode()
+        with control.backend() as backend:
+            base: Any = backend
+            for term in like:
+                check(read(term, inside, size))
+                check(create(word, inside[0], size[0], positive, symbol))
+                check(add(base._rep, symbol, atom))
+                check(rule(base._rep, False, atom, 1, ffi.NULL, 0))
+
+    return state
 
 
 _READER = raw_reader() or plain_reader()
@@ -101,3 +177,7 @@ as_symbol = _READER.as_symbol
 arguments = _READER.arguments
 #: The atoms of a predicate: its name, arity and whether it is not classically negated.
 atoms = _READER.atoms
+#: The same with their literals.
+labelled = _READER.labelled
+#: State facts of a predicate, its name and sign, with the arguments that other atoms have.
+state = _READER.state

@@ -23,6 +23,7 @@ from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook, consequence_kinds
 from mars_asp.source import point
 from mars_asp.spelling import nearest
+from mars_asp.term import as_term
 from mars_asp.trace import absence
 from mars_asp.trace.given import symbol_of
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
@@ -94,7 +95,7 @@ def why_not(
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
     taken = frozenset() if resolution is None else resolution.taken
     for atom, is_fact in sorted(matching):
-        if is_fact or atom in taken:
+        if is_fact or as_term(atom) in taken:
             trace = explainer.why([atom])[atom]
             return WhyNot(subject, str(atom), trace, True, choosable, None, None, analysis)
     shown = shown_pattern(pattern)

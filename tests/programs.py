@@ -7,6 +7,7 @@ from clingo import ast
 
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.source import Span
+from mars_asp.term import Signature, Term, as_term
 from mars_asp.trace import Explainer
 
 
@@ -41,9 +42,12 @@ def explainer_of(
     if not found:
         return None
     rulebook = rulebook_of(text)
-    opened = {
-        (atom.symbol.name, len(atom.symbol.arguments))
-        for atom in control.symbolic_atoms
-        if not atom.is_fact
-    }
-    return Explainer(rulebook, control, facts, found[0], opened), found[0]
+    opened: dict[Signature, list[Term]] = {}
+    for atom in control.symbolic_atoms:
+        if not atom.is_fact:
+            opened[atom.symbol.name, len(atom.symbol.arguments), atom.symbol.positive] = []
+    for symbol in found[0]:
+        signature = (symbol.name, len(symbol.arguments), symbol.positive)
+        if signature in opened:
+            opened[signature].append(as_term(symbol))
+    return Explainer(rulebook, control, facts, opened), found[0]

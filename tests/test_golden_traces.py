@@ -5,7 +5,7 @@ it, over the facts of the first case in `tests/rules` that has one. Rules withou
 folded into those that they support.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import clingo
@@ -16,6 +16,7 @@ from mars_asp.rule_cases import STAGES, case_facts, find_cases
 from mars_asp.rulebook import Rule, load_rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
+from mars_asp.term import Signature, Term, as_term
 from mars_asp.trace import Derived, Explainer, Trace
 from mars_asp.trace.text import traces_text
 from tests.documents import ROOT
@@ -47,15 +48,13 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     if stage not in (*CHOOSING, "base"):
         base += "\n" + rulebook.text(stage)
     grounding = Grounding(base, text)
-    taken: frozenset[clingo.Symbol] = frozenset()
-    opened = set()
+    opened: Mapping[Signature, Sequence[Term]] = {}
     if stage in CHOOSING:
-        taken = grounding.resolve(rulebook.text(stage)).taken
-        heads = {head for rule in rulebook.rules for head in rule.heads}
-        opened = {h for h in heads if any(not is_fact for _, is_fact in grounding.atoms(*h))}
+        opened = grounding.resolve(rulebook.text(stage)).answer.true
     atoms = grounding.control.symbolic_atoms
-    true = frozenset(atom.symbol for atom in atoms if atom.is_fact or atom.symbol in taken)
-    return Explainer(rulebook, grounding.control, given, taken, opened), true
+    taken = {term for terms in opened.values() for term in terms}
+    true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)
+    return Explainer(rulebook, grounding.control, given, opened), true
 
 
 def goldens(stage: str) -> Iterator[tuple[Rule, str]]:

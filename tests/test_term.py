@@ -28,6 +28,9 @@ def test_both_readers_read_the_same() -> None:
         assert [shape(raw, t) for t in found] == [
             shape(plain, t) for t in plain.atoms(control, *kind)
         ]
+        literals = [each[1:] for each in raw.labelled(control, *kind)]
+        assert literals == [each[1:] for each in plain.labelled(control, *kind)]
+        assert [each.atom for each in raw.labelled(control, *kind)] == found
         assert [raw.as_term(raw.as_symbol(term)) for term in found] == found
 
 
@@ -35,3 +38,19 @@ def test_equal_terms_have_one_number() -> None:
     for reader in filter(None, (raw_reader(), plain_reader())):
         one, two, other = (clingo.parse_term(text) for text in ("f(1,g)", "f(1, g)", "f(1,h)"))
         assert reader.as_term(one) == reader.as_term(two) != reader.as_term(other)
+
+
+def test_both_readers_state_the_same_facts() -> None:
+    for reader in filter(None, (raw_reader(), plain_reader())):
+        control = clingo.Control()
+        control.add("base", [], 'p(1,f("a")). p((),-g). q.')
+        control.ground()
+        terms = [*reader.atoms(control, "p", 2, True), *reader.atoms(control, "q", 0, True)]
+        reader.state(control, "copy", False, terms)
+        control.add("more", [], "seen(X) :- -copy(X,_). none :- not -copy.")
+        control.ground([("more", [])])
+        true = {str(atom.symbol) for atom in control.symbolic_atoms if atom.is_fact}
+        assert true == {
+            *('p(1,f("a"))', "p((),-g)", "q"),
+            *('-copy(1,f("a"))', "-copy((),-g)", "-copy", "seen(1)", "seen(())"),
+        }

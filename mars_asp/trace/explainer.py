@@ -1,16 +1,18 @@
 """Traces of least height, well-founded, built from the firings that were asked for."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 import clingo
 
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.source import Span
+from mars_asp.term import Signature, Term, atoms, state
 from mars_asp.trace.demand import first_arguments, reachable_rules
 from mars_asp.trace.firings import Firing, read_firings
 from mars_asp.trace.proofs import Proofs
-from mars_asp.trace.rewrite import QUESTION, Rewriter, Signature, asking_name
+from mars_asp.trace.rewrite import QUESTION, Rewriter, asking_name
 from mars_asp.trace.values import Trace
 
 _COPIED = re.compile(r"_t_(\w+)")
@@ -24,23 +26,22 @@ class Explainer:
         rulebook: Rulebook,
         control: clingo.Control,
         given: Mapping[clingo.Symbol, Span],
-        taken: Set[clingo.Symbol] = frozenset(),
-        opened: Set[Signature] = frozenset(),
+        opened: Mapping[Signature, Sequence[Term]] = MappingProxyType({}),
     ) -> None:
         """Prepare for questions.
 
         `control` holds the grounded rules of `rulebook`; `given` are the facts of the input;
-        `taken` the true atoms that are no facts of the grounding and `opened` their predicates,
-        of which all true atoms are looked up among the facts and `taken`.
+        `opened` are the true atoms of each predicate of which not all are facts of the grounding.
+        From the first question on `control` tells its solver nothing, so that no more answers can
+        be asked for.
         """
         self.rules: Sequence[Rule] = rulebook.rules
-        self.rewriter = Rewriter(opened)
+        self.rewriter = Rewriter(frozenset((name, arity) for name, arity, _ in opened))
         self._control = control
         self._given = given
-        self._taken = taken
         self._opened = opened
         self._question = 0
-        self._copied: set[Signature] = set()
+        self._copied: set[tuple[str, int]] = set()
 
     def why(
         self, atoms: Iterable[clingo.Symbol], every: bool = False
@@ -71,6 +72,9 @@ class Explainer:
         They are grounded as a part of their own, with predicates of their own, so that only they
         can matter; `asked` are facts, (name, arguments), that they begin with.
         """
+        if not self._question:
+            # Only the atoms matter, and to tell the solver of them is most of the cost.
+            self._control.register_observer(clingo.Observer(), replace=True)
         self._copy_open(text)
         self._question += 1
         question = str(self._question)
@@ -95,12 +99,11 @@ class Explainer:
     def _copy_open(self, text: str) -> None:
         """Copy the true atoms of the open predicates that rules read, once."""
         named = set(_COPIED.findall(text))
-        atoms = self._control.symbolic_atoms
-        with self._control.backend() as backend:
-            for name, arity in sorted(s for s in self._opened - self._copied if s[0] in named):
+        for name, arity in sorted(self.rewriter.open - self._copied):
+            if name in named:
                 self._copied.add((name, arity))
                 for positive in (True, False):
-                    for atom in atoms.by_signature(name, arity, positive):
-                        if atom.is_fact or atom.symbol in self._taken:
-                            copy = clingo.Function(f"_t_{name}", atom.symbol.arguments, positive)
-                            backend.add_rule([backend.add_atom(copy)])
+                    true = self._opened.get((name, arity, positive))
+                    if true is None:
+                        true = atoms(self._control, name, arity, positive)
+                    state(self._control, f"_t_{name}", positive, true)
