@@ -14,6 +14,7 @@ import clingo
 from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.model import node_kind
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
@@ -67,7 +68,8 @@ def explain(
         if answer.topics:
             return answer
     analysis = analyse(facts, rulebook, project.configuration.span)
-    chosen = _consequences(analysis, project, subject)
+    # To read the consequences takes longer than to trace a node.
+    chosen = () if _is_node(subject, project) else _consequences(analysis, project, subject)
     synthesis = None
     if not chosen or not _is_kind(chosen, subject):
         synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
@@ -105,6 +107,11 @@ def explainer_for(
     if resolution is None:
         return Explainer(rulebook, control, given)
     return Explainer(rulebook, control, given, resolution.answer.true)
+
+
+def _is_node(subject: str | None, project: Project) -> bool:
+    named = {name.text for name in project.configuration.modules}
+    return subject is not None and node_kind(subject) is not None and subject not in named
 
 
 def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:
