@@ -95,6 +95,7 @@ def main() -> None:
             ("synthesise", ("synthesise", path)),
             ("one node", ("explain", path, "DataSplitter1")),
             ("everything", ("explain", path)),
+            ("every way to it", ("explain", path, "--all")),
         ):
             taken, used = mars(*words)
             print(f"{title:<16} {taken / base:6.2f}  memory {used / memory:5.2f}", flush=True)

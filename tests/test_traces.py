@@ -18,7 +18,7 @@ from mars_asp.source import Span
 from mars_asp.term import Term, as_term
 from mars_asp.trace import Absent, Derived, Given
 from mars_asp.trace.absence import why_not
-from mars_asp.trace.text import trace_json, traces_text
+from mars_asp.trace.text import trace_json, traces_text, wrapped
 from tests.programs import explainer_of, rulebook_of
 from tests.random_programs import atoms_besides, random_program
 from tests.trace_checker import (
@@ -87,7 +87,7 @@ def wrong_in_others(seed: int) -> list[str] | None:
             step.atom,
             id(step.rule),
             *map(str, step.bindings.items()),
-            *(premise.atom for premise in step.premises),
+            frozenset(premise.atom for premise in step.premises),
         )
         for step in steps
     )
@@ -215,6 +215,24 @@ def test_several_derivations_are_numbered_and_told_apart() -> None:
         "      r :- p., derivation 2 of 2",
         "        p :- q(X)., as in (1)",
     ]
+
+
+def test_derivations_that_rest_on_the_same_are_one() -> None:
+    trace = derivations("p(1..3). two :- p(_), 2 <= #count { X : p(X) }.", "two")
+    assert not trace.others
+    trace = derivations("p(1..3). some :- p(_).", "some")
+    assert [p.atom for one in (trace, *trace.others) for p in one.premises if p.atom] == [
+        "p(1)",
+        "p(2)",
+        "p(3)",
+    ]
+
+
+def test_a_long_atom_goes_on_behind_a_comma() -> None:
+    atom = f"p({','.join(str(n) * 9 for n in range(1, 10))})"
+    lines = list(wrapped(f"{atom}, as in (1)", 1))
+    assert max(map(len, lines)) <= 80
+    assert "".join(lines).replace(" ", "") == f"{atom},asin(1)"
 
 
 def test_json_of_several_derivations() -> None:

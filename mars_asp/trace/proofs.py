@@ -68,21 +68,28 @@ class Proofs:
         return traces[root]
 
     def _add_others(self, root: Term, needs: Needs) -> None:
-        """Add the other derivations of an atom and of all that any of its derivations rests on."""
+        """Add the other derivations of an atom and of all that any of its derivations rests on.
+
+        Firings of one rule for the same values that rest on the same are one derivation.
+        """
         waiting = [root]
         while waiting:
             atom = waiting.pop()
             if atom in self._filled or atom not in self._best:
                 continue
             self._filled.add(atom)
-            waiting += self._below_best(atom)[0]
+            best = self._below_best(atom)
+            waiting += best[0]
+            told = {_derivation(self._best[atom], best)}
             for firing in sorted(needs.firings_of(atom), key=firing_order):
-                if firing is not self._best[atom]:
-                    below = _below(firing, partial(needs.stands_without, atom))
-                    waiting += below[0]
-                    for premise in below[0]:
-                        self._least(premise)
-                    self._others[atom].append(self._step(firing, below))
+                below = _below(firing, partial(needs.stands_without, atom))
+                if firing is self._best[atom] or _derivation(firing, below) in told:
+                    continue
+                told.add(_derivation(firing, below))
+                waiting += below[0]
+                for premise in below[0]:
+                    self._least(premise)
+                self._others[atom].append(self._step(firing, below))
 
     def _step(
         self, firing: Firing, below: tuple[Terms, Terms], others: Sequence[Derived] = ()
@@ -114,6 +121,11 @@ class Proofs:
         if self._unsupported:
             return Unexplained(str(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
         return Unexplained(str(atom), "no rule gives it without itself")
+
+
+def _derivation(firing: Firing, below: tuple[Terms, Terms]) -> tuple[object, ...]:
+    """Return what tells a derivation from the others of its atom."""
+    return firing.rule, firing.values, *map(frozenset, below)
 
 
 def _below(firing: Firing, counts: Callable[[Term], bool]) -> tuple[Terms, Terms]:

@@ -280,11 +280,17 @@ def wrapped(text: str, level: int) -> Iterator[str]:
     if len(indent) + len(text) <= WIDTH and text.isprintable() and text.strip(" ") == text:
         yield indent + text
         return
-    yield from textwrap.wrap(
+    further = indent + "    "
+    for line in textwrap.wrap(
         text,
         WIDTH,
         initial_indent=indent,
-        subsequent_indent=indent + "    ",
+        subsequent_indent=further,
         break_long_words=False,
         break_on_hyphens=False,
-    )
+    ):
+        # An atom has no spaces; it goes on behind one of its commas.
+        while len(line) > WIDTH and (end := line.rfind(",", len(further), WIDTH) + 1):
+            yield line[:end]
+            line = further + line[end:]  # noqa: PLW2901 -- what is left of it
+        yield line
