@@ -34,24 +34,36 @@ class UnsatisfiableError(Exception):
     """No answer satisfies the rules."""
 
 
+class LateError(TimeoutError):
+    """The deadline passed before any answer was found; `bound` is what each costs at least."""
+
+    def __init__(self, bound: dict[int, int]) -> None:
+        """Keep the bound, level by level."""
+        super().__init__("the deadline passed before any answer was found")
+        self.bound = bound
+
+
 def optimise(component: Component, deadline: float | None = None) -> Optimum:
     """Find the least answer of a component; of equal ones the first in the order of its atoms.
 
-    `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned.
+    `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
+    the first that satisfies the rules, which is found whatever time that takes.
 
     Raises:
         UnsatisfiableError: there is no answer.
-        TimeoutError: the deadline passed before any answer was found.
     """
     levels = sorted({level for level, _, _ in component.costs}, reverse=True)
-    found = _search(component, levels, deadline)
+    try:
+        found = _search(component, levels, deadline)
+    except LateError as late:
+        return _first(component, late.bound)
     if not found.proven:
         return found
     costs = {level: found.cost[level] for level in levels if level >= COST_LEVEL}
     count = _count(component, costs, deadline)
     if count == 1:
         return Optimum(found.true, found.cost, found.bound, True, 1)
-    true = _first_by_name(component, found)
+    true = _first_by_name(component, found, deadline)
     return Optimum(true, found.cost, found.bound, True, count)
 
 
@@ -186,14 +198,29 @@ def _least(
         result = handle.get()
     if result.unsatisfiable:
         raise UnsatisfiableError
-    if true is None:
-        raise TimeoutError
-    values = dict(zip(levels, cost, strict=True))
-    if result.exhausted:
+    values = dict(zip(levels, cost, strict=False))
+    if result.exhausted and true is not None:
         return Optimum(true, values, values, True, None)
     lower = control.statistics["summary"]["lower"] if levels else []
-    bound = {level: int(value) for level, value in zip(levels, lower, strict=False)}
-    return Optimum(true, values, {level: bound.get(level, 0) for level in levels}, False, None)
+    bound = {**dict.fromkeys(levels, 0), **dict(zip(levels, map(int, lower), strict=False))}
+    if true is None:
+        raise LateError(bound)
+    return Optimum(true, values, bound, False, None)
+
+
+def _first(component: Component, bound: dict[int, int]) -> Optimum:
+    """Find any answer, without looking for a cheap one."""
+    control = _control(component)
+    with control.solve(yield_=True) as handle:
+        model = handle.model()
+        if model is None:
+            raise UnsatisfiableError
+        true = frozenset(a for a in range(1, component.size + 1) if model.is_true(a))
+    cost = dict.fromkeys(bound, 0)
+    for level, weight, literal in component.costs:
+        if (literal in true) if literal > 0 else (-literal not in true):
+            cost[level] += weight
+    return Optimum(true, cost, bound, False, None)
 
 
 def _bounded(
@@ -226,12 +253,14 @@ def _count(component: Component, costs: dict[int, int], deadline: float | None) 
     return count if count <= MOST_COUNTED else None
 
 
-def _first_by_name(component: Component, found: Optimum) -> frozenset[int]:
-    """Decide the atoms one by one, true where some optimum has them so."""
+def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
+    """Decide the atoms one by one, true where some optimum has them so, while there is time."""
     control = _bounded(component, found.cost)
     true = found.true
     assumed: list[int] = []
     for atom in component.projected:
+        if deadline is not None and time.monotonic() > deadline:
+            break
         if atom in true:
             assumed.append(atom)
             continue

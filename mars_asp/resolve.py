@@ -41,9 +41,10 @@ def synthesise(
 ) -> Synthesis | None:
     """Find the least specification, or `None` where a consequence cannot be resolved.
 
+    After the seconds given the best found so far is taken, with a bound on what is least.
+
     Raises:
         MarsError: clingo refuses the rules.
-        TimeoutError: no specification was found in the seconds given.
     """
     deadline = None if seconds is None else time.monotonic() + seconds
     grounding = analysis.grounding

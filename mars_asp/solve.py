@@ -18,6 +18,8 @@ from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled
 # What is least is found component by component; the whole is never minimised.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
 _MOST_MESSAGES = 10_000
+#: Each component has at least this long, for most need less, and one must not spoil all others.
+_LEAST_SECONDS = 0.05
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
 
 
@@ -179,11 +181,11 @@ class Grounding:
     ) -> Resolution:
         """Ground the resolution rules and find their least answer.
 
-        `deadline` is a time of `time.monotonic`; `progress` is told components done and in all.
+        `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
+        `progress` is told components done and in all.
 
         Raises:
             MarsError: the rules are refused, or have no answer.
-            TimeoutError: the deadline passed before every component had an answer.
         """
         self._program = Recorder()
         self.control.register_observer(self._program)
@@ -265,8 +267,8 @@ class Grounding:
         return {atom.literal: as_symbol(atom.atom) for atom in found}
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
-        if deadline is not None and time.monotonic() > deadline:
-            deadline = time.monotonic() + 0.05
+        if deadline is not None:
+            deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
         try:
             return optimise(component, deadline)
         except UnsatisfiableError:

@@ -8,6 +8,7 @@ import argparse
 import importlib
 import os
 import sys
+import time
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -71,6 +72,7 @@ def _run(words: Sequence[str], contained: bool = True) -> int:
     from mars_asp.cli.limits import run_limited, run_plain
 
     arguments = parser.parse_intermixed_args(words[1:])
+    arguments.started = time.monotonic()
     return (run_limited if contained else run_plain)(module.run, arguments)
 
 

@@ -19,6 +19,8 @@ from mars_asp.visible import visible
 
 #: Beyond the limit, so that a solver that stops in time can still say what it found.
 GRACE_SECONDS = 5.0
+#: Who keeps the clock, in a child that has a time limit.
+_keeper: int | None = None
 
 
 def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
@@ -31,10 +33,15 @@ def run_limited(run: Callable[[argparse.Namespace], int], arguments: argparse.Na
     gc.freeze()
     # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
     gc.set_threshold(50_000, 20, 20)
+    keeper = os.getpid() if arguments.time_limit is not None else None
+    if keeper is not None:
+        signal.signal(signal.SIGUSR1, lambda *_: _set_clock(arguments))
     child = os.fork()
     if child:
         return _wait(child, arguments)
     status = 2
+    global _keeper  # noqa: PLW0603 -- this process ends with the verb
+    _keeper = keeper
     try:
         _limit_memory(arguments.memory_limit)
         status = run_plain(run, arguments)
@@ -72,6 +79,27 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         return 2
 
 
+def seconds_to_search(arguments: argparse.Namespace) -> float | None:
+    """Return how long a search may take so that what it finds is judged and printed in time.
+
+    Judging takes about as long as all that came before the search.
+    """
+    if arguments.time_limit is None:
+        return None
+    used = time.monotonic() - arguments.started
+    return float(max(0.0, arguments.time_limit - 2 * used))
+
+
+def begin_clock_anew() -> None:
+    """Ask for the time to judge and print what was found, however slow the machine is."""
+    if _keeper is not None:
+        os.kill(_keeper, signal.SIGUSR1)
+
+
+def _set_clock(arguments: argparse.Namespace) -> None:
+    signal.setitimer(signal.ITIMER_REAL, arguments.time_limit + GRACE_SECONDS)
+
+
 def _limit_memory(megabytes: float | None) -> None:
     if megabytes is None:
         return
@@ -89,7 +117,7 @@ def _wait(child: int, arguments: argparse.Namespace) -> int:
             os.kill(child, signal.SIGKILL)
 
         signal.signal(signal.SIGALRM, expire)
-        signal.setitimer(signal.ITIMER_REAL, arguments.time_limit + GRACE_SECONDS)
+        _set_clock(arguments)
     started = time.monotonic()
     while True:
         try:

@@ -5,6 +5,7 @@ import json
 import sys
 
 from mars_asp.analysis import diagnostic
+from mars_asp.cli.limits import begin_clock_anew, seconds_to_search
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
@@ -37,9 +38,10 @@ def run(arguments: argparse.Namespace) -> int:
             project.modules,
             analysis,
             rulebook,
-            arguments.time_limit,
+            seconds_to_search(arguments),
             progress,
         )
+    begin_clock_anew()
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1

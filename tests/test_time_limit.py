@@ -1,0 +1,80 @@
+"""What a time limit leaves: a specification that realises, and a bound on what is least."""
+
+import random
+from pathlib import Path
+
+import pytest
+
+from mars_asp import solve
+from mars_asp.analysis import analyse
+from mars_asp.cli import run_here
+from mars_asp.language import parse_text
+from mars_asp.project import Project, project_facts
+from mars_asp.resolve import COSTS, NODES, synthesise
+from mars_asp.rulebook import load_rulebook
+from mars_asp.verify import verify
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+
+
+def one_source(clients: int, representations: int, converters: int, seed: int) -> str:
+    """Return clients of one source that accept few of the representations made of its own."""
+    rng = random.Random(seed)
+    names = [f"P{index}" for index in range(representations)]
+    edges = [(rng.choice(names[:index]), names[index]) for index in range(1, representations)]
+    edges += [(a, b) for a, b in (rng.sample(names, 2) for _ in range(converters - len(edges)))]
+    blocks = [("S", "@Sense NotifyAtFrequency 20", "P0 get()")]
+    blocks += [
+        (f"K{n}", f"@Converts {rng.randint(1, 4)}", f"{b} f({a} x)")
+        for n, (a, b) in enumerate(edges)
+    ]
+    lines = []
+    for index in range(clients):
+        accepted = ", ".join(f"{name} {name.lower()}" for name in rng.sample(names[1:], 2))
+        blocks.append((f"C{index}", "@DataIn", f"void take({accepted})"))
+        service = rng.choice(["", " NotifyAtFrequency 10", " RequestWhenReady"])
+        lines.append(f"C{index} uses_data_from S{service}")
+    written = [
+        f"@module_start\n@module_name {name}\n{annotation}\n{declaration};\n@module_end"
+        for name, annotation, declaration in blocks
+    ]
+    modules = ", ".join(["S", *(f"C{index}" for index in range(clients))])
+    return "\n".join(["@configuration", f"@modules {modules}", *lines, *written])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_without_time_an_answer_is_found_and_bounded(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solve, "_LEAST_SECONDS", -1.0)
+    project = Project(parse_text(one_source(8, 6, 9, seed), "c.mars").configuration, {}, ())
+    hurried, proven = (
+        synthesise(
+            project.configuration,
+            {},
+            analyse(project_facts(project), RULEBOOK, project.configuration.span),
+            RULEBOOK,
+            seconds,
+        )
+        for seconds in (0.0, None)
+    )
+    assert hurried is not None
+    assert proven is not None
+    assert proven.resolution.proven
+    assert verify(hurried.specification.configuration, project, RULEBOOK) == ()
+    assert len(hurried.specification.nodes) == hurried.cost(NODES)
+    least = [proven.cost(level) for level in COSTS.values()]
+    assert [hurried.bound(level) for level in COSTS.values()] <= least
+    assert least <= [hurried.cost(level) for level in COSTS.values()]
+
+
+def test_what_was_found_is_printed_with_its_bound(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "c.mars"
+    path.write_text(one_source(40, 14, 50, 1), encoding="utf-8")
+    assert run_here(["synthesise", "--time-limit", "0.001", str(path)]) == 3
+    printed, said = capsys.readouterr()
+    assert printed.startswith("@specification")
+    assert "best found" in said
+    assert "lower bound" in said
