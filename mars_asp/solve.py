@@ -45,7 +45,7 @@ class Answer:
         """Return the true atoms of each predicate of which not all are facts."""
         with self._model() as model:
             return {
-                signature: [a.atom for a in atoms if a.is_fact or model.is_true(a.literal)]
+                signature: [a for a, literal, is_fact in atoms if is_fact or model.is_true(literal)]
                 for signature, atoms in self.grounding.open_predicates()
             }
 
@@ -225,7 +225,7 @@ class Grounding:
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
                 found = labelled(self.control, *signature)
-                if not all(atom.is_fact for atom in found):
+                if not all(is_fact for _, _, is_fact in found):
                     yield signature, found
 
     def extra_cost(
@@ -263,8 +263,8 @@ class Grounding:
     @cached_property
     def symbol_of(self) -> dict[int, clingo.Symbol]:
         """Return the open atoms by the numbers that stand for them in components."""
-        found = (atom for _, atoms in self.open_predicates() for atom in atoms if not atom.is_fact)
-        return {atom.literal: as_symbol(atom.atom) for atom in found}
+        found = (each for _, atoms in self.open_predicates() for each in atoms)
+        return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
 
     def _optimise(self, component: Component, deadline: float | None) -> Optimum:
         if deadline is not None:

@@ -18,12 +18,8 @@ Term = NewType("Term", int)
 Signature: TypeAlias = tuple[str, int, bool]
 
 
-class Labelled(NamedTuple):
-    """An atom with its literal in the ground program, and whether it is a fact."""
-
-    atom: Term
-    literal: int
-    is_fact: bool
+#: An atom, its literal in the ground program, and whether it is a fact.
+Labelled: TypeAlias = tuple[Term, int, bool]
 
 
 class Reader(NamedTuple):
@@ -58,7 +54,7 @@ def plain_reader() -> Reader:
 
     def labelled(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Labelled]:
         found = control.symbolic_atoms.by_signature(name, arity, positive)
-        return [Labelled(as_term(atom.symbol), atom.literal, atom.is_fact) for atom in found]
+        return [(as_term(atom.symbol), atom.literal, atom.is_fact) for atom in found]
 
     def state(control: clingo.Control, name: str, positive: bool, like: Iterable[Term]) -> None:
         with control.backend() as backend:
@@ -139,7 +135,7 @@ def _raw_atoms(
             check(read_symbol(base, place, symbol))
             check(read_literal(base, place, literal))
             check(read_is_fact(base, place, is_fact))
-            found.append(Labelled(symbol[0], literal[0], is_fact[0]))
+            found.append((symbol[0], literal[0], is_fact[0]))
         return found
 
     return atoms, labelled

@@ -30,7 +30,7 @@ def test_both_readers_read_the_same() -> None:
         ]
         literals = [each[1:] for each in raw.labelled(control, *kind)]
         assert literals == [each[1:] for each in plain.labelled(control, *kind)]
-        assert [each.atom for each in raw.labelled(control, *kind)] == found
+        assert [each[0] for each in raw.labelled(control, *kind)] == found
         assert [raw.as_term(raw.as_symbol(term)) for term in found] == found
 
 
