@@ -65,7 +65,8 @@ class _Named(ast.Transformer):
 
 def for_xclingo(path: str, folder: Path) -> str:
     """Write the rules and facts behind the asked consequence, its rules with traces."""
-    part = slice_for(ASKED, load_rulebook(), project_facts(load_project(path)))
+    project = load_project(path)
+    part = slice_for(ASKED, load_rulebook(), lambda names: project_facts(project, wanted=names))
     assert part is not None
     traced = [
         f'%!trace_rule {{"{rule.id}"}}.\n{_Named()(rule.ast)}' for rule in part.rulebook.rules

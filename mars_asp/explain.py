@@ -61,12 +61,14 @@ def explain(
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in the seconds given.
     """
-    facts = tuple(project_facts(project))
-    part = None if subject is None else slice_for(subject, rulebook, facts)
+    part = None
+    if subject is not None:
+        part = slice_for(subject, rulebook, lambda names: project_facts(project, wanted=names))
     if part is not None:
         answer = _explain_part(project, part, subject or "", every)
         if answer.topics:
             return answer
+    facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     # To read the consequences takes longer than to trace a node.
     chosen = () if _is_node(subject, project) else _consequences(analysis, project, subject)

@@ -1,7 +1,8 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from decimal import Decimal
+from functools import cached_property
 
 from clingo import Symbol
 
@@ -33,18 +34,21 @@ PERIODIC = "NotifyAtFrequency"
 
 
 def configuration_facts(
-    configuration: Configuration, modules: Mapping[str, Module] | None = None
+    configuration: Configuration,
+    modules: Mapping[str, Module] | None = None,
+    wanted: Set[str] | None = None,
 ) -> tuple[Fact, ...]:
     """Turn a configuration and the modules described for it into facts with their places.
 
     `modules` adds to those declared in the configuration itself; only modules that the
     configuration names, and converters, are told. Relationships are identified as `numbered`
-    says, annotations by the integers that follow.
+    says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
+    made.
 
     Raises:
         MarsError: a number does not fit clingo's 32 bit integers.
     """
-    return _Compiler(configuration, modules or {}).compile()
+    return _Compiler(configuration, modules or {}, wanted).compile()
 
 
 def wiring_facts(configuration: Configuration) -> tuple[Fact, ...]:
@@ -53,7 +57,7 @@ def wiring_facts(configuration: Configuration) -> tuple[Fact, ...]:
     Raises:
         MarsError: a number does not fit clingo's 32 bit integers.
     """
-    compiler = _Compiler(configuration, {})
+    compiler = _Compiler(configuration, {}, None)
     compiler.wiring()
     return compiler.compiled("place", "in_words")
 
@@ -118,24 +122,48 @@ def plain(number: Decimal) -> str:
     return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
 
 
+#: The predicates by which modules and relationships are told, and those of annotations.
+WIRING = frozenset(
+    "architecture period module node place uses_data_from is_controlled_by is_mounted_on"
+    " priority hold allocation required_mode required_rate in_words".split()
+)
+ANNOTATIONS = frozenset(
+    "described class native place converts commands unknown_input input ambiguous_name delivers"
+    " output offered_mode offered_rate in_words".split()
+)
+
+
 class _Compiler:
     """Collects facts and what does not fit; lives for one call."""
 
-    def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        wanted: Set[str] | None,
+    ) -> None:
         self.configuration = configuration
+        self.wanted = wanted
         self.known = {**modules, **{module.name: module for module in configuration.declared}}
         self.described = described_modules(configuration, modules)
         self.facts: list[Fact] = []
         self.problems: list[Diagnostic] = []
         self.worded: set[tuple[str, Term]] = set()
-        names = _names(self.described)
-        self.canonical, self.ambiguous = names.canonical, names.ambiguous
+
+    @cached_property
+    def names(self) -> Names:
+        return _names(self.described)
 
     def compile(self) -> tuple[Fact, ...]:
-        self.wiring()
-        self.annotations()
-        self.resemblances()
-        self.walks()
+        parts = (
+            (self.wiring, WIRING),
+            (self.annotations, ANNOTATIONS),
+            (self.resemblances, {"resembles"}),
+            (self.walks, {"closed_walk"}),
+        )
+        for tell, predicates in parts:
+            if self.wanted is None or self.wanted & predicates:
+                tell()
         return self.compiled()
 
     def compiled(self, *without: str) -> tuple[Fact, ...]:
@@ -175,7 +203,8 @@ class _Compiler:
             self.place(number, annotation.span)
 
     def add(self, span: Span, name: str, *arguments: Term) -> None:
-        self.facts.append(Fact(Atom(name, arguments), span))
+        if self.wanted is None or name in self.wanted:
+            self.facts.append(Fact(Atom(name, arguments), span))
 
     def place(self, identifier: Term, span: Span) -> None:
         self.add(span, "place", identifier, span.path, span.line, span.column)
@@ -243,7 +272,7 @@ class _Compiler:
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
             if source is not None and target is not None:
-                ends = (self.canonical[source], self.canonical[target])
+                ends = (self.names.canonical[source], self.names.canonical[target])
                 self.add(span, "converts", number, name, *ends, service.cost)
             return
         if service.kind in ("Sense", "DataOut"):
@@ -251,17 +280,17 @@ class _Compiler:
         for function in service.commands:
             self.add(span, "commands", number, name, function)
         for index, representation in enumerate(service.inputs):
-            if representation is None or representation in self.ambiguous:
+            if representation is None or representation in self.names.ambiguous:
                 self.add(span, "unknown_input", number, name, index)
             else:
-                self.add(span, "input", number, name, index, self.canonical[representation])
+                self.add(span, "input", number, name, index, self.names.canonical[representation])
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
         span = service.span
         self.add(span, "delivers", number, name)
-        if service.output is not None and service.output not in self.ambiguous:
-            self.add(span, "output", number, name, self.canonical[service.output])
+        if service.output is not None and service.output not in self.names.ambiguous:
+            self.add(span, "output", number, name, self.names.canonical[service.output])
         self.candidates(number, name, service.output, span)
         for index, mode in enumerate(service.modes):
             term = mode_term(mode)
@@ -274,7 +303,7 @@ class _Compiler:
                 self.word(mode, term, NONE, span)
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
-        for candidate in self.ambiguous.get(written or "", ()):
+        for candidate in self.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 
     def resemblances(self) -> None:

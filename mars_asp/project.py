@@ -1,7 +1,7 @@
 """A configuration together with the sources that describe its modules."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,20 +63,23 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     return Project(configuration, modules, by_place(diagnostics))
 
 
-def project_facts(project: Project, moved: Iterable[str] = ()) -> tuple[Fact, ...]:
-    """Return the facts of a project.
+def project_facts(
+    project: Project, moved: Iterable[str] = (), wanted: Set[str] | None = None
+) -> tuple[Fact, ...]:
+    """Return the facts of a project, with `wanted` those of these predicates.
 
     How carriers move a module is told of sensors, end-effectors, what is controlled, and `moved`.
 
     Raises:
         MarsError: numbers that do not fit.
     """
-    facts = configuration_facts(project.configuration, project.modules)
+    facts = configuration_facts(project.configuration, project.modules, wanted)
     if not has_mounts(project) or not _has_functions(project):
         return facts
     from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
 
-    return facts + frame_facts(project.configuration, project.modules, moved)
+    frames = frame_facts(project.configuration, project.modules, moved)
+    return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
 
 
 def has_mounts(project: Project) -> bool:
