@@ -220,3 +220,19 @@ def test_an_output_without_a_folder_is_named_as_it_was_given(tmp_path: Path) -> 
     done = mars("synthesise", "examples/level0/config.mars", "-o", str(target))
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"mars-asp: `{target}`: No such file or directory\n"
+
+
+def test_a_controller_that_ranks_twice_counts_at_its_highest(tmp_path: Path) -> None:
+    """It once stood below and above another one, and no specification could have both."""
+    text = "@configuration hierarchical\n@modules P, A, B\nP is_controlled_by A 1\n"
+    text += "P is_controlled_by B 2\nP is_controlled_by A 3\n"
+    made = mars("synthesise", "-", text=text)
+    assert made.returncode == 0
+    assert "`A` controls `P` twice, and of its priorities 3 counts, not 1" in made.stderr
+    assert made.stdout.splitlines()[2:] == [
+        "P is_controlled_by ArbitrationNode",
+        "ArbitrationNode is_controlled_by B 2",
+        "ArbitrationNode is_controlled_by A 3",
+    ]
+    (tmp_path / "c.mars").write_text(text)
+    assert mars("verify", "-", str(tmp_path / "c.mars"), text=made.stdout).returncode == 0
