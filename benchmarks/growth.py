@@ -1,36 +1,39 @@
-"""Growth of `analyse` and `synthesise` with independent components, against clingo alone.
+"""Growth of `analyse` and `synthesise` as whole processes, against clingo alone.
 
     python benchmarks/growth.py [MODULES ...]
 
-Prints seconds, the growth per step and the ratio to clingo alone on the same facts and rules, all
-measured in one run.
+Two kinds of input: independent robots of ten modules each, and one robot that hangs together.
+Prints processor seconds and memory of clingo on the same facts and rules, of `analyse --format
+json` with its ratio to clingo, of `synthesise`, which verifies what it prints, with its ratio to
+`analyse`, and how both grow from one size to the next.
 """
 
 import random
+import subprocess
 import sys
-import time
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 
-import clingo
-
-from mars_asp.analysis import analyse
-from mars_asp.facts import configuration_facts, facts_text
-from mars_asp.language import parse_text
-from mars_asp.model import Configuration
-from mars_asp.resolve import NODES, synthesise
+from mars_asp.facts import facts_text
+from mars_asp.project import load_project, project_facts
 from mars_asp.rulebook import load_rulebook
 
 PER_ROBOT = 10
-
-
-def robots(modules: int, seed: int = 1) -> Configuration:
-    """Return independent robots of ten modules each, unequal among themselves."""
-    return parse_text(
-        "\n".join(robot_lines(modules, random.Random(seed))), "robots.mars"
-    ).configuration
+#: Seconds for a synthesis, and the status that says that nothing was proven in them.
+MOST_SECONDS, TIME_OVER = "120", 3
+#: Runs a command and prints its status and the CPU seconds and MB that it took.
+_USED = """
+import resource, subprocess, sys
+to = subprocess.DEVNULL
+status = subprocess.run(sys.argv[1:], stdout=to, stderr=to).returncode
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(status, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+"""
 
 
 def robot_lines(modules: int, rng: random.Random) -> Iterator[str]:
+    """Yield independent robots of ten modules each, unequal among themselves."""
     names, lines, blocks = [], [], []
     for robot in range(modules // PER_ROBOT):
         own = [f"M{robot}_{index}" for index in range(PER_ROBOT)]
@@ -53,44 +56,84 @@ def robot_lines(modules: int, rng: random.Random) -> Iterator[str]:
     yield from blocks
 
 
+def connected_lines(modules: int, rng: random.Random) -> Iterator[str]:
+    """Yield one robot that hangs together.
+
+    One source with a tree of representations serves half of the modules, and each other module is
+    controlled by two or three neighbours in the row of these.
+    """
+    clients = [f"C{index}" for index in range(modules // 2)]
+    wheels = [f"W{index}" for index in range(modules // 2)]
+    made = [f"P{index}" for index in range(8)]
+    yield "@configuration hierarchical"
+    yield "@modules S, " + ", ".join((*clients, *wheels))
+    for client in clients:
+        service = rng.choice(["", "", " NotifyAtFrequency 10", " RequestWhenReady"])
+        yield f"{client} uses_data_from S{service}"
+    for index, wheel in enumerate(wheels):
+        for rank, controller in enumerate(clients[index : index + rng.choice([2, 3])]):
+            yield f"{wheel} is_controlled_by {controller} {rank}"
+    yield _block("S", "@Sense NotifyAtFrequency 25", "Raw grab()")
+    for client in clients:
+        yield _block(client, "@ControlOut", f"Motion act({rng.choice(['Raw', *made])} x)")
+    for index, name in enumerate(made):
+        origin = made[(index - 1) // 2] if index else "Raw"
+        yield _block(f"K{index}", f"@Converts {rng.randint(1, 3)}", f"{name} f({origin} x)")
+
+
 def _block(name: str, annotation: str, declaration: str) -> str:
     return f"@module_start\n@module_name {name}\n{annotation}\n{declaration};\n@module_end"
 
 
-def measure(modules: int) -> tuple[float, float, float, int]:
-    """Return seconds of clingo alone, of an analysis and of a synthesis, and the nodes found."""
-    configuration = robots(modules)
-    rulebook = load_rulebook()
-    facts = configuration_facts(configuration)
-    started = time.perf_counter()
-    control = clingo.Control(["--warn=none"])
-    control.add("base", [], rulebook.text("base") + facts_text(facts))
-    control.ground()
-    control.solve()
-    alone = time.perf_counter() - started
-    started = time.perf_counter()
-    analysis = analyse(configuration_facts(configuration), rulebook, configuration.span)
-    analysed = time.perf_counter() - started
-    started = time.perf_counter()
-    found = synthesise(configuration, {}, analysis, rulebook)
-    assert found is not None
-    assert found.resolution.proven
-    return alone, analysed, time.perf_counter() - started, found.cost(NODES)
+def used(*words: str) -> tuple[float, float, bool]:
+    """Return the seconds of CPU and the MB of memory of a process, and whether it had time."""
+    done = subprocess.run(
+        [sys.executable, "-c", _USED, sys.executable, "-m", *words],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    status, seconds, memory = done.stdout.split()
+    # clingo ends with 30 where it has found all answers, mars-asp with 3 where time was over.
+    if int(status) not in (0, 3, 30):
+        raise SystemExit(f"{words} ended with status {status}")
+    return float(seconds), float(memory), int(status) != TIME_OVER
+
+
+def measure(kind: str, modules: int, folder: Path) -> tuple[float, float]:
+    """Print what clingo alone, an analysis and a synthesis take, and return the last two."""
+    lines = {"independent": robot_lines, "connected": connected_lines}[kind]
+    file, program = folder / "robots.mars", folder / "robots.lp"
+    file.write_text("\n".join(lines(modules, random.Random(1))) + "\n", encoding="utf-8")
+    facts = facts_text(project_facts(load_project(str(file))))
+    program.write_text(f"{load_rulebook().text('base')}\n{facts}", encoding="utf-8")
+    alone, _, _ = used("clingo", "--warn=none", str(program))
+    analysed, kept, _ = used("mars_asp", "analyse", "--format", "json", str(file))
+    synthesise = ("synthesise", "--time-limit", MOST_SECONDS, str(file))
+    synthesised, most, proven = used("mars_asp", *synthesise)
+    print(
+        f"{kind:11} {modules:7} {alone:8.2f} s  {analysed:8.2f} s ({analysed / alone:4.1f})"
+        f" {kept:6.0f} MB  {synthesised:8.2f} s ({synthesised / analysed:3.1f}) {most:6.0f} MB"
+        f"  {'proven' if proven else 'not proven'}",
+        end="",
+        flush=True,
+    )
+    return analysed, synthesised
 
 
 def main() -> None:
     sizes = [int(word) for word in sys.argv[1:]] or [100, 1000, 10000]
-    previous: tuple[float, ...] | None = None
-    print("modules  clingo alone   analyse (ratio)   synthesise  growth of both  nodes")
-    for size in sizes:
-        alone, analysed, synthesised, nodes = measure(size)
-        total = analysed + synthesised
-        growth = "" if previous is None else f"{total / sum(previous):.1f}"
-        print(
-            f"{size:7}  {alone:10.2f} s  {analysed:7.2f} s ({analysed / alone:.1f})"
-            f"  {synthesised:9.2f} s  {growth:>14}  {nodes}"
-        )
-        previous = (analysed, synthesised)
+    print(
+        "processor time: clingo alone, analyse (of clingo), synthesise (of analyse); growth of both"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in ("independent", "connected"):
+            previous: tuple[float, float] | None = None
+            for size in sizes:
+                now = measure(kind, size, Path(folder))
+                grown = zip(now, previous or (), strict=False)
+                print("".join(f"  {after / before:5.1f}" for after, before in grown))
+                previous = now
 
 
 if __name__ == "__main__":
