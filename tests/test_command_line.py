@@ -236,3 +236,15 @@ def test_a_controller_that_ranks_twice_counts_at_its_highest(tmp_path: Path) -> 
     ]
     (tmp_path / "c.mars").write_text(text)
     assert mars("verify", "-", str(tmp_path / "c.mars"), text=made.stdout).returncode == 0
+
+
+def test_outcomes_of_cases_come_as_json_too(tmp_path: Path) -> None:
+    (tmp_path / "right.lp").write_text("%=\n")
+    (tmp_path / "wrong.lp").write_text("%= foo(1)\n")
+    done = mars("test", str(tmp_path), "--format", "json")
+    result = json.loads(done.stdout)
+    assert (done.returncode, result["passed"], result["failed"]) == (1, 1, 1)
+    assert result["cases"] == [
+        {"path": str(tmp_path / "right.lp"), "passed": True, "difference": []},
+        {"path": str(tmp_path / "wrong.lp"), "passed": False, "difference": ["  - foo(1)"]},
+    ]

@@ -1,6 +1,7 @@
 """Run rule cases: facts and expected answer sets in one file."""
 
 import argparse
+import json
 from pathlib import Path
 
 from mars_asp.cli.reason import rulebook_for
@@ -16,14 +17,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print what differs; 1 where a case failed or there was none."""
     rulebook = rulebook_for(arguments, STAGES)
-    cases = find_cases(map(Path, arguments.paths))
-    failed = 0
-    for case in cases:
-        outcome = run_case(case, rulebook)
-        if not outcome.passed:
-            failed += 1
-            print(f"FAILED {visible(str(case))}")
-            for line in outcome.difference():
-                print(visible(line))
-    print(f"{len(cases) - failed} passed, {failed} failed")
-    return int(failed > 0 or not cases)
+    outcomes = [run_case(case, rulebook) for case in find_cases(map(Path, arguments.paths))]
+    failed = [outcome for outcome in outcomes if not outcome.passed]
+    passed = len(outcomes) - len(failed)
+    if arguments.format == "json":
+        cases = [
+            {"path": str(o.path), "passed": o.passed, "difference": list(o.difference())}
+            for o in outcomes
+        ]
+        print(json.dumps({"passed": passed, "failed": len(failed), "cases": cases}))
+        return int(bool(failed) or not outcomes)
+    for outcome in failed:
+        print(f"FAILED {visible(str(outcome.path))}")
+        for line in outcome.difference():
+            print(visible(line))
+    print(f"{passed} passed, {len(failed)} failed")
+    return int(bool(failed) or not outcomes)
