@@ -266,6 +266,20 @@ def test_a_lattice_of_thirty_layers_prints_each_shared_step_once() -> None:
     assert len(lines) < 300
 
 
+def test_a_variable_of_a_head_is_another_one_than_that_of_an_aggregate() -> None:
+    """Moved into the body, the condition `V = 1..2` must not bind what the aggregate counts."""
+    found = explainer_of("q(1..2). 1 { s(X) : V = 1..2 } :- q(X), 2 <= #count { V : q(V) }.")
+    assert found is not None
+    explainer, true = found
+    asked = clingo.parse_term("s(2)")
+    trace = explainer.why([asked])[asked]
+    assert isinstance(trace, Derived)
+    assert {premise.atom for premise in trace.premises} == {"q(1)", "q(2)"}
+    assert set(trace.bindings) == {"X"}
+    assert faults([trace], frozenset(), true) == []
+    assert wrong_in(4566) == []
+
+
 if __name__ == "__main__":
     results = {seed: wrong_in(seed) for seed in range(int(sys.argv[1]), int(sys.argv[2]))}
     faulty = {seed: wrong for seed, wrong in results.items() if wrong}

@@ -84,12 +84,44 @@ def _need(atom: ast.AST) -> str:
 
 
 def _heads(rule: "Rule | _Unpooled") -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+    """Yield what a head can give, with its conditions.
+
+    A variable of an element in the head is another one than that of an element in the body.
+    """
     head = rule.ast.head
     if head.ast_type == _TYPE.Literal:
         yield head, ()
+    outside = {name for literal in rule.ast.body for name in _names(_outside(literal))}
+    outside |= {name for guard in _guards(head) for name in _names(guard)}
+    inside = {name for literal in rule.ast.body for name in _names(str(literal))} - outside
     for element in getattr(head, "elements", ()):
         inner = element.condition if head.ast_type == _TYPE.HeadAggregate else element
-        yield inner.literal, tuple(inner.condition)
+        apart = _Apart(inside)
+        yield apart(inner.literal), tuple(map(apart, inner.condition))
+
+
+class _Apart(ast.Transformer):
+    def __init__(self, names: Set[str]) -> None:
+        self.names = names
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node.update(name=f"_In{node.name}") if node.name in self.names else node
+
+
+def _names(text: str) -> list[str]:
+    return re.findall(r"(?<!\w)[A-Z]\w*", text)
+
+
+def _guards(node: ast.AST) -> list[str]:
+    both = [getattr(node, f"{side}_guard", None) for side in ("left", "right")]
+    return [str(guard.term) for guard in both if guard is not None]
+
+
+def _outside(literal: ast.AST) -> str:
+    """Return the text of what stands outside of the elements of a body literal."""
+    if literal.ast_type == _TYPE.ConditionalLiteral:
+        return ""
+    return " ".join(_guards(literal.atom)) if literal.atom.ast_type in _AGGREGATES else str(literal)
 
 
 def _instances(
@@ -178,10 +210,8 @@ def _globals(rule: _Unpooled) -> set[str]:
         found += map(str, condition)
     for literal in rule.ast.body:
         if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
-            guards = [getattr(literal.atom, f"{side}_guard", None) for side in ("left", "right")]
-            aggregate = literal.atom.ast_type in _AGGREGATES
-            found += [str(g.term) for g in guards if g] if aggregate else [str(literal)]
-    return {name for text in found for name in re.findall(r"(?<!\w)[A-Z]\w*", text)}
+            found.append(_outside(literal))
+    return {name for text in found for name in _names(text)}
 
 
 def all_steps(traces: Iterable[Trace]) -> list[Derived]:

@@ -15,9 +15,16 @@ import clingo
 from clingo import ast
 
 from mars_asp.rulebook import Rule
-from mars_asp.trace.order import global_variables, in_order, needs, provided
+from mars_asp.trace.order import in_order, needs, provided
 from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
-from mars_asp.trace.rewrite import AGGREGATES, QUESTION, Rewriter, Terms, unsigned, variables_of
+from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms, unsigned
+from mars_asp.trace.scope import (
+    AGGREGATES,
+    Renamed,
+    atoms_of_head,
+    global_variables,
+    variables_of,
+)
 
 _TYPE = ast.ASTType
 #: The predicate that asks: `NEAR(index, w(Parts))`.
@@ -52,9 +59,9 @@ class NearMisses:
         """Return what finds near misses of a rule; the atom `_near` with `index` asks."""
         lines: list[str] = []
         for statement in rule.ast.unpool():
-            for head, condition in _heads(statement.head):
-                literals = (*statement.body, *condition)
-                lines += self._misses(rule, number, head, literals, pattern, index)
+            for head, condition in atoms_of_head(statement):
+                symbol, literals = head.atom.symbol, (*statement.body, *condition)
+                lines += self._misses(rule, number, symbol, literals, pattern, index)
         return "\n".join(lines)
 
     def _misses(
@@ -70,7 +77,7 @@ class NearMisses:
         if not match.atom(head, pattern):
             return
         literals = (*map(_literal, match.tests), *literals)
-        shared = global_variables(head, literals)
+        shared = global_variables((head,), literals)
         asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
         order = list(in_order(literals, match.bound, shared))
         for place, (literal, before) in enumerate(order):
@@ -122,7 +129,7 @@ class NearMisses:
         if literal is None:
             return (), "taken", []
         if literal.ast_type == _TYPE.ConditionalLiteral:
-            local = _Renamed(variables_of((literal,)) - shared)
+            local = Renamed(variables_of((literal,)) - shared, "_L")
             inner, condition = local(literal.literal), tuple(map(local, literal.condition))
             if inner.atom.ast_type != _TYPE.SymbolicAtom:
                 return (), "test", []
@@ -148,16 +155,6 @@ class NearMisses:
         guard = ast.Guard(ast.ComparisonOperator.Equal, value)
         atom = literal.atom.update(left_guard=guard, right_guard=None)
         return (literal.update(atom=atom, sign=ast.Sign.NoSign),), "value(_Value)", []
-
-
-class _Renamed(ast.Transformer):
-    """Gives local variables names that no other literal has."""
-
-    def __init__(self, names: Set[str]) -> None:
-        self._names = names
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return node.update(name=f"_L{node.name}") if node.name in self._names else node
 
 
 class _Match:
@@ -237,18 +234,3 @@ def _literal(text: str) -> ast.AST:
     ast.parse_string(f"x :- {text}.", found.append)
     literal: ast.AST = found[-1].body[0]
     return literal
-
-
-def _heads(head: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
-    """Yield the atoms that a head can give, each with its condition."""
-    found: list[tuple[ast.AST, Sequence[ast.AST]]] = []
-    if head.ast_type == _TYPE.Literal:
-        found = [(head, ())]
-    elif head.ast_type in (_TYPE.Aggregate, _TYPE.Disjunction):
-        found = [(element.literal, tuple(element.condition)) for element in head.elements]
-    elif head.ast_type == _TYPE.HeadAggregate:
-        inner = [element.condition for element in head.elements]
-        found = [(element.literal, tuple(element.condition)) for element in inner]
-    for literal, condition in found:
-        if literal.atom.ast_type == _TYPE.SymbolicAtom:
-            yield literal.atom.symbol, condition

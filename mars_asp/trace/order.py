@@ -4,28 +4,15 @@ A literal's turn comes when the variables that it cannot bind itself are bound; 
 what binds more. This is the left-to-right safety of Datalog engines (Ullman 1988, chapter 12).
 """
 
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from functools import partial
 
 from clingo import ast
 
-from mars_asp.trace.rewrite import AGGREGATES, variables_of
+from mars_asp.trace.scope import AGGREGATES, guards, variables_of
 
 _TYPE = ast.ASTType
 _INVERTIBLE = (ast.BinaryOperator.Plus, ast.BinaryOperator.Minus)
-
-
-def global_variables(head: ast.AST, literals: Iterable[ast.AST]) -> set[str]:
-    """Return the variables of a rule that are not local to an aggregate or condition."""
-    found = variables_of((head,))
-    for literal in literals:
-        if literal.ast_type == _TYPE.ConditionalLiteral:
-            continue
-        if literal.atom.ast_type in AGGREGATES:
-            found |= variables_of(_guards(literal.atom))
-        else:
-            found |= variables_of((literal,))
-    return found
 
 
 def in_order(
@@ -72,10 +59,6 @@ def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
     return bool(new - names), not variables_of((literal,)) & names
 
 
-def _guards(atom: ast.AST) -> list[ast.AST]:
-    return [g.term for g in (atom.left_guard, atom.right_guard) if g is not None]
-
-
 def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] | None:
     """Return the variables that a literal binds, or `None` while its turn has not come."""
     if literal.ast_type == _TYPE.ConditionalLiteral or literal.sign != ast.Sign.NoSign:
@@ -95,7 +78,7 @@ def _provides(literal: ast.AST, bound: Set[str], shared: Set[str]) -> set[str] |
             if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
                 new |= provided(guard.term)
         inside = variables_of(tuple(atom.elements)) & shared
-        return new if inside <= bound and variables_of(_guards(atom)) <= bound | new else None
+        return new if inside <= bound and variables_of(guards(atom)) <= bound | new else None
     return set() if needs(literal, shared) <= bound else None
 
 

@@ -6,7 +6,7 @@ A hole is the term `_any("X")`, any value; holes of one name stand for one value
 import clingo
 from clingo import ast
 
-from mars_asp.trace.rewrite import variables_of
+from mars_asp.trace.scope import variables_of
 
 _HOLE = "_any"
 _FUNCTION = clingo.SymbolType.Function

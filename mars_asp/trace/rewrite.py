@@ -22,10 +22,12 @@ from clingo import ast
 
 from mars_asp.kept import keep, recall, version_of
 from mars_asp.rulebook import Rule
+from mars_asp.trace import scope
+from mars_asp.trace.scope import AGGREGATES, OWN, atoms_of_head, bare, guards, variables_of
 
 Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
-AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+_HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction)
 #: Stand for the numbers of a rule and of a question where explanation rules are kept; no rule can
 #: hold them.
 _NUMBER = "\0r"
@@ -51,7 +53,7 @@ class Rewriter:
         What a rule is rewritten into depends on its text and on which of its predicates are open,
         so it is kept from one command to the next.
         """
-        version = version_of((Path(__file__), Path(ast.__file__)))
+        version = version_of((Path(__file__), Path(scope.__file__), Path(ast.__file__)))
         known: dict[_Key, _Written] = recall("firings", version) or {}
         used: dict[_Key, _Written] = {}
         parts: list[str] = []
@@ -75,33 +77,18 @@ class Rewriter:
         return "\n".join(lines), self.unsupported.get(number)
 
     def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
-        head = statement.head
-        if head.ast_type == _TYPE.Literal:
-            if head.atom.ast_type == _TYPE.SymbolicAtom:
-                yield from self._firing(number, head, statement.body, ())
-        elif head.ast_type == _TYPE.Aggregate:
-            for element in head.elements:
-                yield from self._firing(number, element.literal, statement.body, element.condition)
-        elif head.ast_type == _TYPE.HeadAggregate:
-            for element in head.elements:
-                inner = element.condition
-                yield from self._firing(number, inner.literal, statement.body, inner.condition)
-        elif head.ast_type == _TYPE.Disjunction:
-            for element in head.elements:
-                yield from self._firing(number, element.literal, statement.body, element.condition)
-        else:
-            self.unsupported[number] = str(head.ast_type)
-
-    def _firing(
-        self, number: int, head: ast.AST, body: Sequence[ast.AST], condition: Sequence[ast.AST]
-    ) -> Iterator[str]:
-        if head.atom.ast_type != _TYPE.SymbolicAtom:
+        if statement.head.ast_type not in _HEADS:
+            self.unsupported[number] = str(statement.head.ast_type)
             return
+        for head, condition in atoms_of_head(statement):
+            yield from self._firing(number, head, (*statement.body, *condition))
+
+    def _firing(self, number: int, head: ast.AST, literals: Sequence[ast.AST]) -> Iterator[str]:
         terms = Terms()
         shown = terms.atom(head.atom.symbol, fresh_complex=True)
-        literals = (*body, *condition)
         asked = asking(shown)
-        names = variables_of((head, *Terms.definitions_of(literals)))
+        found = variables_of((head, *Terms.definitions_of(literals)))
+        names = {name for name in found if not name.startswith(OWN)}
         yield from self.instance(number, _NUMBER, shown, [asked], literals, terms, names)
 
     def instance(
@@ -255,21 +242,21 @@ class Terms:
 
     def named(self, term: ast.AST) -> ast.AST:
         """Return a term, an interval by a name of its own."""
-        if ".." not in _bare(term):
+        if ".." not in bare(term):
             return term
         name = self.fresh()
         self.equations.append(f"{name} = {term}")
         return ast.Variable(term.location, name)
 
     def _argument(self, term: ast.AST, fresh_complex: bool) -> str:
-        bare = _bare(term)
-        if bare == "_":
+        text = bare(term)
+        if text == "_":
             return self.fresh()
-        if ".." in bare or (fresh_complex and _OPERATOR.search(bare)):
+        if ".." in text or (fresh_complex and _OPERATOR.search(text)):
             name = self.fresh()
             self.equations.append(f"{name} = {term}")
             return name
-        if _ANONYMOUS.search(bare) and term.ast_type == _TYPE.Function:
+        if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
             inner = [self._argument(argument, fresh_complex) for argument in term.arguments]
             comma = "," if not term.name and len(inner) == 1 else ""
             return f"{term.name}({','.join(inner)}{comma})"
@@ -284,9 +271,7 @@ class Terms:
                 continue
             atom = literal.atom
             if atom.ast_type in AGGREGATES:
-                for guard in (atom.left_guard, atom.right_guard):
-                    if guard is not None:
-                        found.append(guard.term)
+                found += guards(atom)
             else:
                 found.append(literal)
         return found
@@ -316,8 +301,8 @@ def asking(shown: str) -> str:
 
 def asking_name(name: str) -> str:
     """Return the predicate that asks for atoms of another one; `-` is classical negation."""
-    bare = name.removeprefix("-")
-    return f"_ask{QUESTION}{'_neg' if name != bare else ''}_{bare}"
+    unsigned_name = name.removeprefix("-")
+    return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
 
 
 def _pair(name: str) -> str:
@@ -380,28 +365,15 @@ def _elements(
             yield "", (element.literal, *element.condition), ()
 
 
-# Reading a term's text is many times faster than walking its tree through the foreign interface.
-_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
-_VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 _ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 _OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
 
 
-def _bare(node: ast.AST) -> str:
-    """Return a node's text without its strings."""
-    return _STRING.sub('""', str(node))
-
-
-def variables_of(nodes: Sequence[ast.AST]) -> set[str]:
-    """Return the names of the variables in nodes, but for anonymous ones."""
-    return {name for node in nodes for name in _VARIABLE.findall(_bare(node))}
-
-
 def _anonymous(term: ast.AST) -> str:
-    bare = _bare(term)
-    if bare == "_":
+    text = bare(term)
+    if text == "_":
         return "_any"
-    if _ANONYMOUS.search(bare) and term.ast_type == _TYPE.Function:
+    if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
         inner = [_anonymous(argument) for argument in term.arguments]
         comma = "," if not term.name and len(inner) == 1 else ""
         return f"{term.name}({','.join(inner)}{comma})"

@@ -1,0 +1,89 @@
+"""Which variables belong to a rule and which to an element of it, and the atoms a head can give.
+
+What stands outside of aggregates and conditions is global, as are their guards; other variables
+mean something in their own element alone (ASP-Core-2, section 2.1; gringo's local variables).
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence, Set
+
+from clingo import ast
+
+_TYPE = ast.ASTType
+AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+#: Before the names of variables that are local to an element of a head; no instance shows them.
+OWN = "_Own_"
+# Reading a term's text is many times faster than walking its tree through the foreign interface.
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
+_VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+
+
+def bare(node: ast.AST) -> str:
+    """Return a node's text without its strings."""
+    return _STRING.sub('""', str(node))
+
+
+def variables_of(nodes: Iterable[ast.AST]) -> set[str]:
+    """Return the names of the variables in nodes, but for anonymous ones."""
+    return {name for node in nodes for name in _VARIABLE.findall(bare(node))}
+
+
+def global_variables(head: Iterable[ast.AST], literals: Iterable[ast.AST]) -> set[str]:
+    """Return the variables of a rule that are not local to an aggregate or condition.
+
+    `head` are parts of the head of which all variables are global.
+    """
+    found = variables_of(head)
+    for literal in literals:
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            continue
+        if literal.atom.ast_type in AGGREGATES:
+            found |= variables_of(guards(literal.atom))
+        else:
+            found |= variables_of((literal,))
+    return found
+
+
+def guards(aggregate: ast.AST) -> list[ast.AST]:
+    """Return the terms that an aggregate is compared with."""
+    both = (aggregate.left_guard, aggregate.right_guard)
+    return [guard.term for guard in both if guard is not None]
+
+
+def atoms_of_head(statement: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+    """Yield the literals of atoms that a rule's head can give, each with its own condition.
+
+    To stand in the body, a condition must not share the name of a local variable with an element
+    there: such variables are renamed, with `OWN` before.
+    """
+    head = statement.head
+    found: list[tuple[ast.AST, Sequence[ast.AST]]] = []
+    shared: set[str] = set()
+    if head.ast_type == _TYPE.Literal:
+        found = [(head, ())]
+    elif head.ast_type in (_TYPE.Aggregate, _TYPE.Disjunction):
+        found = [(element.literal, tuple(element.condition)) for element in head.elements]
+    elif head.ast_type == _TYPE.HeadAggregate:
+        inner = [element.condition for element in head.elements]
+        found = [(element.literal, tuple(element.condition)) for element in inner]
+    if any(condition for _, condition in found):
+        outer = guards(head) if head.ast_type != _TYPE.Disjunction else ()
+        shared = variables_of(statement.body) - global_variables(outer, statement.body)
+    for literal, condition in found:
+        if literal.atom.ast_type == _TYPE.SymbolicAtom:
+            clashing = shared & variables_of((literal, *condition))
+            own = Renamed(clashing, OWN)
+            yield (own(literal), tuple(map(own, condition))) if clashing else (literal, condition)
+
+
+class Renamed(ast.Transformer):
+    """Gives local variables names that no other literal has."""
+
+    def __init__(self, names: Set[str], before: str) -> None:
+        """Rename variables with these names, by putting a text before them."""
+        self._names = names
+        self._before = before
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        """Return a variable, renamed where it is to be."""
+        return node.update(name=f"{self._before}{node.name}") if node.name in self._names else node
