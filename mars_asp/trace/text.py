@@ -73,7 +73,8 @@ def _entries(
     yield _Entry(0, title, None)
     stack: list[tuple[Trace | Attempt | str, int]] = [(trace, 1)]
     said_of: dict[int, str] = {}
-    said: set[tuple[int, str]] = set()
+    #: The leaves told at each level since the last step above it.
+    said: list[set[str]] = []
     while stack:
         step, level = stack.pop()
         below: Sequence[Trace | Attempt | str]
@@ -82,7 +83,7 @@ def _entries(
                 stack += [(attempt, level) for attempt in reversed(nearest(step))]
                 continue
             case Derived():
-                said = {entry for entry in said if entry[0] <= level}
+                del said[level + 1 :]
                 remark = ", chosen as the cheapest" if step.chosen else ""
                 if step.others and id(step) not in opened:
                     said_of |= numbered(step)
@@ -94,14 +95,15 @@ def _entries(
                 if depth is not None and level >= depth:
                     below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
             case Attempt():
-                said = {entry for entry in said if entry[0] <= level}
+                del said[level + 1 :]
                 yield _Entry(level, attempt_text(step), step)
                 below = failure(step, depth is None or level < depth)
                 below = (*below, *_interesting(step.held, absences=False))
             case _:
                 line = step if isinstance(step, str) else _leaf(step, line_at)
-                if line is not None and (level, line) not in said:
-                    said.add((level, line))
+                said += (set[str]() for _ in range(len(said), level + 1))
+                if line is not None and line not in said[level]:
+                    said[level].add(line)
                     yield _Entry(level, line, None)
                 continue
         if id(step) not in opened:
