@@ -10,8 +10,10 @@ from mars_asp.ground_program import Component, GroundRule
 
 #: Levels below this order optima by taste; they are no cost and do not tell optima apart.
 COST_LEVEL = 10
-#: Beyond this many, optima are not counted.
+#: Beyond this many, optima are not counted; of a large component, beyond so many times its atoms,
+#: for each answer takes time in proportion to them.
 MOST_COUNTED = 10_000
+_MOST_ATOMS_COUNTED = 4_000_000
 _OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
 
 
@@ -238,7 +240,8 @@ def _bounded(
 
 
 def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
-    control = _bounded(component, costs, ("--project=project", f"--models={MOST_COUNTED + 1}"))
+    most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
+    control = _bounded(component, costs, ("--project=project", f"--models={most + 1}"))
     count = 0
     with control.solve(yield_=True, async_=True) as handle:
         while True:
@@ -250,7 +253,7 @@ def _count(component: Component, costs: dict[int, int], deadline: float | None) 
             if handle.model() is None:
                 break
             count += 1
-    return count if count <= MOST_COUNTED else None
+    return count if count <= most else None
 
 
 def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:

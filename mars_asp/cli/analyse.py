@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the consequences; 1 where one is an error."""
     project = read_project(arguments)
-    analysis = analyse_project(project, rulebook_for(arguments))
+    analysis = analyse_project(project, rulebook_for(arguments), arguments)
     if arguments.format == "json":
         json.dump(analysis_json(project, analysis), sys.stdout)
         print()

@@ -15,7 +15,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is an error."""
     project = read_project(arguments)
-    analysis = analyse_project(project, rulebook_for(arguments))
+    analysis = analyse_project(project, rulebook_for(arguments), arguments)
     findings = (c for c in analysis.consequences if c.severity != "note")
     report(map(diagnostic, findings), arguments)
     return int(analysis.has_errors)

@@ -1,13 +1,39 @@
-"""A progress bar on standard error, where a person is watching."""
+"""How far a command has come, on standard error, where a person is watching."""
 
 import argparse
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 #: Nobody needs a bar for what is over before it could be read.
 _PATIENCE = 1.0
+
+
+@contextmanager
+def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
+    """Say what is being done where that takes long and a person is watching."""
+    if arguments.quiet or not sys.stderr.isatty():
+        yield
+        return
+    # What grounds or parses does not come back before it is done, so another thread has to tell.
+    shown = threading.Event()
+
+    def tell() -> None:
+        shown.set()
+        _show(f"{what} ...")
+
+    timer = threading.Timer(_PATIENCE, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        if shown.is_set():
+            _clear()
 
 
 @contextmanager
@@ -28,10 +54,18 @@ def progress_bar(
         shown = True
         width = 30 * done // max(1, total)
         bar = "#" * width + "." * (30 - width)
-        print(f"\r[{bar}] {done} of {total} {what}", end="", file=sys.stderr, flush=True)
+        _show(f"[{bar}] {done} of {total} {what}")
 
     try:
         yield progress
     finally:
         if shown:
-            print("\r" + " " * 78 + "\r", end="", file=sys.stderr, flush=True)
+            _clear()
+
+
+def _show(text: str) -> None:
+    print(f"\r{text:<78.78}", end="", file=sys.stderr, flush=True)
+
+
+def _clear() -> None:
+    print("\r" + " " * 78 + "\r", end="", file=sys.stderr, flush=True)

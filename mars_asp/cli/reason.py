@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mars_asp.analysis import Analysis, analyse
+from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.language.parse import MOST_BYTES, decode
 from mars_asp.project import Project, load_project, project_facts
 from mars_asp.rulebook import Rulebook, load_rulebook
+from mars_asp.visible import visible
 
 STANDARD_INPUT = "-"
 
@@ -21,11 +23,12 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
         MarsError: what is wrong with its files.
     """
     path = arguments.file if path is None else path
+    text = None
     if path == STANDARD_INPUT:
-        text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), "<stdin>")
-        project = load_project("<stdin>", arguments.sources, text)
-    else:
-        project = load_project(path, arguments.sources)
+        path = "<stdin>"
+        text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), path)
+    with stage(arguments, f"reading {visible(path)}"):
+        project = load_project(path, arguments.sources, text)
     report(project.diagnostics, arguments)
     return project
 
@@ -39,13 +42,16 @@ def rulebook_for(arguments: argparse.Namespace, stages: Sequence[str] = ("resolv
     return load_rulebook([Path(path) for path in arguments.rules], stages)
 
 
-def analyse_project(project: Project, rulebook: Rulebook) -> Analysis:
+def analyse_project(
+    project: Project, rulebook: Rulebook, arguments: argparse.Namespace
+) -> Analysis:
     """Return the consequences of a project.
 
     Raises:
         MarsError: numbers that do not fit, rules that clingo refuses.
     """
-    return analyse(project_facts(project), rulebook, project.configuration.span)
+    with stage(arguments, "analysing"):
+        return analyse(project_facts(project), rulebook, project.configuration.span)
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:

@@ -89,7 +89,7 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     from mars_asp.resolve import synthesise
 
     rulebook = rulebook_for(arguments)
-    analysis = analyse_project(project, rulebook)
+    analysis = analyse_project(project, rulebook, arguments)
     report((diagnostic(c) for c in analysis.consequences if c.severity != "note"), arguments)
     found = synthesise(
         project.configuration, project.modules, analysis, rulebook, arguments.time_limit, None

@@ -6,7 +6,7 @@ import sys
 
 from mars_asp.analysis import diagnostic
 from mars_asp.cli.limits import begin_clock_anew, seconds_to_search
-from mars_asp.cli.progress import progress_bar
+from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
@@ -29,10 +29,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the specification; 1 where something is an error, 3 where no time was left."""
     project = read_project(arguments)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
-    analysis = analyse_project(project, rulebook)
+    analysis = analyse_project(project, rulebook, arguments)
     findings = [c for c in analysis.consequences if c.severity != "note"]
     report(map(diagnostic, findings), arguments)
-    with progress_bar(arguments, "components") as progress:
+    with (
+        stage(arguments, "looking for nodes"),
+        progress_bar(arguments, "components") as progress,
+    ):
         found = synthesise(
             project.configuration,
             project.modules,
@@ -46,7 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
     printed = found.specification.configuration
-    violations = verify(printed, project, rulebook, analysis.grounding)
+    with stage(arguments, "verifying"):
+        violations = verify(printed, project, rulebook, analysis.grounding)
     if violations:
         print(
             f"mars-asp: a fault of ours, please report it: {violations[0].message}", file=sys.stderr

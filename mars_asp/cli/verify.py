@@ -77,7 +77,7 @@ def _compare(
     deadline = None if seconds is None else time.monotonic() + seconds
     try:
         written = written_cost(verification, rulebook, deadline)
-        analysis = analyse_project(project, rulebook)
+        analysis = analyse_project(project, rulebook, arguments)
         with progress_bar(arguments, "components") as progress:
             best = synthesise(
                 project.configuration, project.modules, analysis, rulebook, seconds, progress

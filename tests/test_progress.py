@@ -1,0 +1,59 @@
+"""What takes long is told to a person who is watching, and to nobody else."""
+
+import argparse
+import io
+import sys
+
+import pytest
+
+from mars_asp.cli import progress
+
+
+class Terminal(io.StringIO):
+    """Standard error of somebody who watches."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+
+
+def wait_for(text: str) -> None:
+    assert isinstance(sys.stderr, io.StringIO)
+    while text not in sys.stderr.getvalue():
+        pass
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_stage_is_told_and_wiped_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress.stage(argparse.Namespace(quiet=False), "reading " + "x" * 100):
+        wait_for("reading xxx")
+    shown = terminal.getvalue().split("\r")
+    assert all(len(line) <= 78 for line in shown)
+    assert shown[-2:] == [" " * 78, ""]
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_bar_tells_how_many_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress.progress_bar(argparse.Namespace(quiet=False), "components") as told:
+        assert told is not None
+        told(100, 200)
+    assert f"[{'#' * 15}{'.' * 15}] 100 of 200 components" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r")
+
+
+@pytest.mark.usefixtures("impatient")
+def test_files_and_quiet_commands_hear_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    for quiet, stream in ((False, io.StringIO()), (True, Terminal())):
+        monkeypatch.setattr(sys, "stderr", stream)
+        arguments = argparse.Namespace(quiet=quiet)
+        with progress.stage(arguments, "reading"), progress.progress_bar(arguments, "x") as told:
+            assert told is None
+        assert stream.getvalue() == ""
