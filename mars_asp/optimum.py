@@ -14,6 +14,9 @@ COST_LEVEL = 10
 #: for each answer takes time in proportion to them.
 MOST_COUNTED = 10_000
 _MOST_ATOMS_COUNTED = 4_000_000
+#: To show that there is no other optimum may take longer than to find one: it is given up after so
+#: many conflicts, for a time limit would make the answer depend on the machine.
+_MOST_CONFLICTS = 100_000
 _OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
 
 
@@ -241,7 +244,8 @@ def _bounded(
 
 def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
     most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
-    control = _bounded(component, costs, ("--project=project", f"--models={most + 1}"))
+    limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
+    control = _bounded(component, costs, ("--project=project", *limits))
     count = 0
     with control.solve(yield_=True, async_=True) as handle:
         while True:
@@ -253,12 +257,12 @@ def _count(component: Component, costs: dict[int, int], deadline: float | None) 
             if handle.model() is None:
                 break
             count += 1
-    return count if count <= most else None
+        return count if handle.get().exhausted and count <= most else None
 
 
 def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
-    """Decide the atoms one by one, true where some optimum has them so, while there is time."""
-    control = _bounded(component, found.cost)
+    """Decide the atoms one by one, true where some optimum has them so, while that is easy."""
+    control = _bounded(component, found.cost, (f"--solve-limit={_MOST_CONFLICTS}",))
     true = found.true
     assumed: list[int] = []
     for atom in component.projected:
@@ -272,7 +276,9 @@ def _first_by_name(component: Component, found: Optimum, deadline: float | None)
         def keep(model: clingo.Model, answer: list[frozenset[int]] = answer) -> None:
             answer.append(frozenset(a for a in range(1, component.size + 1) if model.is_true(a)))
 
-        control.solve(assumptions=[*assumed, atom], on_model=keep)
+        result = control.solve(assumptions=[*assumed, atom], on_model=keep)
+        if result.unknown:
+            break
         if answer:
             true = answer[0]
             assumed.append(atom)
