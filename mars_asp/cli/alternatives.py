@@ -1,11 +1,11 @@
 """What `explain --alternatives` prints: why nothing costs less, and what costs as much or more."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator, Mapping
 
 from mars_asp.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.project import Project
 from mars_asp.resolve import COSTS
@@ -21,8 +21,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
         print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)
         return 1
     if arguments.format == "json":
-        json.dump({"subject": subject, **_json(found)}, sys.stdout)
-        print()
+        print(encoded({"subject": subject, **_json(found)}))
     else:
         for line in _text(found):
             print(visible(line))

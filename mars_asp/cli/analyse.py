@@ -1,11 +1,11 @@
 """Print the consequences of a configuration."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 
 from mars_asp.analysis import Analysis, Consequence
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import (
     add_file,
     analyse_project,
@@ -29,8 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     analysis = analyse_project(project, rulebook_for(arguments), arguments)
     if arguments.format == "json":
-        json.dump(analysis_json(project, analysis), sys.stdout)
-        print()
+        print(encoded(analysis_json(project, analysis)))
     else:
         for line in _text(analysis, colours(arguments, sys.stdout), arguments.quiet):
             print(line)

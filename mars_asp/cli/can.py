@@ -1,10 +1,10 @@
 """Say whether a robot can do something, or several things at one time, and why."""
 
 import argparse
-import json
 import sys
 
 from mars_asp.capability import QUERY, Answer, capability
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
@@ -37,8 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
             }
             for v in answer.verdicts
         ]
-        json.dump({"query": answer.query, "can": answer.able, "demands": demands}, sys.stdout)
-        print()
+        print(encoded({"query": answer.query, "can": answer.able, "demands": demands}))
     else:
         _print_answer(answer, colours(arguments, sys.stdout))
     return int(not answer.able)

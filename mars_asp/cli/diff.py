@@ -1,12 +1,12 @@
 """Compare two configurations: consequences, nodes and costs, with the lines that changed them."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from typing import Any
 
 from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import read_project, rulebook_for
 from mars_asp.cli.report import colours
@@ -30,8 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
     found = diff(old, new, rulebook_for(arguments), arguments.time_limit)
     if arguments.format == "json":
-        json.dump(difference_json(found), sys.stdout)
-        print()
+        print(encoded(difference_json(found)))
     else:
         for line in _text(found, colours(arguments, sys.stdout), arguments.quiet):
             print(line)

@@ -1,11 +1,11 @@
 """Show why each consequence and node is there, down to lines of rules and configuration."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
@@ -86,8 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     answer = explain(project, rulebook, subject, arguments.time_limit, arguments.every)
     if arguments.format == "json":
         traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
-        json.dump({"subject": subject, "traces": traces}, sys.stdout)
-        print()
+        print(encoded({"subject": subject, "traces": traces}))
     else:
         for line in _text(answer, arguments):
             print(line)
@@ -119,8 +118,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         trace = trace_json(answer.trace)
         extra = None if answer.extra is None else _cost(answer.extra)
         found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
-        json.dump({**found, "extra_cost": extra, "traces": [trace]}, sys.stdout)
-        print()
+        print(encoded({**found, "extra_cost": extra, "traces": [trace]}))
         return int(answer.analysis.has_errors)
     title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
     if isinstance(answer.trace, Absent):

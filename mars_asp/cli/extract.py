@@ -1,13 +1,13 @@
 """Print the modules found in annotated sources."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
 from mars_asp.annotations.files import Extraction, extract, find_paths
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
 from mars_asp.model import Function, Module, Service
@@ -31,8 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     found = extract(paths)
     report(found.diagnostics, arguments)
     if arguments.format == "json":
-        json.dump(extraction_json(found), sys.stdout)
-        print()
+        print(encoded(extraction_json(found)))
     else:
         for module in found.modules:
             for line in _text(module):

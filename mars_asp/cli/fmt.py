@@ -1,10 +1,10 @@
 """Lay out `.mars` files in one canonical way, comments kept."""
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         elif changed:
             print(visible(name if arguments.check else f"formatted {name}"))
     if arguments.format == "json":
-        print(json.dumps({"files": listed}))
+        print(encoded({"files": listed}))
     return status
 
 

@@ -1,11 +1,11 @@
 """What `explain --repair` prints: findings and the edits that remove them."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 
 from mars_asp.cli.analyse import consequence_json, location_json
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
@@ -20,8 +20,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     """Print repairs; 1 where an error is left without one that is shown."""
     found = repairs(project, rulebook_for(arguments, STAGES), subject, arguments.time_limit)
     if arguments.format == "json":
-        json.dump({"subject": subject, "repairs": [_repair_json(r) for r in found]}, sys.stdout)
-        print()
+        print(encoded({"subject": subject, "repairs": [_repair_json(r) for r in found]}))
     else:
         for line in _text(found, colours(arguments, sys.stdout)):
             print(line)

@@ -1,10 +1,10 @@
 """Diagnostics on standard error, as text or as one JSON object a line."""
 
 import argparse
-import json
 import sys
 from collections.abc import Iterable
 
+from mars_asp.cli.encode import encoded
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.visible import visible
 
@@ -22,7 +22,7 @@ def report(diagnostics: Iterable[Diagnostic], arguments: argparse.Namespace) -> 
         if arguments.quiet and diagnostic.severity == "note":
             continue
         if arguments.format == "json":
-            print(json.dumps(diagnostic_json(diagnostic)), file=sys.stderr)
+            print(encoded(diagnostic_json(diagnostic)), file=sys.stderr)
         else:
             print(diagnostic_text(diagnostic, colours(arguments, sys.stderr)), file=sys.stderr)
 

@@ -1,10 +1,10 @@
 """List, show or check the rule base."""
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.rule_cases import STAGES
@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
         for rule in messages:
             print(_document(rule))
     elif arguments.format == "json":
-        print(json.dumps([_json(rule) for rule in messages]))
+        print(encoded([_json(rule) for rule in messages]))
     else:
         for rule in messages:
             print(f"{rule.id:<32} {rule.span.path}:{rule.span.line}  {rule.because}")

@@ -1,7 +1,6 @@
 """Execute a specification on the simulator and judge the run."""
 
 import argparse
-import json
 import sys
 from collections import Counter
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli import _positive
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         result = run_json(trial, judgement)
         if arguments.explain:
             result["traces"] = [trace_json(trace) for _, trace in judgement.traces()]
-        print(json.dumps(result))
+        print(encoded(result))
     else:
         _print_run(trial, judgement, arguments)
         if arguments.explain:

@@ -1,9 +1,9 @@
 """Run rule cases: facts and expected answer sets in one file."""
 
 import argparse
-import json
 from pathlib import Path
 
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.rule_cases import STAGES, find_cases, run_case
 from mars_asp.visible import visible
@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
             {"path": str(o.path), "passed": o.passed, "difference": list(o.difference())}
             for o in outcomes
         ]
-        print(json.dumps({"passed": passed, "failed": len(failed), "cases": cases}))
+        print(encoded({"passed": passed, "failed": len(failed), "cases": cases}))
         return int(bool(failed) or not outcomes)
     for outcome in failed:
         print(f"FAILED {visible(str(outcome.path))}")

@@ -1,12 +1,12 @@
 """Judge whether a specification realises a configuration, and whether it is minimal."""
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mars_asp.cli.encode import encoded
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import analyse_project, read_project, rulebook_for
 from mars_asp.project import Project
@@ -55,8 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
             "cost": compared.cost,
             "least": compared.least,
         }
-        json.dump(found, sys.stdout)
-        print()
+        print(encoded(found))
     else:
         for violation in violations:
             print(visible(f"clause {violation.clause}: {violation.message} [{violation.rule.id}]"))

@@ -1,0 +1,25 @@
+"""JSON of any depth."""
+
+import json
+
+from mars_asp.cli.encode import _parts, encoded
+
+PLAIN = {
+    "a": [1, 2.5, None, True, '"\\\n\u00e9'],
+    "b": {},
+    "c": [],
+    "d": {"e": [{}, [[]]]},
+    "": (),
+}
+
+
+def test_the_parts_are_what_the_standard_library_writes() -> None:
+    for value in (PLAIN, [PLAIN, PLAIN], "x", None, []):
+        assert "".join(_parts(value)) == json.dumps(value)
+
+
+def test_a_deep_value_is_encoded() -> None:
+    value: object = "leaf"
+    for _ in range(20_000):
+        value = {"premises": [value]}
+    assert encoded(value) == '{"premises": [' * 20_000 + '"leaf"' + "]}" * 20_000
