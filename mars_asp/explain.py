@@ -82,9 +82,7 @@ def explain(
         asked = [_asked_atom(subject, project, analysis, synthesis)]
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
-    traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
-    topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
-    return Explanation(subject, topics, analysis, synthesis)
+    return Explanation(subject, _topics(explainer, asked, every), analysis, synthesis)
 
 
 def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> Explanation:
@@ -95,9 +93,14 @@ def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> E
         with contextlib.suppress(MarsError):
             asked = [_asked_atom(subject, project, analysis, None)]
     explainer = explainer_for(part.rulebook, part.facts, analysis, None)
+    return Explanation(subject, _topics(explainer, asked, every), analysis, None)
+
+
+def _topics(
+    explainer: Explainer, asked: Sequence[tuple[str, clingo.Symbol]], every: bool
+) -> tuple[Topic, ...]:
     traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
-    topics = tuple(Topic(title, traces[atom]) for title, atom in asked)
-    return Explanation(subject, topics, analysis, None)
+    return tuple(Topic(title, traces[atom]) for title, atom in asked)
 
 
 def explainer_for(

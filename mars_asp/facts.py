@@ -51,17 +51,6 @@ def configuration_facts(
     return _Compiler(configuration, modules or {}, wanted).compile()
 
 
-def wiring_facts(configuration: Configuration) -> tuple[Fact, ...]:
-    """Turn modules and relationships alone into facts, without their places.
-
-    Raises:
-        MarsError: a number does not fit clingo's 32 bit integers.
-    """
-    compiler = _Compiler(configuration, {}, None)
-    compiler.wiring()
-    return compiler.compiled("place", "in_words")
-
-
 def described_modules(
     configuration: Configuration, modules: Mapping[str, Module]
 ) -> dict[str, Module]:
@@ -164,13 +153,9 @@ class _Compiler:
         for tell, predicates in parts:
             if self.wanted is None or self.wanted & predicates:
                 tell()
-        return self.compiled()
-
-    def compiled(self, *without: str) -> tuple[Fact, ...]:
-        """Return the facts collected but for those of some predicates."""
         if self.problems:
             raise MarsError(self.problems)
-        return tuple(fact for fact in self.facts if fact.atom.name not in without)
+        return tuple(self.facts)
 
     def wiring(self) -> None:
         """Tell the architecture, modules and relationships."""

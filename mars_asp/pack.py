@@ -74,9 +74,15 @@ def _predicates(node: ast.AST) -> Iterator[tuple[str, int, int, int]]:
                 begin = variant.location.begin
                 yield variant.name, len(variant.arguments), begin.line, begin.column
         return
+    for child in children(node):
+        yield from _predicates(child)
+
+
+def children(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
     for key in node.child_keys:
         child = getattr(node, key)
-        if child is None:
-            continue
-        for item in child if isinstance(child, ast.ASTSequence) else (child,):
-            yield from _predicates(item)
+        if isinstance(child, ast.ASTSequence):
+            yield from child
+        elif child is not None:
+            yield child

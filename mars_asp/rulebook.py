@@ -16,7 +16,7 @@ from clingo import ast
 from mars_asp import gate
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
-from mars_asp.pack import declared, refused_rules, unknown_predicates
+from mars_asp.pack import children, declared, refused_rules, unknown_predicates
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
@@ -355,12 +355,8 @@ def _names(node: ast.AST) -> Iterator[str]:
     if node.ast_type == ast.ASTType.Variable:
         yield node.name
         return
-    for key in node.child_keys:
-        child = getattr(node, key)
-        if child is None:
-            continue
-        for item in child if isinstance(child, ast.ASTSequence) else (child,):
-            yield from _names(item)
+    for child in children(node):
+        yield from _names(child)
 
 
 def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from mars_asp.analysis import fill
 from mars_asp.annotations.representations import canonical_names
 from mars_asp.atom import Atom, Fact
-from mars_asp.facts import facts_text, representation_names, wiring_facts
+from mars_asp.facts import WIRING, configuration_facts, facts_text, representation_names
 from mars_asp.model import Configuration
 from mars_asp.project import Project, project_facts
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding, Resolution
 
 _VIOLATION = "violation"
+_SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +98,7 @@ def written_cost(
 def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
     names = {name.text for name in project.configuration.modules}
-    for fact in wiring_facts(specification):
+    for fact in configuration_facts(specification, wanted=_SPECIFIED):
         if fact.atom.name == "spec_node" and fact.atom.arguments[0] in names:
             continue
         yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)

@@ -12,6 +12,7 @@ from pathlib import Path
 import clingo
 from clingo import ast
 
+from mars_asp.pack import children
 from mars_asp.rule_cases import STAGES, case_facts
 from mars_asp.rulebook import Rule, Rulebook
 
@@ -134,11 +135,8 @@ def _variables(node: ast.AST) -> Iterator[str]:
     if node.ast_type == _TYPE.Variable:
         yield node.name
         return
-    for key in node.child_keys:
-        child = getattr(node, key)
-        for item in child if isinstance(child, ast.ASTSequence) else (child,):
-            if item is not None:
-                yield from _variables(item)
+    for child in children(node):
+        yield from _variables(child)
 
 
 class _Blank(ast.Transformer):
