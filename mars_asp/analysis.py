@@ -5,14 +5,14 @@ the answer set, its message the metadata of the rule that derives it.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TypeAlias
+from functools import cache, cached_property
+from typing import TypeAlias, TypeVar
 
 import clingo
 
-from mars_asp.atom import Atom, Fact
+from mars_asp.atom import Fact
 from mars_asp.conflict import check_packs
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
@@ -23,6 +23,7 @@ from mars_asp.term import Term, arguments, as_symbol, atoms
 
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[Term, Term, Term]
+_Value = TypeVar("_Value")
 _SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 _CONSEQUENCE = ("consequence", 4)
 _HOLE = re.compile(r"\{([^{}]*)\}")
@@ -105,22 +106,24 @@ def _consequences(analysis: Analysis) -> tuple[Consequence, ...]:
     participants = _collect(control, ("participant", 5), set(keys.values()))
     concerned = _collect(control, ("concerns", 4), set(keys.values()))
     identifiers = {row[0] for rows in concerned.values() for row in rows}
-    spans_of = _places(analysis.facts, {_plain(identifier) for identifier in identifiers})
+    span_of = _places(analysis.facts, identifiers)
+    # Few terms stand in very many consequences.
+    show, write, severity_of = _of_terms(shown), _of_terms(str), _of_terms(_severity)
     consequences = []
     for head, key in keys.items():
-        kind, severity, about, _ = map(as_symbol, arguments(head))
+        kind, severity, about, _ = arguments(head)
         number, values = first[head]
         rule = analysis.speakers[number]
-        named = dict(zip(rule.holes, map(as_symbol, arguments(values)), strict=True))
-        places = (spans_of.get(_plain(row[0])) for row in concerned.get(key, ()))
+        named = dict(zip(rule.holes, arguments(values), strict=True))
+        places = (span_of.get(row[0]) for row in concerned.get(key, ()))
         consequences.append(
             Consequence(
-                str(kind),
-                _severity(severity),
-                shown(about),
-                _in_order(participants.get(key, ())),
-                fill(rule.because, named) or str(as_symbol(head)),
-                fill(rule.help, named),
+                write(kind),
+                severity_of(severity),
+                show(about),
+                _in_order(participants.get(key, ()), show),
+                fill(rule.because, named, show) or str(as_symbol(head)),
+                fill(rule.help, named, show),
                 rule,
                 tuple(sorted({span for span in places if span})) or (analysis.configuration,),
                 as_symbol(head),
@@ -143,11 +146,13 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
     )
 
 
-def fill(text: str | None, values: Mapping[str, clingo.Symbol]) -> str | None:
-    """Fill the `{Variable}` holes of a message."""
+def fill(
+    text: str | None, values: Mapping[str, _Value], show: Callable[[_Value], str]
+) -> str | None:
+    """Fill the `{Variable}` holes of a message with values as `show` writes them."""
     if text is None:
         return None
-    return _HOLE.sub(lambda hole: shown(values[hole[1]]) if hole[1] in values else hole[0], text)
+    return _HOLE.sub(lambda hole: show(values[hole[1]]) if hole[1] in values else hole[0], text)
 
 
 def shown(symbol: clingo.Symbol) -> str:
@@ -201,25 +206,29 @@ def _collect(
     return rows
 
 
-def _places(facts: Iterable[Fact], identifiers: Set[int | str]) -> dict[int | str | Atom, Span]:
+def _places(facts: Iterable[Fact], identifiers: Iterable[Term]) -> dict[Term, Span]:
+    """Return where the things stand that terms identify."""
+    wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
     return {
-        fact.atom.arguments[0]: fact.span
+        wanted[fact.atom.arguments[0]]: fact.span
         for fact in facts
-        if fact.atom.name == "place" and fact.atom.arguments[0] in identifiers
+        if fact.atom.name == "place" and fact.atom.arguments[0] in wanted
     }
 
 
-def _in_order(rows: Iterable[Sequence[Term]]) -> tuple[str, ...]:
-    symbols = ([as_symbol(part) for part in row] for row in rows)
-    ordered = sorted(symbols, key=lambda row: (row[0], str(row[1])))
-    return tuple(dict.fromkeys(shown(row[1]) for row in ordered))
+def _in_order(rows: Sequence[Sequence[Term]], show: Callable[[Term], str]) -> tuple[str, ...]:
+    if len(rows) > 1:
+        rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
+    return tuple(dict.fromkeys(show(row[1]) for row in rows))
 
 
-def _plain(identifier: Term) -> int | str:
-    symbol = as_symbol(identifier)
-    if symbol.type == clingo.SymbolType.Number:
-        return symbol.number
-    return shown(symbol)
+def _plain(symbol: clingo.Symbol) -> int | str:
+    return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)
+
+
+def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[Term], _Value]:
+    """Return a function of terms that is made once for each of them."""
+    return cache(lambda term: make(as_symbol(term)))
 
 
 def _severity(symbol: clingo.Symbol) -> Severity:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from mars_asp.analysis import analyse, fill
+from mars_asp.analysis import analyse, fill, shown
 from mars_asp.atom import Atom, Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.explain import explainer_for
@@ -51,7 +51,7 @@ class Verdict:
         """Say what would make it possible, as the rules that deny it say."""
         if self.able:
             return ()
-        told = (fill(t.rule.help, t.bindings) for t in self.traces if isinstance(t, Derived))
+        told = (fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived))
         return tuple(dict.fromkeys(help_text for help_text in told if help_text))
 
 

@@ -12,7 +12,7 @@ from itertools import combinations
 
 import clingo
 
-from mars_asp.analysis import Analysis, Consequence, analyse, fill
+from mars_asp.analysis import Analysis, Consequence, analyse, fill, shown
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import MarsError
 from mars_asp.edits import Line, UnknownEditError, apply_edits
@@ -145,7 +145,7 @@ def _proposals(
         rule = speakers[number.number]
         *key, term, weight = head.arguments
         named = dict(zip(rule.holes, values.arguments, strict=True))
-        message = fill(rule.because, named) or str(term)
+        message = fill(rule.because, named, shown) or str(term)
         edit = Edit(term, message, weight.number, rule)
         found.setdefault(tuple(key), {}).setdefault(term, edit)
     return {

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mars_asp.analysis import fill
+from mars_asp.analysis import fill, shown
 from mars_asp.annotations.representations import canonical_names
 from mars_asp.atom import Atom, Fact
 from mars_asp.facts import WIRING, configuration_facts, facts_text, representation_names
@@ -76,9 +76,9 @@ def judge_specification(
         number, head, values = symbol.arguments
         rule = judges[number.number]
         named = dict(zip(rule.holes, values.arguments, strict=True))
-        message = fill(rule.because, named) or str(head)
+        message = fill(rule.because, named, shown) or str(head)
         clause = head.arguments[0].number
-        found[clause, message] = Violation(clause, message, fill(rule.help, named), rule)
+        found[clause, message] = Violation(clause, message, fill(rule.help, named, shown), rule)
     return Verification(tuple(found[key] for key in sorted(found)), grounding)
 
 

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.analysis import fill
+from mars_asp.analysis import fill, shown
 from mars_asp.rulebook import Rule
 from mars_asp.term import as_symbol
 from mars_asp.trace.explainer import Explainer
@@ -98,15 +98,15 @@ def _absence(
     What is needed twice is one object; what leads back to itself ends in a leaf.
     """
     known = {} if known is None else known
-    shown = shown_pattern(pattern)
+    written = shown_pattern(pattern)
     if pattern in above:
-        return Absent(shown)
+        return Absent(written)
     if pattern in known:
         return known[pattern]
     if pattern not in found:
-        return Missing(shown, (), followed=False)
+        return Missing(written, (), followed=False)
     if not found[pattern]:
-        return Absent(shown)
+        return Absent(written)
     attempts = []
     for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
         lack = _lack(firing)
@@ -121,9 +121,9 @@ def _absence(
         rule, bindings = rules[candidate.rule], bindings_of(firing.values)
         attempts.append(
             Attempt(
-                shown,
+                written,
                 rule,
-                fill(rule.because, bindings),
+                fill(rule.because, bindings, shown),
                 bindings,
                 candidate.fails,
                 lack.arguments[0] if lack.name == "value" else None,
@@ -131,7 +131,7 @@ def _absence(
                 held,
             )
         )
-    known[pattern] = Missing(shown, tuple(attempts))
+    known[pattern] = Missing(written, tuple(attempts))
     return known[pattern]
 
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.analysis import fill
+from mars_asp.analysis import fill, shown
 from mars_asp.rulebook import Rule
 from mars_asp.source import Span
 from mars_asp.term import Term, arguments, as_symbol
@@ -62,7 +62,7 @@ class Derived:
     @cached_property
     def message(self) -> str | None:
         """Return the rule's message, its holes filled; `None` where the rule has none."""
-        return None if self.rule.because is None else fill(self.rule.because, self.bindings)
+        return None if self.rule.because is None else fill(self.rule.because, self.bindings, shown)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import lru_cache
 
 from mars_asp.annotations.declarations.c import read_c
 from mars_asp.annotations.declarations.declaration import Declaration, NoFunction
@@ -24,6 +25,8 @@ _PREPROCESSOR = re.compile(r"(?m)^[ \t]*#(?:\\\n|[^\n])*")
 _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 
 
+# Configurations of many equal robots declare the same over and over.
+@lru_cache(maxsize=64)
 def read_declaration(language: str, text: str, code: str) -> Declaration | NoFunction | None:
     """Read the declaration that begins in a stretch of a source; `None` where nothing stands there.
 
