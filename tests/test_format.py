@@ -201,6 +201,16 @@ def test_a_block_inside_a_statement_and_a_comment_inside_a_path_stay_there() -> 
     assert meaning(read) == meaning(again)
 
 
+def test_any_white_space_parts_words() -> None:
+    text = "@configuration\xa0flat\n\u3000\n@modules A,\u3000\n\xa0B\x0c\n"
+    text += "A\x0cuses_data_from\xa0B\xa0\n"
+    text += "A is_mounted_on B\xa0\n(\xa0_,_,_,\u30001,2,3)\xa0// x\xa0y\xa0\n"
+    assert format_text(text, "config.mars") == (
+        "@configuration flat\n\n@modules A, B\nA uses_data_from B\n"
+        "A is_mounted_on B (_,_,_,1,2,3)  // x\xa0y\n"
+    )
+
+
 def test_syntax_errors_are_raised() -> None:
     with pytest.raises(MarsError):
         format_text("@configuration\n@modules A\nA uses_data_form B\n", "config.mars")

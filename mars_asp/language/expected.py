@@ -32,15 +32,15 @@ _SHOWN = {
     "RPAR": "`)`",
     "_NEWLINE": "the end of the line",
     "$END": "the end of the line",
-    "IS_MOUNTED_ON": "`is_mounted_on`",
-    "IS_CONTROLLED_BY": "`is_controlled_by`",
-    "USES_DATA_FROM": "`uses_data_from`",
-    "HOLD": "`hold`",
-    "ALLOCATION": "`allocation`",
+    "_IS_MOUNTED_ON": "`is_mounted_on`",
+    "_IS_CONTROLLED_BY": "`is_controlled_by`",
+    "_USES_DATA_FROM": "`uses_data_from`",
+    "_HOLD": "`hold`",
+    "_ALLOCATION": "`allocation`",
     "PROVIDER": "`root` or `split`",
-    "PERIOD": "`period`",
-    "MODULES": "`@modules`",
-    "SOURCES": "`@sources`",
+    "_PERIOD": "`period`",
+    "_MODULES": "`@modules`",
+    "_SOURCES": "`@sources`",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
 

@@ -21,7 +21,7 @@ from mars_asp.source import Span, point
 _TOKEN = re.compile(r"[(),=]|[^\s(),=]+")
 _PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
 _WORD = re.compile(r"\S+")
-_LIST = re.compile(r"[ \t]*(@sources|@modules)")
+_LIST = re.compile(r"\s*(@sources|@modules)")
 _VERBATIM = re.compile(r"\s*[\"']|\s--(?:\s|$)")
 
 Kind: TypeAlias = Literal["blank", "comment", "statement", "first", "block", "last"]
@@ -100,7 +100,7 @@ class _Lines:
             if kind is not None:
                 yield Line(kind, _block_line(text))
             else:
-                yield Line("comment" if text.strip(" \t") else "blank", text.strip(" \t"))
+                yield Line("comment" if text.strip() else "blank", text.strip())
 
     def _statement(self, begin: int, end: int) -> Iterator[str]:
         """Yield the lines of one statement.
@@ -139,11 +139,11 @@ class _Lines:
     def _gap(self, begin: int, end: int) -> Iterator[str]:
         """Yield what stands between two tokens, line by line; the last line is the token's own."""
         first, *lines = self._layout.text[begin:end].split("\n")
-        yield first.strip(" \t")
+        yield first.strip()
         number = self._layout.position(begin)[0]
         for count, text in enumerate(lines, 1):
             inside = number + count in self._kinds
-            yield _block_line(text) if inside else text.strip(" \t")
+            yield _block_line(text) if inside else text.strip()
 
 
 def _spaces(tokens: list[Token]) -> list[str]:
@@ -187,14 +187,14 @@ def _behind(line: str, comment: str) -> str:
 
 def _block_line(text: str) -> str:
     """Return a line of a module block: annotations are laid out, code keeps its indentation."""
-    text = text.rstrip(" \t")
-    if not text.lstrip(" \t").startswith("@"):
+    text = text.rstrip()
+    if not text.lstrip().startswith("@"):
         return text
     comment = COMMENT.search(text)
     code = text[: comment.start()] if comment else text
     verbatim = _VERBATIM.search(code)
     end = verbatim.start() if verbatim else len(code)
-    words = " ".join(_WORD.findall(code[:end])) + code[end:].rstrip(" \t")
+    words = " ".join(_WORD.findall(code[:end])) + code[end:].rstrip()
     return _behind(words, comment[0] if comment else "")
 
 

@@ -10,7 +10,7 @@ from mars_asp.source import Span
 COMMENT = re.compile(r"(?://|#)[^\n]*")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
 #: keeps this linear: of a run of blanks only the first is tried.
-_CONTINUED = re.compile(r"(?<=,)[ \t\n]++|(?<=[^ \t\n,])[ \t\n]++(?=[,(])")
+_CONTINUED = re.compile(r"(?<=,)\s++|(?<=[^\s,])\s++(?=[,(])")
 
 
 @dataclass(frozen=True, slots=True)
