@@ -5,10 +5,13 @@ from collections.abc import Iterable
 import clingo
 from clingo import ast
 
+from mars_asp.atom import Atom, Fact
+from mars_asp.atom import Term as AtomTerm
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.source import Span
 from mars_asp.term import Signature, Term, as_term
 from mars_asp.trace import Explainer
+from mars_asp.trace.given import GivenFacts
 
 
 def rulebook_of(text: str) -> Rulebook:
@@ -33,7 +36,7 @@ def explainer_of(
 
     `given` are atoms, as facts of the input.
     """
-    facts = {clingo.parse_term(atom): Span("facts", 1, 1, 1, 1) for atom in given}
+    facts = [clingo.parse_term(atom) for atom in given]
     control = clingo.Control(["--seed=1", "--warn=none"])
     control.add("base", [], text + "".join(f"\n{fact}." for fact in facts))
     control.ground([("base", [])])
@@ -50,4 +53,17 @@ def explainer_of(
         signature = (symbol.name, len(symbol.arguments), symbol.positive)
         if signature in opened:
             opened[signature].append(as_term(symbol))
-    return Explainer(rulebook, control, facts, opened), found[0]
+    place = Span("facts", 1, 1, 1, 1)
+    leaves = GivenFacts(Fact(atom_of(fact), place) for fact in facts)
+    return Explainer(rulebook, control, leaves, opened), found[0]
+
+
+def atom_of(symbol: clingo.Symbol) -> Atom:
+    """Return clingo's symbol of an atom as an atom of ours."""
+    return Atom(symbol.name, tuple(map(_term_of, symbol.arguments)))
+
+
+def _term_of(symbol: clingo.Symbol) -> AtomTerm:
+    if symbol.type == clingo.SymbolType.Number:
+        return symbol.number
+    return symbol.string if symbol.type == clingo.SymbolType.String else atom_of(symbol)

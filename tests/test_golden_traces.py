@@ -12,14 +12,17 @@ import clingo
 import pytest
 from clingo import ast
 
+from mars_asp.atom import Fact
 from mars_asp.rule_cases import STAGES, case_facts, find_cases
 from mars_asp.rulebook import Rule, load_rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
 from mars_asp.term import Signature, Term, as_term
 from mars_asp.trace import Derived, Explainer, Trace
+from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.text import traces_text
 from tests.documents import ROOT
+from tests.programs import atom_of
 
 CASES = find_cases([ROOT / "tests" / "rules"])
 #: Stages that choose; what others derive follows.
@@ -34,14 +37,14 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
     rulebook = load_rulebook(stages=() if stage == "base" else (stage,))
     text = case_facts(case)
-    given: dict[clingo.Symbol, Span] = {}
+    given: list[Fact] = []
 
     def note(statement: ast.AST) -> None:
         if statement.ast_type == ast.ASTType.Rule and not statement.body:
             begin, end = statement.location.begin, statement.location.end
             path = str(case.relative_to(ROOT))
             place = Span(path, begin.line, begin.column, end.line, end.column)
-            given[clingo.parse_term(str(statement.head))] = place
+            given.append(Fact(atom_of(clingo.parse_term(str(statement.head))), place))
 
     ast.parse_string(text, note)
     base = rulebook.text("base")
@@ -54,7 +57,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     atoms = grounding.control.symbolic_atoms
     taken = {term for terms in opened.values() for term in terms}
     true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)
-    return Explainer(rulebook, grounding.control, given, opened), true
+    return Explainer(rulebook, grounding.control, GivenFacts(given), opened), true
 
 
 def goldens(stage: str) -> Iterator[tuple[Rule, str]]:

@@ -21,7 +21,7 @@ def shortened(line: str, column: int) -> str:
     bare = line.strip()
     if len(bare) <= MOST:
         return bare
-    place = column - 1 - line.index(bare)
+    place = column - 1 - (len(line) - len(line.lstrip()))
     start = 0
     if place > MOST // 2:
         # A word without end is cut all the same.

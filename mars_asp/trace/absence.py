@@ -7,7 +7,7 @@ import clingo
 
 from mars_asp.analysis import fill, shown
 from mars_asp.rulebook import Rule
-from mars_asp.term import as_symbol
+from mars_asp.term import Term, as_symbol, as_term
 from mars_asp.trace.explainer import Explainer
 from mars_asp.trace.firings import Firing
 from mars_asp.trace.near import NEAR, Candidate, NearMisses
@@ -42,11 +42,11 @@ def _come_near(
 ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
     """Return for each pattern, rule by rule, the candidate that comes nearest."""
     lines = []
-    asked = []
+    asked: dict[str, list[Term]] = {}
     for index, pattern in enumerate(patterns):
         kind = (pattern.name, len(pattern.arguments))
         parts = clingo.Function("w", fixed_parts(pattern))
-        asked.append((NEAR, [clingo.Number(index), parts]))
+        asked.setdefault(NEAR, []).append(as_term(clingo.Tuple_([clingo.Number(index), parts])))
         for number, rule in enumerate(explainer.rules):
             if kind in rule.heads:
                 lines.append(near.text(rule, number, pattern, index))

@@ -5,7 +5,7 @@ found, never one too few. A rule with a premise of which no atom holds cannot ha
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -101,11 +101,3 @@ def _premises(body: str) -> Iterator[str]:
 
 def _names(text: str) -> frozenset[str]:
     return frozenset(_NAME.findall(text))
-
-
-def first_arguments(atoms: Iterable[tuple[str, str]]) -> dict[str, frozenset[str]]:
-    """Group (name, first argument) pairs by name."""
-    grouped: dict[str, set[str]] = {}
-    for name, first in atoms:
-        grouped.setdefault(name, set()).add(first)
-    return {name: frozenset(firsts) for name, firsts in grouped.items()}

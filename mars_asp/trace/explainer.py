@@ -7,10 +7,10 @@ from types import MappingProxyType
 import clingo
 
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.source import Span
-from mars_asp.term import Signature, Term, atoms, state
-from mars_asp.trace.demand import first_arguments, reachable_rules
+from mars_asp.term import Signature, Term, arguments, as_symbol, as_term, atoms, state
+from mars_asp.trace.demand import reachable_rules
 from mars_asp.trace.firings import Firing, read_firings
+from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.proofs import Proofs
 from mars_asp.trace.rewrite import QUESTION, Rewriter, asking_name
 from mars_asp.trace.values import Trace
@@ -25,7 +25,7 @@ class Explainer:
         self,
         rulebook: Rulebook,
         control: clingo.Control,
-        given: Mapping[clingo.Symbol, Span],
+        given: GivenFacts,
         opened: Mapping[Signature, Sequence[Term]] = MappingProxyType({}),
     ) -> None:
         """Prepare for questions.
@@ -56,21 +56,22 @@ class Explainer:
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:
-        firsts = ((a.name, str(a.arguments[0]) if a.arguments else "") for a in atoms)
-        numbers = reachable_rules(self.rules, first_arguments(firsts), self._present())
-        asked = [
-            (asking_name(f"{'' if atom.positive else '-'}{atom.name}"), atom.arguments)
-            for atom in atoms
-        ]
+        asked: dict[str, list[Term]] = {}
+        firsts: dict[str, set[Term | None]] = {}
+        for atom in atoms:
+            name, term = atom.name, as_term(atom)
+            asked.setdefault(asking_name(name if atom.positive else f"-{name}"), []).append(term)
+            firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
+        told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
+        numbers = reachable_rules(self.rules, told, self._present())
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
-    def firings(
-        self, text: str, asked: Sequence[tuple[str, Sequence[clingo.Symbol]]]
-    ) -> list[Firing]:
+    def firings(self, text: str, asked: Mapping[str, Sequence[Term]]) -> list[Firing]:
         """Return what explanation rules find.
 
         They are grounded as a part of their own, with predicates of their own, so that only they
-        can matter; `asked` are facts, (name, arguments), that they begin with.
+        can matter. They begin with facts of the `asked` predicates, which have the arguments of
+        the terms given.
         """
         if not self._question:
             # Only the atoms matter, and to tell the solver of them is most of the cost.
@@ -80,10 +81,8 @@ class Explainer:
         question = str(self._question)
         part = f"_explain{question}"
         self._control.add(part, [], text.replace(QUESTION, question))
-        names = {name: name.replace(QUESTION, question) for name, _ in asked}
-        with self._control.backend() as backend:
-            for name, arguments in asked:
-                backend.add_rule([backend.add_atom(clingo.Function(names[name], arguments))])
+        for name, terms in asked.items():
+            state(self._control, name.replace(QUESTION, question), True, terms)
         self._control.ground([(part, [])])
         return read_firings(self._control, self._question)
 
@@ -107,3 +106,7 @@ class Explainer:
                     if true is None:
                         true = atoms(self._control, name, arity, positive)
                     state(self._control, f"_t_{name}", positive, true)
+
+
+def _text(term: Term | None) -> str:
+    return "" if term is None else str(as_symbol(term))

@@ -6,7 +6,7 @@ support itself. An aggregate is reached when enough of its elements are; which o
 bound, as of `#count` and `#sum` from below.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -182,15 +182,15 @@ class _Part:
         self.open = open_premises
 
 
-def least_heights(
-    firings: Sequence[Firing], given: Set[clingo.Symbol] | Mapping[clingo.Symbol, object]
-) -> tuple[dict[Term, Firing], dict[Term, int]]:
-    """Return for each atom its firing of least height, and the heights; given atoms have none.
+def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[Term, int]]:
+    """Return for each atom its firing of least height, and the heights.
+
+    What no firing gives is given, and has no height.
 
     Ties go to the first rule, then to the first bindings and premises, so that no order of
     grounding shows.
     """
-    heads = {f for f in {firing.head for firing in firings} if as_symbol(f) not in given}
+    heads = {firing.head for firing in firings}
     users: dict[Term, list[tuple[_Waiting, _Part | None]]] = {}
     level: list[Firing] = []
 
@@ -198,8 +198,6 @@ def least_heights(
         return {atom for atom in atoms if atom in heads}
 
     for firing in firings:
-        if firing.head not in heads:
-            continue
         waiting = _Waiting(firing)
         for premise in still_open(firing.premises):
             users.setdefault(premise, []).append((waiting, None))

@@ -1,15 +1,16 @@
 """Facts of the input, found by their atoms."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Set
 
 import clingo
 
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.source import Span
+from mars_asp.trace.values import Given
 
 
-class GivenFacts(Mapping[clingo.Symbol, Span]):
-    """Where each fact comes from, found by its text, for predicates that somebody asks about."""
+class GivenFacts:
+    """The facts of the input by their texts, for predicates that somebody asks about."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         """Sort facts by their predicates."""
@@ -18,29 +19,21 @@ class GivenFacts(Mapping[clingo.Symbol, Span]):
             self._facts.setdefault(fact.atom.name, []).append(fact)
         self._spans: dict[str, dict[str, Span]] = {}
 
-    def __getitem__(self, atom: clingo.Symbol) -> Span:
-        return self._spans_of(atom.name)[str(atom)]
+    @property
+    def predicates(self) -> Set[str]:
+        """Return the names of the predicates that have a fact."""
+        return self._facts.keys()
 
-    def __contains__(self, atom: object) -> bool:
-        # Most that is asked about is derived, and an exception would be slow.
-        return (
-            isinstance(atom, clingo.Symbol)
-            and atom.name in self._facts
-            and str(atom) in self._spans_of(atom.name)
-        )
-
-    def __iter__(self) -> Iterator[clingo.Symbol]:
-        return (symbol_of(fact.atom) for facts in self._facts.values() for fact in facts)
-
-    def __len__(self) -> int:
-        return sum(map(len, self._facts.values()))
-
-    def _spans_of(self, name: str) -> dict[str, Span]:
+    def leaf(self, atom: clingo.Symbol) -> Given | None:
+        """Return an atom with its place; `None` where no fact gives it."""
+        name = atom.name
         if name not in self._facts:
-            raise KeyError(name)
+            return None
         if name not in self._spans:
             self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
-        return self._spans[name]
+        text = str(atom)
+        span = self._spans[name].get(text)
+        return None if span is None else Given(text, span)
 
 
 def symbol_of(atom: Atom) -> clingo.Symbol:

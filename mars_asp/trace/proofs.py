@@ -6,11 +6,11 @@ from functools import partial
 import clingo
 
 from mars_asp.rulebook import Rule
-from mars_asp.source import Span
 from mars_asp.term import Term, as_symbol, as_term
 from mars_asp.trace.firings import Firing, Terms, firing_order, least_heights
+from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.needs import Needs
-from mars_asp.trace.values import Absent, Derived, Given, Trace, Unexplained
+from mars_asp.trace.values import Absent, Derived, Trace, Unexplained
 
 
 class Proofs:
@@ -19,7 +19,7 @@ class Proofs:
     def __init__(
         self,
         firings: Sequence[Firing],
-        given: Mapping[clingo.Symbol, Span],
+        given: GivenFacts,
         rules: Sequence[Rule],
         unsupported: Mapping[int, str],
         every: bool = False,
@@ -28,11 +28,13 @@ class Proofs:
         self._given = given
         self._rules = rules
         self._unsupported = unsupported
-        self._best, self._heights = least_heights(firings, given)
+        # What is given has no reasons, whatever else derives it.
+        told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
+        firings = [f for f in firings if f.rule not in told or not given.leaf(as_symbol(f.head))]
+        self._best, self._heights = least_heights(firings)
         self._traces: dict[Term, Trace] = {}
         self._absences: dict[Term, Absent] = {}
-        derived = (firing for firing in firings if as_symbol(firing.head) not in given)
-        self._needs = Needs(derived, self._heights) if every else None
+        self._needs = Needs(firings, self._heights) if every else None
         #: The other derivations of each atom that has a trace; filled after all traces are made,
         #: for they may lead back to each other.
         self._others: dict[Term, list[Derived]] = {}
@@ -109,15 +111,16 @@ class Proofs:
     def _absent(self, pattern: Term) -> Absent:
         known = self._absences.get(pattern)
         if known is None:
-            atom = as_symbol(pattern)
-            is_not = atom.type == clingo.SymbolType.Function and atom.name == "_not"
-            text = f"not {atom.arguments[0]}" if is_not else str(atom)
-            known = self._absences[pattern] = Absent(text.replace("_any", "_"))
+            text = str(as_symbol(pattern)).replace("_any", "_")
+            if text.startswith("_not("):
+                text = f"not {text.removeprefix('_not(').removesuffix(')')}"
+            known = self._absences[pattern] = Absent(text)
         return known
 
     def _leaf(self, atom: clingo.Symbol) -> Trace:
-        if atom in self._given:
-            return Given(str(atom), self._given[atom])
+        given = self._given.leaf(atom)
+        if given is not None:
+            return given
         if self._unsupported:
             return Unexplained(str(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
         return Unexplained(str(atom), "no rule gives it without itself")

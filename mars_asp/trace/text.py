@@ -1,7 +1,6 @@
 """Traces as text of 80 columns and as JSON, without recursion."""
 
 import textwrap
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -221,8 +220,8 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
     for premise in found.values() if len(found) > 1 else ():
         if isinstance(premise, Derived) and id(premise) not in told:
             below = _below(premise, NEAR)
-            told |= {id(part) for part in below if part is not premise}
-            places |= {part.span for part in below if isinstance(part, Given)}
+            told.update(map(id, below[1:]))
+            places.update([part.span for part in below if isinstance(part, Given)])
     derived = any(isinstance(premise, Derived) for premise in found.values())
 
     def speaks(premise: Trace) -> bool:
@@ -242,15 +241,17 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
 
 def _below(step: Derived, most: int | None = None) -> list[Trace]:
     """Return a step and everything that supports it, the nearest first; so many at most."""
-    found: dict[int, Trace] = {}
-    waiting: deque[Trace] = deque([step])
-    while waiting and len(found) != most:
-        part = waiting.popleft()
-        if id(part) not in found:
-            found[id(part)] = part
-            if isinstance(part, Derived):
-                waiting += part.premises
-    return list(found.values())
+    found: list[Trace] = [step]
+    seen = {id(step)}
+    for part in found:
+        if isinstance(part, Derived):
+            for premise in part.premises:
+                if id(premise) not in seen:
+                    seen.add(id(premise))
+                    found.append(premise)
+        if most is not None and len(found) >= most:
+            return found[:most]
+    return found
 
 
 def _leaves(step: Derived) -> Sequence[Given]:

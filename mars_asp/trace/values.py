@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import TypeAlias
 
 import clingo
@@ -62,7 +62,7 @@ class Derived:
     @cached_property
     def message(self) -> str | None:
         """Return the rule's message, its holes filled; `None` where the rule has none."""
-        return None if self.rule.because is None else fill(self.rule.because, self.bindings, shown)
+        return fill(self.rule.because, _terms_of(self.values), _shown)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +106,22 @@ class Missing:
 
 def bindings_of(values: Term) -> dict[str, clingo.Symbol]:
     """Return what variables stand for, of a term `v(("X",1),...)`."""
-    pairs = map(arguments, arguments(values))
-    return {_string(name): as_symbol(value) for name, value in pairs}
+    return {name: as_symbol(value) for name, value in _terms_of(values).items()}
+
+
+def _terms_of(values: Term) -> dict[str, Term]:
+    return {_string(name): value for name, value in map(arguments, arguments(values))}
 
 
 @cache
 def _string(name: Term) -> str:
     return as_symbol(name).string
+
+
+# The same few names stand in the messages of very many steps.
+@lru_cache(maxsize=100_000)
+def _shown(value: Term) -> str:
+    return shown(as_symbol(value))
 
 
 Trace: TypeAlias = Given | Absent | Derived | Unexplained | Missing
