@@ -6,12 +6,11 @@ atoms belong together when a rule names both, so components can be solved apart 
 up.
 """
 
-from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-import clingo
+from mars_asp.recorder import Recorded
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
 
@@ -52,60 +51,6 @@ class Component:
     projected: tuple[int, ...]
 
 
-class Recorder(clingo.Observer):
-    """Notes what clingo grounds from the moment it is registered.
-
-    Rules are kept as numbers in one array, because there are many: whether the rule is a choice,
-    how long head and body are, the bound, then both. A weight body lists literals and weights.
-    """
-
-    def __init__(self) -> None:
-        """Begin with nothing."""
-        self._rules = array("i")
-        self.facts = array("i")
-        self.costs: list[tuple[int, int, int]] = []
-        self.projected: set[int] = set()
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Note a rule or a fact."""
-        if not body and len(head) == 1 and not choice:
-            self.facts.append(head[0])
-        else:
-            self._rules.extend((choice, len(head), len(body), 0, *head, *body))
-
-    def weight_rule(
-        self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]
-    ) -> None:
-        """Note a rule with a weight body."""
-        if lower_bound <= 0:
-            self.rule(choice, head, ())
-            return
-        weighted = [number for pair in body for number in pair]
-        self._rules.extend((choice, len(head), len(weighted), lower_bound, *head, *weighted))
-
-    def minimize(self, priority: int, literals: Sequence[tuple[int, int]]) -> None:
-        """Note what is minimised."""
-        self.costs += [(priority, weight, literal) for literal, weight in literals]
-
-    def project(self, atoms: Sequence[int]) -> None:
-        """Note the atoms that tell answers apart."""
-        self.projected.update(atoms)
-
-    def rules(self) -> Iterator[GroundRule]:
-        """Yield the rules in the order in which they were grounded."""
-        numbers, at = self._rules, 0
-        while at < len(numbers):
-            choice, heads, bodies, bound = numbers[at : at + 4]
-            middle = at + 4 + heads
-            head, at = tuple(numbers[at + 4 : middle]), middle + bodies
-            body = tuple(numbers[middle:at])
-            if bound:
-                pairs = tuple(zip(body[::2], body[1::2], strict=True))
-                yield GroundRule(bool(choice), head, (), bound, pairs)
-            else:
-                yield GroundRule(bool(choice), head, body)
-
-
 @dataclass(frozen=True, slots=True)
 class Partition:
     """Components with their own numbering, each with the ground atoms that its numbers stand for.
@@ -117,7 +62,7 @@ class Partition:
     constant: Mapping[int, int]
 
 
-def partition(program: Recorder, names: Mapping[int, str], asked: Iterable[int] = ()) -> Partition:
+def partition(program: Recorded, names: Mapping[int, str], asked: Iterable[int] = ()) -> Partition:
     """Cut a program into components.
 
     Equal components come out equal: the atoms that tell answers apart are numbered first, in the
@@ -170,9 +115,9 @@ def _ordered(
     return (*told, *(atom for atom in members if atom not in projected))
 
 
-def _relevant(program: Recorder, asked: Iterable[int]) -> list[GroundRule]:
+def _relevant(program: Recorded, asked: Iterable[int]) -> list[GroundRule]:
     """Return the rules on which a choice, a constraint, a cost or an asked atom depends."""
-    rules = list(program.rules())
+    rules = list(_rules(program.rules))
     by_head: dict[int, list[int]] = {}
     keep = bytearray(len(rules))
     open_rules = []
@@ -194,6 +139,21 @@ def _relevant(program: Recorder, asked: Iterable[int]) -> list[GroundRule]:
                 reached.add(atom)
                 open_rules += by_head.get(atom, ())
     return [rule for rule, kept in zip(rules, keep, strict=True) if kept]
+
+
+def _rules(numbers: Sequence[int]) -> Iterator[GroundRule]:
+    """Yield recorded rules in the order in which they were grounded."""
+    at = 0
+    while at < len(numbers):
+        choice, heads, bodies, bound = numbers[at : at + 4]
+        middle = at + 4 + heads
+        head, at = tuple(numbers[at + 4 : middle]), middle + bodies
+        body = tuple(numbers[middle:at])
+        if bound:
+            pairs = tuple(zip(body[::2], body[1::2], strict=True))
+            yield GroundRule(bool(choice), head, (), bound, pairs)
+        else:
+            yield GroundRule(bool(choice), head, body)
 
 
 def _simplified(rule: GroundRule, facts: set[int]) -> GroundRule | None:

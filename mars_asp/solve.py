@@ -10,8 +10,9 @@ from functools import cached_property
 import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.ground_program import Component, Recorder, partition
+from mars_asp.ground_program import Component, partition
 from mars_asp.optimum import Optimum, UnsatisfiableError, least, least_with, optimise
+from mars_asp.recorder import Recorded, record
 from mars_asp.source import point
 from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled
 
@@ -109,7 +110,7 @@ class Grounding:
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         #: The components that were solved.
         self.parts: list[Part] = []
-        self._program = Recorder()
+        self._program = Recorded()
         self._names: dict[int, str] = {}
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, self._note, _MOST_MESSAGES)
@@ -187,8 +188,7 @@ class Grounding:
         Raises:
             MarsError: the rules are refused, or have no answer.
         """
-        self._program = Recorder()
-        self.control.register_observer(self._program)
+        self._program = record(self.control)
         self.add(rules)
         atoms = self.control.symbolic_atoms
         self._names = {

@@ -28,6 +28,7 @@ LAYERS = [
     "rulebook",
     "rule_cases",
     "term",
+    "recorder",
     "ground_program",
     "optimum",
     "solve",
