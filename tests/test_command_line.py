@@ -100,6 +100,40 @@ def test_all_syntax_errors_come_at_once() -> None:
     assert "`uses_data_from`" in problems[1]["help"]
 
 
+def test_json_keeps_what_execution_needs() -> None:
+    found = json.loads(
+        mars(
+            "synthesise", "examples/mobile-camera/through-the-camera.mars", "--format", "json"
+        ).stdout
+    )
+    assert found["period_ms"] is None
+    assert not any("allocation" in line for line in found["control"])
+    text = "@specification flat period 40\n@modules A, B, C, InheritanceNode1, DataTransformer1\n"
+    text += "InheritanceNode1 is_controlled_by C hold 9 allocation root\n"
+    text += "A is_controlled_by InheritanceNode1\nB uses_data_from DataTransformer1\n"
+    text += "// DataTransformer1: Hough (Image -> Lines)\nDataTransformer1 uses_data_from A\n"
+    done = mars("synthesise", "-", "--format", "json", text=text)
+    found = json.loads(done.stdout)
+    assert found["period_ms"] == 40
+    assert {
+        "controlled": "InheritanceNode1",
+        "controller": "C",
+        "priority": None,
+        "hold_ms": 9,
+        "allocation": "root",
+    } in found["control"]
+    kinds = {module["name"]: module for module in found["modules"]}
+    assert kinds["InheritanceNode1"]["kind"] == "inheritance_node"
+    assert kinds["DataTransformer1"] == {
+        "name": "DataTransformer1",
+        "kind": "data_transformer",
+        "origin": "declared",
+        "converter": "Hough",
+        "from": "Image",
+        "to": "Lines",
+    }
+
+
 def test_hostile_rules_end_with_a_message(tmp_path: Path) -> None:
     rules = tmp_path / "loop.lp"
     rules.write_text("p((X,X)) :- p(X).\np(1).\n")

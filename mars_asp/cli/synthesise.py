@@ -12,7 +12,7 @@ from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
 from mars_asp.language import print_configuration
 from mars_asp.language.print import print_number
-from mars_asp.model import Control, Data, Module, Mount
+from mars_asp.model import Control, Conversion, Data, Module, Mount, node_kind
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
 from mars_asp.verify import verify
@@ -79,18 +79,10 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
     relationships = printed.relationships
     return {
         "architecture": printed.architecture,
+        "period_ms": printed.period_ms,
         "modules": _modules_json(project, found),
         "data": [_data_json(r) for r in relationships if isinstance(r, Data)],
-        "control": [
-            {
-                "controlled": r.controlled,
-                "controller": r.controller,
-                "priority": r.priority,
-                "hold_ms": r.hold_ms,
-            }
-            for r in relationships
-            if isinstance(r, Control)
-        ],
+        "control": [_control_json(r) for r in relationships if isinstance(r, Control)],
         "mounts": [_mount_json(r) for r in relationships if isinstance(r, Mount)],
         "cost": {
             "nodes": found.cost(NODES),
@@ -109,18 +101,39 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
         **project.modules,
         **{module.name: module for module in project.configuration.declared},
     }
-    listed: list[dict[str, object]] = [
-        {"name": name.text, "kind": _kind(described.get(name.text)), "origin": "declared"}
-        for name in project.configuration.modules
-    ]
-    for node in found.specification.nodes:
-        entry: dict[str, object] = {"name": node.name, "kind": node.kind, "origin": "introduced"}
-        if node.conversion is not None:
-            entry["converter"] = node.conversion.converter
-            entry["from"] = node.conversion.source
-            entry["to"] = node.conversion.target
-        listed.append(entry)
+    configuration = project.configuration
+    said = {conversion.transformer: conversion for conversion in configuration.conversions}
+    listed: list[dict[str, object]] = []
+    for name in (name.text for name in configuration.modules):
+        kind = node_kind(name) if configuration.kind == "specification" else None
+        listed.append(
+            {
+                "name": name,
+                "kind": kind or _kind(described.get(name)),
+                "origin": "declared",
+                **_conversion_json(said.get(name)),
+            }
+        )
+    listed.extend(
+        {
+            "name": node.name,
+            "kind": node.kind,
+            "origin": "introduced",
+            **_conversion_json(node.conversion),
+        }
+        for node in found.specification.nodes
+    )
     return listed
+
+
+def _conversion_json(conversion: Conversion | None) -> dict[str, object]:
+    if conversion is None:
+        return {}
+    return {
+        "converter": conversion.converter,
+        "from": conversion.source,
+        "to": conversion.target,
+    }
 
 
 def _kind(module: Module | None) -> str | None:
@@ -132,6 +145,16 @@ def _data_json(data: Data) -> dict[str, object]:
     mode = None if data.mode is None else data.mode.text or data.mode.name
     hz = None if data.hz is None else json.loads(print_number(data.hz))
     return {"client": data.client, "source": data.source, "mode": mode, "hz": hz}
+
+
+def _control_json(control: Control) -> dict[str, object]:
+    entry: dict[str, object] = {
+        "controlled": control.controlled,
+        "controller": control.controller,
+        "priority": control.priority,
+        "hold_ms": control.hold_ms,
+    }
+    return entry if control.allocation is None else {**entry, "allocation": control.allocation}
 
 
 def _mount_json(mount: Mount) -> dict[str, object]:

@@ -5,7 +5,7 @@ from typing import NamedTuple, TypeAlias
 
 from clingo import Function, String, Symbol, SymbolType
 
-from mars_asp.model import Control
+from mars_asp.model import Control, node_kind
 from mars_asp.synthesis.draft import Draft
 
 #: What a controller or an arbiter says: base(Controller) or run(List), as the rules write it.
@@ -41,6 +41,12 @@ class ControlLines:
         self._allocation = {
             Function("inherited", [module]): self._stated(number.number).allocation
             for number, module in draft.rows("leads", 2)
+        }
+        # A specification that is read again has its InheritanceNodes already.
+        self._allocation |= {
+            String(stated.controlled): stated.allocation
+            for stated in draft.relationships.values()
+            if isinstance(stated, Control) and node_kind(stated.controlled) == "inheritance_node"
         }
         self._written: set[_Feed] = set()
         self._opened: set[Symbol] = set()
