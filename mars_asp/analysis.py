@@ -13,7 +13,7 @@ from typing import TypeAlias, TypeVar
 import clingo
 
 from mars_asp.atom import Fact
-from mars_asp.conflict import check_packs
+from mars_asp.conflict import check_decided, check_packs
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
 from mars_asp.rulebook import Rule, Rulebook
@@ -26,6 +26,7 @@ Key: TypeAlias = tuple[Term, Term, Term]
 _Value = TypeVar("_Value")
 _SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 _CONSEQUENCE = ("consequence", 4)
+_SAID = "_said"
 _HOLE = re.compile(r"\{([^{}]*)\}")
 
 
@@ -94,6 +95,8 @@ def analyse(
     text = facts_text(facts)
     grounding = Grounding(f"{rulebook.text('base')}\n{said}", text)
     check_packs(grounding.control, rulebook, text)
+    if rulebook.packs:
+        check_decided(grounding.control, _SAID, speakers)
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
@@ -169,13 +172,13 @@ def _saying(number: int, rule: Rule) -> str:
     """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
     body = "; ".join(str(literal) for literal in rule.ast.body)
     values = "".join(f"{hole}," for hole in rule.holes)
-    return f"_said({number},{rule.ast.head},v({values.rstrip(',')})) :- {body}."
+    return f"{_SAID}({number},{rule.ast.head},v({values.rstrip(',')})) :- {body}."
 
 
 def _first_said(control: clingo.Control) -> dict[Term, tuple[int, Term]]:
     """Return for each consequence the first rule that says it, and the values of its holes."""
     first: dict[Term, tuple[int, Term]] = {}
-    for atom in atoms(control, "_said", 3, True):
+    for atom in atoms(control, _SAID, 3, True):
         speaker, head, values = arguments(atom)
         told = (as_symbol(speaker).number, values)
         rival = first.get(head)

@@ -1,7 +1,8 @@
-"""Rule packs that leave no answer set: a minimal set of their rules that do so together.
+"""Rule packs that leave no answer set, or let a choice decide what is found.
 
-The set is found by leaving out one rule after the other, as deletion filters do (Chinneck and
-Dravnieks 1991); every rule that is kept is needed. The built-in rules alone always have an answer.
+Of those that leave none a minimal set is named that does so together. It is found by leaving out
+one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); every rule that is
+kept is needed. The built-in rules alone always have an answer.
 """
 
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from clingo import ast
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.term import arguments, as_symbol, labelled
 
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
@@ -45,6 +47,36 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
             ),
         )
     )
+
+
+def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+    """Check that grounding alone decided what the rules of packs find.
+
+    The atoms `said` of `control` have the index of a rule in `speakers` as their first argument.
+
+    Raises:
+        MarsError: a choice, or rules that negate each other, would decide; the rules with places.
+    """
+    open_rules = {
+        as_symbol(arguments(atom)[0]).number
+        for atom, _, is_fact in labelled(control, said, 3, True)
+        if not is_fact
+    }
+    if open_rules:
+        raise MarsError(
+            tuple(
+                Diagnostic(
+                    "rule-undecided",
+                    "error",
+                    "whether this holds depends on a choice",
+                    speakers[number].span,
+                    help="what is found follows from the facts: rest it on no choice, and on no "
+                    "predicate that leads through `not` back to itself",
+                    excerpt=speakers[number].text.partition("\n")[0],
+                )
+                for number in sorted(open_rules)
+            )
+        )
 
 
 def _rules_of_packs(rulebook: Rulebook, packs: Sequence[tuple[str, str]]) -> list[Rule]:

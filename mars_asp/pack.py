@@ -14,7 +14,13 @@ _PLACE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: error: (.*)", re.DOTALL)
 _UNSAFE = re.compile(r"note: '(\w+)' is unsafe")
 _DEFINED = re.compile(r"^#defined\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 
+_SEVERITIES = ("note", "warning", "error")
+
 Signature = tuple[str, int]
+#: What a rule pack from elsewhere may derive besides predicates of its own.
+EXTENSIBLE: frozenset[Signature] = frozenset(
+    {("consequence", 4), ("participant", 5), ("concerns", 4), ("edit", 5)}
+)
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
@@ -46,8 +52,7 @@ def unknown_predicates(rule: ast.AST, known: Set[Signature], span: Span) -> Iter
 
     `span` is where the rule stands, for the places of its tree count from its beginning.
     """
-    aside = span.column - 1
-    for name, arity, line, column in _predicates(rule):
+    for name, arity, node in _predicates(rule):
         if (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
             others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
@@ -55,7 +60,7 @@ def unknown_predicates(rule: ast.AST, known: Set[Signature], span: Span) -> Iter
                 "rule-unknown",
                 "error",
                 f"nothing gives or derives `{name}/{arity}`",
-                point(span.path, span.line + line - 1, column + aside * (line == 1)),
+                _place(span, node),
                 help=f"did you mean {' or '.join(others)}?"
                 if others
                 else f"`rules/vocabulary.lp` says what is given; write `#defined {name}/{arity}.` "
@@ -63,7 +68,54 @@ def unknown_predicates(rule: ast.AST, known: Set[Signature], span: Span) -> Iter
             )
 
 
-def _predicates(node: ast.AST) -> Iterator[tuple[str, int, int, int]]:
+def misused_heads(rule: ast.AST, heads: Set[Signature], span: Span) -> Iterator[Diagnostic]:
+    """Yield what is wrong with a head that tells of a consequence: a choice, or no severity.
+
+    `span` is where the rule stands, for the places of its tree count from its beginning.
+    """
+    told = sorted(heads & EXTENSIBLE)
+    if told and rule.head.ast_type != ast.ASTType.Literal:
+        name, arity = told[0]
+        yield Diagnostic(
+            "rule-head",
+            "error",
+            f"`{name}/{arity}` stands in a choice, disjunction or condition",
+            _place(span, rule.head),
+            help="what is found follows from the facts: write a rule with this head alone",
+        )
+    elif ("consequence", 4) in heads:
+        for kind in rule.unpool():
+            yield from _wrong_severity(kind.head.atom.symbol.arguments[1], span)
+
+
+def _wrong_severity(term: ast.AST, span: Span) -> Iterator[Diagnostic]:
+    written = str(term)
+    if term.ast_type != ast.ASTType.Variable and written not in _SEVERITIES:
+        near = nearest(written, _SEVERITIES)
+        yield Diagnostic(
+            "rule-severity",
+            "error",
+            f"`{written}` is no severity",
+            _place(span, term),
+            help=f"did you mean `{near}`?" if near else f"one of {', '.join(_SEVERITIES)}",
+        )
+
+
+def named_kinds(rule: ast.AST) -> frozenset[str] | None:
+    """Return the kinds of consequence that a rule's head names; `None` where a variable does."""
+    kinds = [one.head.atom.symbol.arguments[0] for one in rule.unpool()]
+    if any(kind.ast_type == ast.ASTType.Variable for kind in kinds):
+        return None
+    return frozenset(map(str, kinds))
+
+
+def _place(span: Span, node: ast.AST) -> Span:
+    begin = node.location.begin
+    column = begin.column + (span.column - 1) * (begin.line == 1)
+    return point(span.path, span.line + begin.line - 1, column)
+
+
+def _predicates(node: ast.AST) -> Iterator[tuple[str, int, ast.AST]]:
     if node.ast_type == ast.ASTType.SymbolicAtom:
         symbol = node.symbol
         while symbol.ast_type == ast.ASTType.UnaryOperation:
@@ -71,8 +123,7 @@ def _predicates(node: ast.AST) -> Iterator[tuple[str, int, int, int]]:
         variants = symbol.arguments if symbol.ast_type == ast.ASTType.Pool else (symbol,)
         for variant in variants:
             if variant.ast_type == ast.ASTType.Function:
-                begin = variant.location.begin
-                yield variant.name, len(variant.arguments), begin.line, begin.column
+                yield variant.name, len(variant.arguments), variant
         return
     for child in children(node):
         yield from _predicates(child)

@@ -16,15 +16,22 @@ from clingo import ast
 from mars_asp import gate
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
-from mars_asp.pack import children, declared, refused_rules, unknown_predicates
+from mars_asp.pack import (
+    EXTENSIBLE,
+    children,
+    declared,
+    misused_heads,
+    named_kinds,
+    refused_rules,
+    unknown_predicates,
+)
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
 KEYS = ("id", "because", "help")
-#: What a rule pack from elsewhere may derive besides predicates of its own.
-EXTENSIBLE = frozenset({("consequence", 4), ("participant", 5), ("concerns", 4), ("edit", 5)})
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _HOLE = re.compile(r"\{([^{}]*)\}")
+_KIND = re.compile(r"consequence\(([a-z]\w*),")
 
 
 @dataclass(frozen=True)
@@ -94,12 +101,15 @@ class Rulebook:
 
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
     """Return the kinds of consequence that rules name in their heads."""
-    heads = (r.text.removeprefix("consequence(") for r in rulebook.rules if _names_kind(r))
-    return frozenset(head.partition(",")[0] for head in heads)
+    return frozenset().union(*(kinds_of(rule) or () for rule in rulebook.rules))
 
 
-def _names_kind(rule: Rule) -> bool:
-    return re.match(r"consequence\([a-z]", rule.text) is not None
+def kinds_of(rule: Rule) -> frozenset[str] | None:
+    """Return the kinds of consequence that a rule names; `None` where it can derive any."""
+    plain = _KIND.match(rule.text)
+    if plain is not None:
+        return frozenset({plain[1]})
+    return named_kinds(rule.ast) if ("consequence", 4) in rule.heads else frozenset()
 
 
 def rules_directory() -> Path:
@@ -127,6 +137,7 @@ def load_rulebook(
         first, before = len(rules), len(texts)
         _load_file(path, str(path), "base", rules, texts, problems, True)
         problems += _reserved(rules[first:], own)
+        problems += (p for r in rules[first:] for p in misused_heads(r.ast, r.heads, r.span))
         problems += [
             found for _, text in texts[before:] for found in refused_rules(text, str(path))
         ]

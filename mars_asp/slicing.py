@@ -27,9 +27,12 @@ def slice_for(
 ) -> Slice | None:
     """Return what `KIND(NAME)` of a consequence or an atom needs, or `None` for anything else.
 
-    That is so where the subject is no such term, or where no rule of the base derives it.
+    That is so where the subject is no such term, or where no rule of the base derives it, and
+    with rule packs: rules that the question does not read could leave no answer at all.
     `facts_of` gives the facts of predicates, by their names.
     """
+    if rulebook.packs:
+        return None
     name, first = _asked(subject, rulebook)
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
     if not any(name == head for rule in base for head, _ in rule.heads):

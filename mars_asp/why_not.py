@@ -8,7 +8,7 @@
 import re
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clingo
 from clingo import ast
@@ -20,14 +20,14 @@ from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import Synthesis, synthesise
-from mars_asp.rulebook import Rulebook, consequence_kinds
+from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
 from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.term import as_term
 from mars_asp.trace import absence
 from mars_asp.trace.given import symbol_of
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
-from mars_asp.trace.values import Trace
+from mars_asp.trace.values import Missing, Trace
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
 _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
@@ -99,11 +99,19 @@ def why_not(
             trace = explainer.why([atom])[atom]
             return WhyNot(subject, str(atom), trace, True, choosable, None, None, analysis)
     shown = shown_pattern(pattern)
-    trace = absence.why_not(explainer, pattern, depth)
+    trace = _of_named_kind(absence.why_not(explainer, pattern, depth), pattern)
     offered, extra = None, None
     if synthesis is not None:
         offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
     return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
+
+
+def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
+    """Leave out rules that could give any kind of consequence where others name the one asked."""
+    if pattern.name != "consequence" or not isinstance(trace, Missing):
+        return trace
+    named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
+    return replace(trace, attempts=named or trace.attempts)
 
 
 def _cheapest(
@@ -132,6 +140,7 @@ class _Vocabulary:
         self._path = project.configuration.path
         self._predicates = {head for rule in rulebook.rules for head in rule.heads}
         self._kinds = consequence_kinds(rulebook)
+        self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
         self._constants: set[str] = set()
         for rule in rulebook.rules:
             self._constants |= set(_NAME.findall(rule.text))
@@ -160,13 +169,22 @@ class _Vocabulary:
             kind = words.get(call[1], call[1])
             if kind in _AT_MODULE and name:
                 return _AT_MODULE[kind](self._string(name))
-            if call[1] in self._kinds:
+            if self._is_kind(call[1]):
                 about = hole() if name in (None, "", "_") else self._string(name or "")
                 kind_term = clingo.Function(call[1])
                 return clingo.Function("consequence", [kind_term, hole(), about, hole()])
-            if not any(call[1] == known for known, _ in self._predicates):
+            if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
         return self._atom(subject)
+
+    def _is_kind(self, name: str) -> bool:
+        """Say whether rules name a kind, or one that derives any kind could mean it."""
+        if name in self._kinds:
+            return True
+        return self._any_kind and name in self._constants and not self._is_predicate(name)
+
+    def _is_predicate(self, name: str) -> bool:
+        return any(name == known for known, _ in self._predicates)
 
     def _atom(self, subject: str) -> clingo.Symbol:
         statements: list[ast.AST] = []

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from mars_asp.rule_cases import run_case
 from mars_asp.rulebook import load_rulebook
@@ -46,6 +47,48 @@ def test_packs_may_use_each_other_and_declare_facts_of_their_own(tmp_path: Path)
     (tmp_path / "one.lp").write_text("#defined team/2.\nseen(M) :- module(M), team(M, 1).\n")
     (tmp_path / "two.lp").write_text("known(M) :- seen(M), not team(M, 2).\n")
     load_rulebook([tmp_path])
+
+
+def test_what_is_found_has_a_severity_and_is_no_choice(tmp_path: Path) -> None:
+    text = (
+        "consequence(a, eror, M, 1) :- module(M). consequence(a, (note;1), M, 2) :- module(M).\n"
+        "  { consequence(b, error, M, 1) } :-\n  module(M).\n"
+        "concerns(c, M, X, M) : X = 1..2 :- module(M).\n"
+        "consequence(d, error, M, 1); seen(M) :- module(M).\n"
+        "consequence(e, S, M, 1) :- module(M), S = note.\n"
+    )
+    chosen = "stands in a choice, disjunction or condition"
+    assert refusals(tmp_path, text) == [
+        ("rule-severity", 1, 16, "`eror` is no severity"),
+        ("rule-severity", 1, 63, "`1` is no severity"),
+        ("rule-head", 2, 3, f"`consequence/4` {chosen}"),
+        ("rule-head", 4, 1, f"`concerns/4` {chosen}"),
+        ("rule-head", 5, 1, f"`consequence/4` {chosen}"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "{ lucky(M) } :- module(M).\n",
+        "lucky(M) :- module(M), not other(M).\nother(M) :- module(M), not lucky(M).\n",
+    ],
+)
+@pytest.mark.parametrize("words", [["check"], ["explain", "odd(Eye)"], ["explain", "plain(Eye)"]])
+def test_what_is_found_follows_from_the_facts(
+    rules: str, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "mine.lp"
+    pack.write_text(
+        "consequence(odd, note, M, 1) :- lucky(M).\n"
+        f"consequence(plain, note, M, 1) :- module(M).\n{rules}",
+        encoding="utf-8",
+    )
+    robot = tmp_path / "robot.mars"
+    robot.write_text("@configuration\n@modules Eye\n", encoding="utf-8")
+    verb, *subject = words
+    assert run_here([verb, str(robot), *subject, "--rules", str(pack)]) == 2
+    assert f"{pack}:1:1: error: whether this holds depends on a choice" in capsys.readouterr().err
 
 
 def test_refusing_does_not_ground(tmp_path: Path) -> None:

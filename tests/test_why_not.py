@@ -1,6 +1,7 @@
 """Why an atom is absent: the nearest instance of each rule and the premise that fails."""
 
 import json
+from pathlib import Path
 
 import clingo
 import pytest
@@ -129,3 +130,26 @@ def test_json_of_an_absence() -> None:
     last = trace["premises"][0]["premises"][0]["premises"][0]
     assert last["fails"] == "N > 1"
     assert last["bindings"]["N"] == "1"
+
+
+def test_a_rule_of_any_kind_speaks_of_those_that_no_rule_names(tmp_path: Path) -> None:
+    pack = tmp_path / "mine.lp"
+    pack.write_text(
+        "%! id: mine/any\n%! because: `{M}` is `{K}`\n"
+        "consequence(K, note, M, 1) :- module(M), oddity(K, M).\n"
+        'oddity(strange, "Turn"). oddity(weird, "Forward").\n'
+        "%! id: mine/spaced\n%! because: `{M}` is spaced\n"
+        "consequence( spaced , note, M, 1) :- module(M), oddity(weird, M).\n",
+        encoding="utf-8",
+    )
+    for subject, said in (
+        ("data_divergence(Turn)", "data/divergence"),
+        ("weird(Turn)", "mine/any"),
+        ("spaced(Turn)", "mine/spaced"),
+    ):
+        words = ("explain", LEVEL0, "--rules", str(pack), "--why-not", subject)
+        found = json.loads(mars(*words, "--format", "json").stdout)
+        assert not found["present"]
+        attempts = found["traces"][0]["premises"]
+        assert [attempt["rule"]["id"] for attempt in attempts] == [said]
+    assert "yes, it holds" in mars(*words[:-1], "strange(Turn)").stdout
