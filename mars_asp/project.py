@@ -10,7 +10,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, by_place
 from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_file, parse_text
 from mars_asp.model import Configuration, Module, Mount
-from mars_asp.source import Span
+from mars_asp.source import Span, point
 from mars_asp.spelling import resemblances
 
 
@@ -38,9 +38,12 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     problems: list[Diagnostic] = []
     paths: list[Path] = []
     for name in configuration.sources:
-        paths += _found(name.text, folder / name.text, name.span, problems)
+        advice = "paths of `@sources` are relative to the configuration's own file"
+        paths += _found(folder / name.text, _missing(name.text, name.span, advice), problems)
     for argument in sources:
-        paths += _found(argument, Path(argument), configuration.span, problems)
+        advice = "paths of `--sources` are relative to the folder that mars-asp is called in"
+        place = point(argument, 1, 1)
+        paths += _found(Path(argument), _missing(argument, place, advice), problems)
     if problems:
         raise MarsError(problems)
     modules: dict[str, Module] = {}
@@ -93,22 +96,19 @@ def _has_functions(project: Project) -> bool:
     return any(module.functions for module in described)
 
 
-def _found(written: str, path: Path, span: Span, problems: list[Diagnostic]) -> list[Path]:
+def _found(path: Path, missing: Diagnostic, problems: list[Diagnostic]) -> list[Path]:
     """Return the paths that a path or glob names; note where it names none."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
     matches = find_paths(str(path))
     if not matches:
-        problems.append(
-            Diagnostic(
-                "sources-missing",
-                "error",
-                f"`{written}` names no file or folder",
-                span,
-                help="paths of `@sources` are relative to the configuration's own file",
-            )
-        )
+        problems.append(missing)
     return matches
+
+
+def _missing(written: str, place: Span, advice: str) -> Diagnostic:
+    message = f"`{written}` names no file or folder"
+    return Diagnostic("sources-missing", "error", message, place, help=advice)
 
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
