@@ -7,7 +7,6 @@ from typing import Any
 
 from mars_asp.bindings import Clock, faulty
 from mars_asp.execute import Behaviour
-from mars_asp.execute.behaviour import single_command
 from mars_asp.execute.plan import Plan
 from mars_asp.execute.schedule import MILLISECOND
 from mars_asp.scenario import Scenario
@@ -57,7 +56,7 @@ def _sensor(
     def stated(*keys: str) -> dict[str, Any]:
         return {key: table[key] for key in keys if key in table}
 
-    kind = table.get("kind")
+    kind, script = table.get("kind"), table.get("script", ())
     if kind == "sonar":
         return sonar(body, place, noise, **stated("beams", "cone", "rays", "reach", "sigma"))
     if kind == "lidar":
@@ -67,14 +66,8 @@ def _sensor(
     if kind == "odometry":
         return odometry(body, noise, **stated("sigma"))
     if kind == "joystick":
-        return joystick([_entry(*entry) for entry in table.get("script", ())])
+        return joystick([(float(at), function, float(rate)) for at, function, rate in script])
     return bumper(body)
-
-
-def _entry(at: Any, function: Any, rate: Any) -> tuple[float, str, float]:
-    """Return an entry of a script; what is no command is told before the run."""
-    single_command((function, rate))
-    return float(at), function, float(rate)
 
 
 def _way(

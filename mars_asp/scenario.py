@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.forms import REQUIRED, parts, unfit
+from mars_asp.language.parse import decode, read_bytes
 from mars_asp.model import GRASP, MOTION_FUNCTIONS
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
+from mars_asp.toml_places import Places
 
 _NUMBER: tuple[type, ...] = (int, float)
 #: The keys of each table and the types of their values; `docs/scenarios.md` says what they mean.
@@ -98,7 +101,8 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     **dict.fromkeys(("beams", "rays"), (1, 100_000)),
     **dict.fromkeys(("count", "moving"), (0, 100_000)),
     **dict.fromkeys(("command_timeout", "delay", "sigma", "speed", "free"), (0, 1e9)),
-    **dict.fromkeys(("radius", "reach", "clearance", "coverage", "limits"), (0, 1e9)),
+    **dict.fromkeys(("radius", "reach", "clearance", "limits"), (0, 1e9)),
+    "coverage": (0, 1),
     **dict.fromkeys(("low", "high"), (-inf, inf)),
     **dict.fromkeys(("rate", "until"), (0, inf)),
     "within": (0, 1e9),
@@ -106,17 +110,10 @@ _RANGES: Mapping[str, tuple[float, float]] = {
 }
 _NAMED = ("devices", "bindings", "faults")
 _NESTED = ("world", "robot", "requirements")
-#: A table's header, the key at the start of a line, and one of its parts between dots.
-_PART = re.compile(r"([\w-]+)|\"([^\"]*)\"|'([^']*)'")
-_DOTTED = r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*'|\s*\.\s*)++)\s*"
-_HEADER = re.compile(r"\s*\[\[?" + _DOTTED + r"\]")
-_KEY = re.compile(_DOTTED + "=")
 #: Whoever mends these reads no more.
 _MOST_PROBLEMS = 200
-#: No key of ours has more parts.
-_DEEPEST = 4
-#: Lines behind the start of a table in which a key of it is looked for.
-_FAR = 200
+#: A key of so many parts is none of ours, and takes its reader a time that grows as their square.
+_DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,12 +144,7 @@ def load_scenario(path: Path) -> Scenario:
     Raises:
         MarsError: it cannot be read, is no TOML, or has wrong keys or values; all of them.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no UTF-8 text"
-        raise MarsError([_problem(point(str(path), 1, 1), f"`{path}`: {reason}")]) from None
-    return read_scenario(text, path)
+    return read_scenario(decode(read_bytes(path), str(path)), path)
 
 
 def read_scenario(text: str, path: Path) -> Scenario:
@@ -161,11 +153,15 @@ def read_scenario(text: str, path: Path) -> Scenario:
     Raises:
         MarsError: it is no TOML, or has wrong keys or values; all of them.
     """
+    deep = _DEEP.search(text)
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise MarsError([_problem(point(str(path), line, 1), "a key of more than 100 parts")])
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        line, column = (int(place[1]), int(place[2])) if place else (1, 1)
+        line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
         message = str(error).split(" (at")[0]
         raise MarsError([_problem(point(str(path), line, column), message)]) from None
     except RecursionError:
@@ -173,17 +169,17 @@ def read_scenario(text: str, path: Path) -> Scenario:
         raise MarsError([_problem(point(str(path), 1, 1), message)]) from None
     except ValueError as error:  # a number of more digits than Python reads
         raise MarsError([_problem(point(str(path), 1, 1), str(error).split(";")[0])]) from None
-    check = _Check(text, str(path))
-    problems = list(islice(check.scenario(tables), _MOST_PROBLEMS))
+    where = Places(text, str(path))
+    problems = list(islice(_Check(where, str(path)).scenario(tables), _MOST_PROBLEMS))
     if problems:
         raise MarsError(problems)
-    places = {key: check.find(key, ("requirements",)) for key in tables.get("requirements", ())}
+    places = {key: where.of(key, ("requirements",)) for key in tables.get("requirements", ())}
     limits = tables["robot"].get("limits", ())
-    places |= {function: check.find(function, ("robot", "limits")) for function in limits}
-    places["robot"] = check.find("module", ("robot",))
+    places |= {function: where.of(function, ("robot", "limits")) for function in limits}
+    places["robot"] = where.of("module", ("robot",))
     for table in ("bindings", "faults"):
         named = tables.get(table, ())
-        places |= {f"{table}.{module}": check.find(module, (table,)) for module in named}
+        places |= {f"{table}.{module}": where.of(module, (table,)) for module in named}
     return Scenario(path, point(str(path), 1, 1), **tables, places=places)
 
 
@@ -210,25 +206,10 @@ def _range_of(key: str) -> str:
 
 
 class _Check:
-    """Compares tables with the schema; places are found by looking for keys line by line."""
+    """Compares tables with the schema."""
 
-    def __init__(self, text: str, path: str) -> None:
-        self.lines, self.path = text.splitlines(), path
-        self.stands: dict[tuple[str, ...], tuple[int, int]] = {}
-        under: tuple[str, ...] = ()
-        for number, line in enumerate(self.lines):
-            match = _HEADER.match(line) or _KEY.match(line)
-            if match is None:
-                continue
-            parts = list(_PART.finditer(match[1]))[:_DEEPEST]
-            keys = tuple(part[1] or part[2] or part[3] or "" for part in parts)
-            if match.re is _HEADER:
-                under = ()
-            for count, part in enumerate(parts, 1):
-                column = match.start(1) + part.start() + 1
-                self.stands.setdefault((*under, *keys[:count]), (number, column))
-            if match.re is _HEADER:
-                under = keys
+    def __init__(self, places: Places, path: str) -> None:
+        self.places, self.path = places, path
 
     def scenario(self, tables: Mapping[str, Any]) -> Iterator[Diagnostic]:
         yield from self.table("", tables, ())
@@ -243,60 +224,82 @@ class _Check:
                 if isinstance(entry, dict):
                     yield from self.table(name, entry, (name, module))
                 else:
-                    yield _problem(self.find(module, (name,)), f"`{module}` is no table")
+                    yield _problem(self.places.of(module, (name,)), f"`{module}` is no table")
                 if name == "devices" and isinstance(entry, dict) and "kind" not in entry:
                     kinds = ", ".join(CHOICES["devices", "kind"])
-                    place = self.find(module, (name,))
+                    place = self.places.of(module, (name,))
                     yield _problem(place, f"`{module}` has no `kind`", f"one of {kinds}")
         for name in ("robot", "duration"):
             if name not in tables:
                 yield _problem(point(self.path, 1, 1), f"the scenario has no `{name}`")
         if isinstance(tables.get("robot"), dict) and "module" not in tables["robot"]:
-            yield _problem(self.find("robot", ()), "the robot has no `module`")
+            yield _problem(self.places.of("robot", ()), "the robot has no `module`")
 
     def inner(self, name: str, table: Mapping[str, Any]) -> Iterator[Diagnostic]:
         for key, value in table.items():
             schema = f"{name}.{key}"
             if schema not in SCHEMA:
                 continue
-            for entry in value if isinstance(value, list) else [value]:
+            if isinstance(value, dict):
+                yield from self.table(schema, value, (name, key))
+            for index, entry in enumerate(value if isinstance(value, list) else ()):
                 if isinstance(entry, dict):
-                    yield from self.table(schema, entry, (name, key))
+                    yield from self.table(schema, entry, (name, key), index)
 
     def table(
-        self, schema: str, table: Mapping[str, Any], under: tuple[str, ...]
+        self,
+        schema: str,
+        table: Mapping[str, Any],
+        under: tuple[str, ...],
+        entry: int | None = None,
     ) -> Iterator[Diagnostic]:
+        """Check a table; with `entry` it has that index in the list `under`."""
         known = SCHEMA[schema]
+        for key in REQUIRED.get(schema, ()):
+            if key not in table:
+                yield _problem(self.stands(under, entry), f"`{under[-1]}` without `{key}`")
         for key, value in table.items():
-            span = self.find(key, under)
             if key not in known:
                 near = nearest(key, known)
                 hint = f"did you mean `{near}`?" if near else f"one of {', '.join(known)}"
-                yield _problem(span, f"`{key}` is no key here", hint)
-            elif not isinstance(value, known[key]) or (
-                isinstance(value, bool) and bool not in known[key]
-            ):
-                words = " or ".join(kind.__name__ for kind in known[key])
-                yield _problem(span, f"`{key}` is no {words}")
-            elif (schema, key) in CHOICES and value not in CHOICES[schema, key]:
-                choices = CHOICES[schema, key]
-                near = nearest(str(value), choices)
-                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
-                yield _problem(span, f"`{value}` is no `{key}`", hint)
-            elif wrong := [n for n in _numbers(value) if not _usable(n, key)]:
-                yield _problem(span, f"`{wrong[0]}` is no number for `{key}`", _range_of(key))
+                yield _problem(self.places.of(key, under, entry), f"`{key}` is no key here", hint)
+            else:
+                yield from self.value(schema, key, value, (under, entry))
 
-    def find(self, key: str, under: tuple[str, ...]) -> Span:
-        """Return where a key stands; one of an inline table is looked for behind the table."""
-        wanted = (*under, key)
-        if wanted in self.stands:
-            number, column = self.stands[wanted]
-            return point(self.path, number + 1, column)
-        outer = (wanted[:count] for count in range(len(wanted) - 1, 0, -1))
-        start = next((self.stands[keys][0] for keys in outer if keys in self.stands), 0)
-        written = re.compile(rf"(?<![\w-])[\"']?{re.escape(key)}[\"']?\s*(?==|\]|\.)")
-        for number, line in enumerate(self.lines[start : start + _FAR], start + 1):
-            match = written.search(line)
-            if match:
-                return point(self.path, number, match.start() + 1)
-        return point(self.path, start + 1, 1)
+    def value(
+        self, schema: str, key: str, value: Any, at: tuple[tuple[str, ...], int | None]
+    ) -> Iterator[Diagnostic]:
+        """Check a value of a table that stands `at` a path of keys and an index in their list."""
+        under, entry = at
+        kinds = SCHEMA[schema][key]
+        if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
+            words = " or ".join(kind.__name__ for kind in kinds)
+            yield _problem(self.places.of(key, under, entry), f"`{key}` is no {words}")
+        elif (schema, key) in CHOICES and value not in CHOICES[schema, key]:
+            choices = CHOICES[schema, key]
+            near = nearest(str(value), choices)
+            hint = f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
+            yield _problem(self.places.of(key, under, entry), f"`{value}` is no `{key}`", hint)
+        else:
+            wrong = False
+            for index, form in unfit(schema, key, value):
+                wrong = True
+                owner = f"`{key}` is" if index is None else f"an entry of `{key}` is"
+                yield _problem(self.part(key, at, index), f"{owner} not {form.words}")
+            for index, part in () if wrong else parts(schema, key, value):
+                for number in islice((n for n in _numbers(part) if not _usable(n, key)), 1):
+                    message = f"`{number}` is no number for `{key}`"
+                    yield _problem(self.part(key, at, index), message, _range_of(key))
+
+    def part(self, key: str, at: tuple[tuple[str, ...], int | None], index: int | None) -> Span:
+        """Return where a value stands, or with `index` an entry of it."""
+        under, entry = at
+        if index is None:
+            return self.places.of(key, under, entry)
+        return self.places.of_entry((*under, key), index)
+
+    def stands(self, under: tuple[str, ...], entry: int | None) -> Span:
+        """Return where a table stands."""
+        if entry is None:
+            return self.places.of(under[-1], under[:-1])
+        return self.places.of_entry(under, entry)

@@ -113,27 +113,70 @@ def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
     assert (4, "`modul` is no key here", "did you mean `module`?") in found
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        "[world]\ncircles = [[1, 2]]",
-        "[world]\nwalls = [[1, 2]]",
-        "[world]\nmoving = [{ from = [0, 0] }]",
-        "[world]\nscatter = { count = 3, within = 10, free = 900 }",
-        "[requirements]\nreach = { radius = 3 }",
-        '[requirements]\nexclusive = ["Trans_Z"]',
-        '[requirements]\nexclusive = [["Trans_Z", "Turn"]]',
-        "[world]\nmoving = [{ from = [0, 0], to = ['x', 1], radius = 3, speed = 4 }]",
-        "[world]\npolygons = [[]]",
-        "[world]\ncircles = [[1, 1, -1]]",
-        "[devices.D]\nkind = 'joystick'\nscript = [[0, 'Trans_Q', 1]]",
-        "[devices.D]\nkind = 'joystick'\nscript = [[0, 'Trans_Z']]",
-    ],
-)
-def test_values_of_a_wrong_form_are_reported(wrong: str) -> None:
+#: A marker `^` stands before each place that is told, in the order in which they are told.
+WRONG_FORMS = """\
+duration = 1
+[robot]
+module = "P"
+^start = [0, 0]
+[world]
+walls = [
+  [[0, 0], [1, 1]],  # ], [
+  ^[], ^[0, 1],
+  ^"a], [",
+]
+polygons = [[[0, 0]], ^[[0, "b"]], ^3]
+circles = [[0, 0, 10], ^[0, 0], ^[0, 0, -5], ^{ x = 1 }]
+marks = [{ at = [1, 2], colour = "red" }, { ^at = [1], ^colour = 4 }, ^{ at = [3, 4] }]
+scatter = { count = 3, ^radius = 4 }
+[[world.moving]]
+from = [0, 0]
+to = [1, 1]
+radius = 10
+speed = 5
+^[[world.moving]]
+^from = [0]
+radius = 10
+speed = 5
+[devices.D]
+kind = "joystick"
+script = [[0, "Trans_Z", 100], ^[1, "Trans_Q", 100], ^[2, "Trans_Z"], ^[[]]]
+[requirements]
+^reach = { radius = 3 }
+exclusive = [["Trans_Z", "Rotn_Y"], ^["Trans_Z"], ^["Trans_Z", "Turn"]]
+^coverage = 2
+"""
+
+
+def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
+    lines = WRONG_FORMS.splitlines()
+    marked = [
+        (number, match.start() - index + 1)
+        for number, line in enumerate(lines, 1)
+        for index, match in enumerate(re.finditer(r"\^", line))
+    ]
     with pytest.raises(MarsError) as raised:
-        trial(f"{BASE}{HAND}{wrong}\n")
-    assert raised.value.diagnostics[0].code == "scenario"
+        read_scenario(WRONG_FORMS.replace("^", ""), Path("s.toml"))
+    found = raised.value.diagnostics
+    assert sorted({(d.span.line, d.span.column) for d in found}) == marked
+    told = {d.span.line: d.message for d in found}
+    assert told[4] == "`start` is not `[forward, side, heading]`"
+    assert told[8] == "an entry of `walls` is not a list of points `[forward, side]`"
+    assert told[20] == "`moving` without `to`"
+    assert told[28] == "`reach` without `at`"
+
+
+@pytest.mark.parametrize("key", ["a", '"a b"', "'a.b'"])
+def test_a_key_of_very_many_parts_is_refused_before_it_is_read(key: str) -> None:
+    with pytest.raises(MarsError) as raised:
+        read_scenario(f"duration = 1\n{'. '.join([key] * 100_000)} = 1\n", Path("s.toml"))
+    (found,) = raised.value.diagnostics
+    assert (found.span.line, found.message) == (2, "a key of more than 100 parts")
+
+
+def test_a_world_without_room_for_its_circles_is_reported() -> None:
+    with pytest.raises(MarsError, match="finds no place for 3 circles"):
+        trial(f"{BASE}{HAND}[world]\nscatter = {{ count = 3, within = 10, free = 900 }}\n")
 
 
 def test_broken_toml_is_placed() -> None:

@@ -50,6 +50,8 @@ LAYERS = [
     "alternatives",
     "sim",
     "execute",
+    "forms",
+    "toml_places",
     "scenario",
     "bindings",
     "devices",
