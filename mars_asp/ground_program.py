@@ -6,13 +6,19 @@ atoms belong together when a rule names both, so components can be solved apart 
 up.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from array import array
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.recorder import Recorded
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
+
+#: A rule as it is recorded: so many fixed numbers, then head and body.
+Flat: TypeAlias = "array[int]"
+_FIXED = 4
 
 
 class GroundRule(NamedTuple):
@@ -23,22 +29,6 @@ class GroundRule(NamedTuple):
     body: tuple[int, ...]
     bound: int = 0
     weighted: Weighted = ()
-
-    def atoms(self) -> tuple[int, ...]:
-        """Return every atom that the rule names."""
-        if self.bound:
-            return (*self.head, *(abs(literal) for literal, _ in self.weighted))
-        return (*self.head, *map(abs, self.body))
-
-    def renamed(self, names: Mapping[int, int]) -> "GroundRule":
-        """Return the rule with other literals; `names` maps each literal."""
-        return GroundRule(
-            self.choice,
-            tuple(sorted([names[atom] for atom in self.head])),
-            tuple(sorted([names[literal] for literal in self.body])),
-            self.bound,
-            tuple(sorted([(names[literal], weight) for literal, weight in self.weighted])),
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,41 +59,40 @@ def partition(program: Recorded, names: Mapping[int, str], asked: Iterable[int] 
     order of their names, all others in the order in which clingo grounded them. Rules on which
     `asked` atoms depend are kept besides those on which choices, constraints and costs do.
     """
-    rules = _relevant(program, asked)
-    mentioned = {atom for rule in rules for atom in rule.atoms()}
-    mentioned.update(abs(literal) for _, _, literal in program.costs)
-    facts = mentioned.intersection(program.facts)
-    if facts:
-        rules = [kept for rule in rules if (kept := _simplified(rule, facts)) is not None]
+    facts = frozenset(program.facts)
+    rules: list[Flat] = []
     groups = _Groups()
-    for rule in rules:
-        groups.join(rule.atoms())
+    for rule, atoms in _relevant(program, facts, asked):
+        rules.append(rule)
+        groups.join(atoms)
+    members = groups.members()
+    root_of = {atom: root for root, atoms in members.items() for atom in atoms}
     constant: dict[int, int] = {}
-    known = groups.parent
     costs_of: dict[int, list[tuple[int, int, int]]] = {}
     for level, weight, literal in program.costs:
         constant.setdefault(level, 0)
-        if abs(literal) in known:
-            costs_of.setdefault(groups.find(abs(literal)), []).append((level, weight, literal))
+        if abs(literal) in root_of:
+            costs_of.setdefault(root_of[abs(literal)], []).append((level, weight, literal))
         elif (literal in facts) if literal > 0 else (-literal not in facts):
             constant[level] += weight
-    rules_of: dict[int, list[GroundRule]] = {}
+    rules_of: dict[int, list[Flat]] = {}
     for rule in rules:
-        for atom in rule.atoms()[:1]:
-            rules_of.setdefault(groups.find(atom), []).append(rule)
-    del rules
+        if len(rule) > _FIXED:
+            rules_of.setdefault(root_of[abs(rule[_FIXED])], []).append(rule)
+    del rules, groups, root_of
     components = []
-    for root, members in groups.members().items():
-        ordered = _ordered(members, program.projected, names)
+    shared: dict[Component, Component] = {}
+    for root, atoms in members.items():
+        ordered = _ordered(atoms, program.projected, names)
         renaming = {atom: number for number, atom in enumerate(ordered, 1)}
         renaming.update([(-atom, -number) for atom, number in renaming.items()])
         part = Component(
             len(ordered),
-            tuple(sorted([rule.renamed(renaming) for rule in rules_of.pop(root)])),
+            tuple(sorted([_renamed(rule, renaming) for rule in rules_of.pop(root)])),
             tuple(sorted([(at, w, renaming[lit]) for at, w, lit in costs_of.pop(root, ())])),
             tuple(range(1, 1 + sum(atom in program.projected for atom in ordered))),
         )
-        components.append((part, ordered))
+        components.append((shared.setdefault(part, part), ordered))
     return Partition(tuple(components), constant)
 
 
@@ -115,65 +104,86 @@ def _ordered(
     return (*told, *(atom for atom in members if atom not in projected))
 
 
-def _relevant(program: Recorded, asked: Iterable[int]) -> list[GroundRule]:
-    """Return the rules on which a choice, a constraint, a cost or an asked atom depends."""
-    rules = list(_rules(program.rules))
-    by_head: dict[int, list[int]] = {}
-    keep = bytearray(len(rules))
-    open_rules = []
-    for index, rule in enumerate(rules):
-        if rule.choice or not rule.head:
-            keep[index] = 1
-            open_rules.append(index)
-        else:
-            for atom in rule.head:
-                by_head.setdefault(atom, []).append(index)
-    reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
-    for atom in reached:
-        open_rules += by_head.get(atom, ())
-    while open_rules:
-        index = open_rules.pop()
-        keep[index] = 1
-        for atom in rules[index].atoms():
-            if atom not in reached:
-                reached.add(atom)
-                open_rules += by_head.get(atom, ())
-    return [rule for rule, kept in zip(rules, keep, strict=True) if kept]
+def _relevant(
+    program: Recorded, facts: Set[int], asked: Iterable[int]
+) -> Iterator[tuple[Flat, Sequence[int]]]:
+    """Yield the rules on which a choice, a constraint, a cost or an asked atom depends.
 
-
-def _rules(numbers: Sequence[int]) -> Iterator[GroundRule]:
-    """Yield recorded rules in the order in which they were grounded."""
+    They are without facts. Each comes with the atoms that it names.
+    """
+    numbers = program.rules
+    by_head: defaultdict[int, list[int]] = defaultdict(list)
+    waiting = []
     at = 0
     while at < len(numbers):
-        choice, heads, bodies, bound = numbers[at : at + 4]
-        middle = at + 4 + heads
-        head, at = tuple(numbers[at + 4 : middle]), middle + bodies
-        body = tuple(numbers[middle:at])
-        if bound:
-            pairs = tuple(zip(body[::2], body[1::2], strict=True))
-            yield GroundRule(bool(choice), head, (), bound, pairs)
+        choice, heads, bodies, _ = numbers[at : at + _FIXED]
+        if choice or not heads:
+            waiting.append(at)
         else:
-            yield GroundRule(bool(choice), head, body)
+            for atom in numbers[at + _FIXED : at + _FIXED + heads]:
+                by_head[atom].append(at)
+        at += _FIXED + heads + bodies
+    reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
+    for atom in reached:
+        waiting += by_head.pop(atom, ())
+    seen = set()
+    while waiting:
+        at = waiting.pop()
+        if at in seen:
+            continue
+        seen.add(at)
+        _, heads, bodies, _ = numbers[at : at + _FIXED]
+        rule = numbers[at : at + _FIXED + heads + bodies]
+        atoms = _atoms(rule)
+        if not facts.isdisjoint(atoms):
+            simplified = _simplified(rule, facts)
+            if simplified is None:
+                continue
+            rule, atoms = simplified, _atoms(simplified)
+        yield rule, atoms
+        for atom in atoms:
+            if atom not in reached:
+                reached.add(atom)
+                waiting += by_head.pop(atom, ())
 
 
-def _simplified(rule: GroundRule, facts: set[int]) -> GroundRule | None:
+def _atoms(rule: Flat) -> list[int]:
+    """Return every atom that a rule names."""
+    _, heads, _, bound = rule[:_FIXED]
+    if bound:
+        return [*rule[_FIXED : _FIXED + heads], *map(abs, rule[_FIXED + heads :: 2])]
+    return [*map(abs, rule[_FIXED:])]
+
+
+def _simplified(rule: Flat, facts: Set[int]) -> "Flat | None":
     """Return a rule without facts, or nothing where they settle it."""
-    if facts.isdisjoint(rule.atoms()):
-        return rule
-    if not rule.choice and not facts.isdisjoint(rule.head):
+    choice, heads, _, bound = rule[:_FIXED]
+    head, body = rule[_FIXED : _FIXED + heads], rule[_FIXED + heads :]
+    head_left = [atom for atom in head if atom not in facts]
+    if len(head_left) < heads and not (choice and head_left):
         return None
-    if any(-literal in facts for literal in rule.body):
-        return None
-    head = tuple(atom for atom in rule.head if atom not in facts)
-    if rule.choice and not head:
-        return None
-    if not rule.bound:
-        return GroundRule(rule.choice, head, tuple(lit for lit in rule.body if lit not in facts))
-    bound = rule.bound - sum(weight for literal, weight in rule.weighted if literal in facts)
-    if bound <= 0:
-        return GroundRule(rule.choice, head, ())
-    weighted = tuple((lit, weight) for lit, weight in rule.weighted if abs(lit) not in facts)
-    return GroundRule(rule.choice, head, (), bound, weighted)
+    if not bound:
+        if any(-literal in facts for literal in body):
+            return None
+        left = [literal for literal in body if literal not in facts]
+    else:
+        weighted = list(zip(body[::2], body[1::2], strict=True))
+        bound -= sum(weight for literal, weight in weighted if literal in facts)
+        open_ones = [pair for pair in weighted if abs(pair[0]) not in facts] if bound > 0 else []
+        left = [number for pair in open_ones for number in pair]
+    return array("i", (choice, len(head_left), len(left), max(bound, 0), *head_left, *left))
+
+
+def _renamed(rule: Flat, names: Mapping[int, int]) -> GroundRule:
+    """Return a rule with other literals; `names` maps each literal."""
+    choice, heads, _, bound = rule[:_FIXED]
+    head = tuple(sorted([names[atom] for atom in rule[_FIXED : _FIXED + heads]]))
+    body = rule[_FIXED + heads :]
+    if not bound:
+        return GroundRule(choice > 0, head, tuple(sorted([names[literal] for literal in body])))
+    pairs = zip(body[::2], body[1::2], strict=True)
+    weighted = tuple(sorted([(names[literal], weight) for literal, weight in pairs]))
+    return GroundRule(choice > 0, head, (), bound, weighted)
 
 
 class _Groups:
@@ -192,12 +202,14 @@ class _Groups:
     def join(self, atoms: Sequence[int]) -> None:
         if not atoms:
             return
-        root = self.find(atoms[0])
+        root, parent = self.find(atoms[0]), self.parent
         for atom in atoms[1:]:
-            self.parent[self.find(atom)] = root
+            # Most are new or joined already.
+            if parent.setdefault(atom, root) != root:
+                parent[self.find(atom)] = root
 
     def members(self) -> dict[int, list[int]]:
-        groups: dict[int, list[int]] = {}
+        groups: defaultdict[int, list[int]] = defaultdict(list)
         for atom in sorted(self.parent):
-            groups.setdefault(self.find(atom), []).append(atom)
+            groups[self.find(atom)].append(atom)
         return groups
