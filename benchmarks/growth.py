@@ -2,7 +2,8 @@
 
     python benchmarks/growth.py [MODULES ...]
 
-Two kinds of input: independent robots of ten modules each, and one robot that hangs together.
+Three kinds of input: independent robots of ten modules each, one robot that hangs together, and
+one whose modules all have the same source and the same controllers.
 Prints processor seconds and memory of clingo on the same facts and rules, of `analyse --format
 json` with its ratio to clingo, of `synthesise`, which verifies what it prints, with its ratio to
 `analyse`, and how both grow from one size to the next.
@@ -81,8 +82,30 @@ def connected_lines(modules: int, rng: random.Random) -> Iterator[str]:
         yield _block(f"K{index}", f"@Converts {rng.randint(1, 3)}", f"{name} f({origin} x)")
 
 
+def hub_lines(modules: int, rng: random.Random) -> Iterator[str]:
+    """Yield one robot whose modules all have the same source or the same two controllers.
+
+    No converter makes what half of the source's clients accept.
+    """
+    clients = [f"C{index}" for index in range(modules // 2)]
+    wheels = [f"W{index}" for index in range(modules // 2)]
+    yield "@configuration hierarchical"
+    yield "@modules S, A, B, " + ", ".join((*clients, *wheels))
+    for client in clients:
+        service = rng.choice(["", "", " NotifyAtFrequency 10", " RequestWhenReady"])
+        yield f"{client} uses_data_from S{service}"
+    for wheel in wheels:
+        yield f"{wheel} is_controlled_by A, B"
+    yield _block("S", "@Sense NotifyAtFrequency 25", "Raw grab()")
+    for client in clients:
+        yield _block(client, "@ControlOut", f"Motion act({rng.choice(['Raw', 'Other'])} x)")
+
+
 def _block(name: str, annotation: str, declaration: str) -> str:
     return f"@module_start\n@module_name {name}\n{annotation}\n{declaration};\n@module_end"
+
+
+KINDS = {"independent": robot_lines, "connected": connected_lines, "hub": hub_lines}
 
 
 def used(*words: str) -> tuple[float, float, bool]:
@@ -102,7 +125,7 @@ def used(*words: str) -> tuple[float, float, bool]:
 
 def measure(kind: str, modules: int, folder: Path) -> tuple[float, float]:
     """Print what clingo alone, an analysis and a synthesis take, and return the last two."""
-    lines = {"independent": robot_lines, "connected": connected_lines}[kind]
+    lines = KINDS[kind]
     file, program = folder / "robots.mars", folder / "robots.lp"
     file.write_text("\n".join(lines(modules, random.Random(1))) + "\n", encoding="utf-8")
     facts = facts_text(project_facts(load_project(str(file))))
@@ -127,7 +150,7 @@ def main() -> None:
         "processor time: clingo alone, analyse (of clingo), synthesise (of analyse); growth of both"
     )
     with tempfile.TemporaryDirectory() as folder:
-        for kind in ("independent", "connected"):
+        for kind in KINDS:
             previous: tuple[float, float] | None = None
             for size in sizes:
                 now = measure(kind, size, Path(folder))
