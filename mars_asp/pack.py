@@ -52,7 +52,7 @@ def unknown_predicates(rule: ast.AST, known: Set[Signature], span: Span) -> Iter
 
     `span` is where the rule stands, for the places of its tree count from its beginning.
     """
-    for name, arity, node in _predicates(rule):
+    for name, arity, node in predicates(rule):
         if (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
             others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
@@ -115,7 +115,8 @@ def _place(span: Span, node: ast.AST) -> Span:
     return point(span.path, span.line + begin.line - 1, column)
 
 
-def _predicates(node: ast.AST) -> Iterator[tuple[str, int, ast.AST]]:
+def predicates(node: ast.AST) -> Iterator[tuple[str, int, ast.AST]]:
+    """Yield the predicate of each atom in a syntax tree, with the node that names it."""
     if node.ast_type == ast.ASTType.SymbolicAtom:
         symbol = node.symbol
         while symbol.ast_type == ast.ASTType.UnaryOperation:
@@ -126,7 +127,7 @@ def _predicates(node: ast.AST) -> Iterator[tuple[str, int, ast.AST]]:
                 yield variant.name, len(variant.arguments), variant
         return
     for child in children(node):
-        yield from _predicates(child)
+        yield from predicates(child)
 
 
 def children(node: ast.AST) -> Iterator[ast.AST]:

@@ -22,6 +22,7 @@ from mars_asp.pack import (
     declared,
     misused_heads,
     named_kinds,
+    predicates,
     refused_rules,
     unknown_predicates,
 )
@@ -57,10 +58,17 @@ class Rule:
         """Return the predicates that the head can derive, as (name, arity)."""
         return frozenset(_head_signatures(self.ast))
 
+    @cached_property
+    def reads(self) -> frozenset[tuple[str, int]]:
+        """Return the predicates that the body reads, and the head unless it is a plain atom."""
+        nodes = [*self.ast.body, *([self.ast.head] if self.is_choice else [])]
+        return frozenset((name, arity) for n in nodes for name, arity, _ in predicates(n))
+
     def __getstate__(self) -> dict[str, object]:
         """Keep what most questions need of the tree, which itself cannot be kept."""
         written = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {**written, "heads": self.heads, "is_choice": self.is_choice}
+        known = {"heads": self.heads, "reads": self.reads, "is_choice": self.is_choice}
+        return {**written, **known}
 
     @cached_property
     def is_choice(self) -> bool:

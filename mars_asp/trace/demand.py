@@ -1,15 +1,18 @@
-"""Which rules a question can reach, read from their texts.
+"""Which rules a question can reach.
 
-Names of predicates and of function terms are not told apart, so a few rules too many may be
-found, never one too few. A rule with a premise of which no atom holds cannot have fired.
+Predicates are told apart by name and arity, but not by sign, so a few rules too many may be found,
+never one too few. A rule with a premise of which no atom holds cannot have fired.
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence, Set
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TypeAlias
 
 from mars_asp.rulebook import Rule
+
+#: A predicate's name and arity.
+Predicate: TypeAlias = tuple[str, int]
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 _COMMENT = re.compile(r"%[^\n]*")
@@ -17,14 +20,6 @@ _NAME = re.compile(r"[a-z_][\w']*")
 _SIGN = re.compile(r"[(){}\[\],;:]")
 _ATOM = re.compile(r"\s*([a-z_][\w']*)\s*(?:\([^=<>!]*\))?[\s.]*")
 _FIRST = re.compile(r"\s*([a-z_]\w*)\(\s*([a-z]\w*)\s*,")
-
-
-class _Names(NamedTuple):
-    """The names in a rule: of its head, of all it reads, and of its premises."""
-
-    head: frozenset[str]
-    read: frozenset[str]
-    premises: frozenset[str]
 
 
 def reachable_rules(
@@ -36,49 +31,51 @@ def reachable_rules(
     with a constant that is none of them says nothing about the question. `present` are the names
     of the predicates that have any atom.
     """
-    by_head: dict[str, list[int]] = {}
+    by_head: dict[Predicate, list[int]] = {}
     for number, rule in enumerate(rules):
-        names = _names_of(rule.text)
-        if not names.premises <= present:
-            continue
-        for name in names.head:
-            by_head.setdefault(name, []).append(number)
+        if _premises(rule.text) <= present:
+            for head in rule.heads:
+                by_head.setdefault(head, []).append(number)
     found: set[int] = set()
-    demanded = set()
+    demanded: set[Predicate] = set()
     waiting = []
-    for name, firsts in asked.items():
-        for number in by_head.get(name, ()):
+    for (name, _), numbers in by_head.items():
+        for number in numbers if name in asked else ():
             match = _FIRST.match(rules[number].text)
-            if match is None or match[1] != name or match[2] in firsts:
+            if match is None or match[1] != name or match[2] in asked[name]:
                 waiting.append(number)
     while waiting:
         number = waiting.pop()
         if number in found:
             continue
         found.add(number)
-        for name in _names_of(rules[number].text).read:
-            if name not in demanded:
-                demanded.add(name)
-                waiting += by_head.get(name, ())
+        for predicate in rules[number].reads - demanded:
+            demanded.add(predicate)
+            waiting += by_head.get(predicate, ())
     return tuple(sorted(found))
 
 
+@lru_cache(maxsize=4096)
 def names_read(text: str) -> frozenset[str]:
     """Return every name that a rule reads, those of function terms too."""
-    return _names_of(text).read
+    head, body = _parts(text)
+    # What a choice offers and the conditions of its elements are not told apart.
+    return _names(body) | (_names(head) if "{" in head else frozenset())
 
 
 @lru_cache(maxsize=4096)
-def _names_of(text: str) -> _Names:
-    bare = _COMMENT.sub("", _STRING.sub('""', text))
-    head, _, body = bare.partition(":-")
-    # What a choice offers and the conditions of its elements are not told apart.
-    read = _names(body) | (_names(head) if "{" in head else frozenset())
-    return _Names(_names(head), read, frozenset(_premises(body)))
+def _premises(text: str) -> frozenset[str]:
+    """Return the names of the positive literals that stand by themselves in a body."""
+    return frozenset(_alone(_parts(text)[1]))
 
 
-def _premises(body: str) -> Iterator[str]:
-    """Yield the names of the positive literals that stand by themselves in a body."""
+def _parts(text: str) -> tuple[str, str]:
+    """Return head and body, without what strings and comments say."""
+    head, _, body = _COMMENT.sub("", _STRING.sub('""', text)).partition(":-")
+    return head, body
+
+
+def _alone(body: str) -> Iterator[str]:
     depth = start = 0
     conditional = False
     for sign in _SIGN.finditer(f"{body};"):
