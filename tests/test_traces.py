@@ -120,8 +120,8 @@ def step(atom: str, rule: Rule, *premises: Given | Derived | Absent, **values: i
 
 
 def bound(**values: int) -> Term:
-    pairs = ([clingo.String(name), clingo.Number(value)] for name, value in values.items())
-    return as_term(clingo.Function("v", [clingo.Function("", pair) for pair in pairs]))
+    names = clingo.Function("n", [clingo.String(name) for name in values])
+    return as_term(clingo.Function("v", [names, *map(clingo.Number, values.values())]))
 
 
 def test_the_checker_finds_what_is_wrong() -> None:

@@ -55,7 +55,7 @@ class Firing:
     head: Term
     premises: Terms
     _absent: Term
-    #: The values of the variables, `v(("X",1),...)`.
+    #: The values of the variables, `v(n("X",...),1,...)`.
     values: Term
     groups: tuple[Group, ...] = ()
     #: What a firing that almost was lacks; `None` for a real one.

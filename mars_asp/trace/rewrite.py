@@ -2,8 +2,8 @@
 
 For a rule `h(X) :- b(X,Y), not c(Y)` with number 14, and question 2:
 
-    _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
-    _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(X,Y)).
+    _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
+    _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)).
 
 An aggregate or conditional literal of a firing is a group: `_e2_14` atoms are its elements, a
 `_g2_14` atom says how many of them the firing rests on. A predicate that is decided only by
@@ -128,7 +128,7 @@ class Rewriter:
                     self.unsupported[number] = "a theory atom"
         firing = (
             f"_s{place}({tag},{shown},p({','.join(term for _, term in premises)}),"
-            f"a({','.join(absent)}),v({','.join(_pair(name) for name in sorted(names))}))"
+            f"a({','.join(absent)}),{_values(sorted(names))})"
         )
         wanted = [*asked, *(text for text, _ in premises), *rest, *terms.equations]
         yield f"{firing} :- {'; '.join(wanted)}."
@@ -305,8 +305,10 @@ def asking_name(name: str) -> str:
     return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
 
 
-def _pair(name: str) -> str:
-    return f'("{name}",{name})'
+def _values(names: Sequence[str]) -> str:
+    """Return a term of what variables stand for, which names them by one term for all firings."""
+    quoted = ",".join(f'"{name}"' for name in names)
+    return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
 
 
 _SWAPPED = {

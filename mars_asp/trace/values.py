@@ -33,8 +33,8 @@ class Derived:
     """An atom that one firing of a rule gives.
 
     `chosen` is true where the rule only offers the atom and least cost picked it. `head` is the
-    atom and `values` what the variables stand for, `v(("X",1),...)`. Premises that several traces
-    share are the same object.
+    atom and `values` what the variables stand for, `v(n("X",...),1,...)`. Premises that several
+    traces share are the same object.
 
     `others` are the other derivations of the atom, where they were asked for: all firings of which
     the premises stand without the atom. Premises alone never lead back to the atom; those of
@@ -105,17 +105,18 @@ class Missing:
 
 
 def bindings_of(values: Term) -> dict[str, clingo.Symbol]:
-    """Return what variables stand for, of a term `v(("X",1),...)`."""
+    """Return what variables stand for, of a term `v(n("X",...),1,...)`."""
     return {name: as_symbol(value) for name, value in _terms_of(values).items()}
 
 
 def _terms_of(values: Term) -> dict[str, Term]:
-    return {_string(name): value for name, value in map(arguments, arguments(values))}
+    names, *found = arguments(values)
+    return dict(zip(_strings(names), found, strict=True))
 
 
 @cache
-def _string(name: Term) -> str:
-    return as_symbol(name).string
+def _strings(names: Term) -> tuple[str, ...]:
+    return tuple(as_symbol(name).string for name in arguments(names))
 
 
 # The same few names stand in the messages of very many steps.
