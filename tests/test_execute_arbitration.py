@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from mars_asp.execute import Behaviour, Executor
 from mars_asp.execute.arbitration import HierarchicalArbitration
+from mars_asp.model import GRASP
 from tests.execute_builders import Inbox, control_out, effector, executed, ms, sensor
 
 GO = "Trans_Z"
@@ -222,8 +223,33 @@ def test_an_inheritance_node_maps_into_the_providers_frames_and_the_nearest_take
         },
         0.1,
     )
-    assert head.got == [(0, {"Rotn_Y": 5})]
+    # What a command does not name is zero, so the head turns no further.
+    assert head.got == [(0, {"Rotn_Y": 5}), (100, {})]
     assert base.got == [(100, {"Trans_X": -8})]
+
+
+def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits() -> None:
+    arm, base = Inbox(), Inbox()
+    executor = executed(
+        "Arm is_mounted_on Base (z, 90, _, _, 0, 0, 0)\nControlSplitter1 is_controlled_by A\n"
+        "Arm is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by ControlSplitter1\n"
+        "ArbitrationNode is_controlled_by B 1\nInheritanceNode1 is_controlled_by ControlSplitter1\n"
+        "Base is_controlled_by InheritanceNode1",
+        [control_out("A"), control_out("B"), effector("Arm", GRASP), effector("Base", "Trans_X")],
+        {
+            "A": Behaviour(
+                iter([("Trans_Y", 8), (GRASP, 3), ("Trans_Y", 4), ("Trans_Z", 1)]).__next__, ms(100)
+            ),
+            "B": Behaviour(lambda: None, ms(100)),
+            "Arm": arm,
+            "Base": base,
+        },
+        0.3,
+    )
+    assert base.got == [(0, {"Trans_X": -8}), (100, {}), (200, {"Trans_X": -4}), (300, {})]
+    # Nobody has the last one, so it shows as it came, and the node says so.
+    assert arm.got == [(0, {}), (100, {GRASP: 3}), (200, {}), (300, {"Trans_Z": 1})]
+    assert list(executor.failures) == ["InheritanceNode1 -> Base"]
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,43 @@ def test_all_errors_of_a_scenario_come_at_once_with_their_lines() -> None:
     assert (4, "`modul` is no key here", "did you mean `module`?") in found
 
 
+def test_blocks_of_a_configuration_say_what_its_modules_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blocks = {
+        "Eye": "@Sense NotifyAtFrequency 20, RequestWhenReady\nScan look();",
+        "Log": "@DataIn\nvoid log(Scan scan);",
+        "Hand": "@ControlOut\nCommand lead();",
+        "Base": "@Trans_Z _ _ 800\n@Rotn_Y",
+        "Arm": "@Grasp 0 80",
+    }
+    written = "".join(
+        f"@module_start\n@module_name {name}\n{block}\n@module_end\n"
+        for name, block in blocks.items()
+    )
+    (tmp_path / "robot.mars").write_text(
+        "@configuration flat\n@modules Eye, Log, Screen, Hand, Base, Arm\n"
+        "Arm is_mounted_on Base (y, 90, _, _, 0, 0, 0)\nLog uses_data_from Eye\n"
+        "Screen uses_data_from Eye NotifyAtFrequency 5\n"
+        "Arm is_controlled_by Hand\n" + written.replace("@ControlOut", "@ControlOut Rotn_Y, Grasp"),
+    )
+    (tmp_path / "lead.py").write_text(
+        "count = 0\ndef lead():\n    global count\n    count += 1\n"
+        "    return ('Rotn_Y', 9) if count % 2 else ('Grasp', 40)\n"
+    )
+    (tmp_path / "s.toml").write_text(
+        "duration = 2\n[robot]\nmodule = 'Base'\n[devices]\nEye.kind = 'sonar'\n"
+        "Arm.kind = 'gripper'\n[bindings]\nHand = { python = 'lead.py:lead', period = 100 }\n"
+    )
+    words = ["run", str(tmp_path / "robot.mars"), "--scenario", str(tmp_path / "s.toml")]
+    assert run_here([*words, "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    asked = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
+    assert asked["Eye", "DataSplitter1"] == 20
+    assert asked["DataSplitter1", "Screen"] == 5
+    assert found["verdict"] == "pass"
+
+
 #: A marker `^` stands before each place that is told, in the order in which they are told.
 WRONG_FORMS = """\
 duration = 1

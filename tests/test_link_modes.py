@@ -61,7 +61,7 @@ def test_a_run_delivers_what_another_mode_than_the_first_serves(
     )
     (tmp_path / "s.toml").write_text(
         'duration = 5\n[robot]\nmodule = "Base"\n'
-        '[devices.Camera]\nkind = "odometry"\n[bindings.Fast]\npython = "sink.py:take"\n'
+        '[devices.Camera]\nkind = "odometry"\nperiod = 20\n[bindings.Fast]\npython = "sink.py:take"\n'
         '[bindings.Slow]\npython = "sink.py:take"\n'
     )
     (tmp_path / "sink.py").write_text("def take(value):\n    return None\n")
@@ -69,4 +69,9 @@ def test_a_run_delivers_what_another_mode_than_the_first_serves(
     status = run_here([*words, "--format", "json", "--quiet"])
     captured = capsys.readouterr()
     assert status == 0, captured
-    assert json.loads(captured.out)["verdict"] == "pass"
+    found = json.loads(captured.out)
+    assert found["verdict"] == "pass"
+    got = {link["client"]: (link["asked_hz"], link["got_hz"]) for link in found["links"]}
+    assert got["Fast"] == (40, 40.2)
+    assert got["Slow"] == (10, 10.2)
+    assert got["DataSplitter1"][0] is None

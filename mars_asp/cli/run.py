@@ -44,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
+    from mars_asp.facts import described_modules
     from mars_asp.judge import judge
     from mars_asp.link_modes import state_modes
     from mars_asp.record import Record
@@ -62,10 +63,12 @@ def run(arguments: argparse.Namespace) -> int:
     if specification is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
-    specification = state_modes(specification, project.modules, rulebook_for(arguments))
+    # A specification that was made here does not repeat the blocks of its configuration.
+    modules = described_modules(project.configuration, project.modules)
+    specification = state_modes(specification, modules, rulebook_for(arguments))
     record = Record()
     observe = record.observe if arguments.record else None
-    trial = stage_trial(specification, project.modules, scenario, observe)
+    trial = stage_trial(specification, modules, scenario, observe)
     _carry_out(trial, arguments)
     judgement = judge(trial)
     write_outputs(trial, record, arguments)

@@ -53,6 +53,7 @@ class Executor:
         self.effectors: dict[str, Effector] = {}
         self.elements: dict[str, Any] = {}
         self._demands: dict[str, Callable[[], None]] = {}
+        self._left = self.plan.left_to_providers()
         for link in self.plan.links:
             link.schedule, link.observe = self.schedule, observe
         # An arbiter is built before those it feeds: their timers then follow its own.
@@ -143,7 +144,13 @@ class Executor:
         if kind in ("data_out", "control_out", "sink"):
             return self._algorithm(name, kind, behaviour)
         if kind == "effector":
-            self.effectors[name] = Effector(name, behaviour, self.command_timeout, self.schedule)
+            self.effectors[name] = Effector(
+                name,
+                behaviour,
+                self.command_timeout,
+                self.schedule,
+                self._left.get(name, frozenset()),
+            )
             return self.effectors[name]
         if kind == "arbitration_node":
             self.arbiters[name] = self._arbiter(name)
@@ -153,7 +160,9 @@ class Executor:
         if kind == "data_transformer":
             return DataTransformer(self._converter(name), plan.data_out[name])
         if kind == "inheritance_node":
-            return InheritanceNode(plan.providers(name), plan.allocation(name))
+            led = plan.led_by_both(name)
+            own = frozenset() if led is None else plan.functions(led)
+            return InheritanceNode(plan.providers(name), plan.allocation(name), own)
         return ControlSplitter(plan.control_out[name])
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:

@@ -145,10 +145,20 @@ class Algorithm:
 
 
 class Effector:
-    """Holds the latest command; rests when none came for `timeout` ns."""
+    """Holds the latest command; rests when none came for `timeout` ns.
 
-    def __init__(self, name: str, behaviour: Behaviour, timeout: int, schedule: Schedule) -> None:
-        self.name, self.behaviour, self.schedule = name, behaviour, schedule
+    Of a command it does not take what is `left` to an InheritanceNode that hears it, too.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        behaviour: Behaviour,
+        timeout: int,
+        schedule: Schedule,
+        left: frozenset[str] = frozenset(),
+    ) -> None:
+        self.name, self.behaviour, self.schedule, self.left = name, behaviour, schedule, left
         self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
         self.message: Message | None = None
         self.awaited: Link | None = None
@@ -162,6 +172,9 @@ class Effector:
 
     def receive(self, link: Link, message: Message) -> None:
         """Take a command; it is applied when everything else of the instant is done."""
+        if self.left:
+            taken = {f: rate for f, rate in message.value.items() if f not in self.left}
+            message = message._replace(value=taken)
         if self.awaited is not None:
             self.awaited.dropped["overtaken"] += 1
         self.message, self.awaited = message, link

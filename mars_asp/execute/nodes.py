@@ -5,10 +5,7 @@ from typing import Any
 
 from mars_asp.execute.delivery import Offer
 from mars_asp.execute.link import Failures, Link, Message
-from mars_asp.model import GRASP
-
-#: Rows of a rotation that takes vectors of the commanding frame into the provider's.
-Rotation = Sequence[Sequence[float]]
+from mars_asp.execute.rotations import Rotation, map_function
 
 
 class DataSplitter:
@@ -61,22 +58,28 @@ class InheritanceNode:
 
     `providers` are, nearest first, an output, its rotation and the functions it has. Among
     similar providers the nearest takes a function, with the allocation `root` the farthest, with
-    `split` each an equal share; a stop reaches them all.
+    `split` each an equal share. Functions that are not named are zero: a stop reaches all, and who
+    has no part in a command any more gets one. What the commanded module does itself, its `own`,
+    is left to it.
     """
 
     def __init__(
         self,
         providers: Sequence[tuple[Link, Rotation, frozenset[str]]],
         allocation: str | None = None,
+        own: frozenset[str] = frozenset(),
     ) -> None:
-        self.providers = providers
+        self.providers, self.own = providers, own
         self.taking = {None: slice(1), "root": slice(-1, None), "split": slice(None)}[allocation]
+        self.moving: set[int] = set()
 
     def receive(self, message: Message) -> None:
         """Send each provider what falls to it."""
         commands: list[dict[str, float]] = [{} for _ in self.providers]
         lacking = []
         for function, rate in message.value.items():
+            if function in self.own:
+                continue
             able = [
                 (command, mapped)
                 for command, (_, rotation, functions) in zip(commands, self.providers, strict=True)
@@ -88,20 +91,11 @@ class InheritanceNode:
                     command[name] = command.get(name, 0.0) + part / len(taking)
             if not able:
                 lacking.append(function)
-        for command, (link, _, _) in zip(commands, self.providers, strict=True):
-            if command or not message.value:
+        for index, (command, (link, _, _)) in enumerate(zip(commands, self.providers, strict=True)):
+            if command or not message.value or index in self.moving:
                 link.send(message._replace(value=command))
+            (self.moving.add if command else self.moving.discard)(index)
         if lacking:
             names = ", ".join(sorted(lacking))
             for link, _, _ in self.providers[:1]:
                 link.fail(LookupError(f"nothing provides {names}"))
-
-
-def map_function(function: str, rate: float, rotation: Rotation) -> dict[str, float]:
-    """Return what a function and its rate are in another frame; a grasp has no direction."""
-    if function == GRASP:
-        return {function: rate}
-    kind, axis = function.split("_")
-    column = "XYZ".index(axis)
-    parts = {f"{kind}_{name}": row[column] for name, row in zip("XYZ", rotation, strict=True)}
-    return {name: part * rate for name, part in parts.items() if abs(part) > 1e-9}

@@ -4,14 +4,14 @@ from collections import defaultdict
 from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
-from math import cos, radians, sin
 
 from mars_asp.execute.behaviour import Behaviour
 from mars_asp.execute.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execute.link import Link
-from mars_asp.execute.nodes import Rotation
+from mars_asp.execute.rotations import IDENTITY, Rotation, map_function, rotation_of, times
 from mars_asp.execute.schedule import MILLISECOND, SECOND
 from mars_asp.model import (
+    MOTION_FUNCTIONS,
     Configuration,
     Control,
     Data,
@@ -24,7 +24,6 @@ from mars_asp.model import (
 )
 
 DEFAULT_HOLD = 200 * MILLISECOND
-_IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Plan:
@@ -213,21 +212,59 @@ class Plan:
 
         The commanded module is the one farthest out whose mounts pass through every provider.
         """
-        links = {
-            effector: link
-            for link in self.control_out[node]
-            for effector in self._effectors(link.client)
-        }
+        links = self._provider_links(node)
         chains = [self.chain(name) for name in self.names]
         through = [chain for chain in chains if links.keys() <= set(chain)]
         chain = max(through, key=len, default=list(links))
         found: list[tuple[Link, Rotation, frozenset[str]]] = []
         for name in chain:
             if name in links:
-                functions = self.modules[name].functions if name in self.modules else ()
-                names = frozenset(function.name for function in functions)
-                found.append((links[name], self._rotation(chain, name), names))
+                found.append((links[name], self._rotation(chain, name), self.functions(name)))
         return found
+
+    def functions(self, name: str) -> frozenset[str]:
+        """Return the native functions that a module states."""
+        functions = self.modules[name].functions if name in self.modules else ()
+        return frozenset(function.name for function in functions)
+
+    def led_by_both(self, node: str) -> str | None:
+        """Return the module that an InheritanceNode stands for and its controller commands, too.
+
+        It stands on all the node's providers, and is the farthest out of those that do.
+        """
+        providers = self._provider_links(node).keys()
+        beside = [link for into in self.control_in[node] for link in self.control_out[into.source]]
+        riders = [
+            name
+            for link in beside
+            if link.client != node
+            for name in self._effectors(link.client)
+            if providers <= set(self.chain(name)[1:])
+        ]
+        return max(riders, key=lambda name: len(self.chain(name)), default=None)
+
+    def left_to_providers(self) -> dict[str, frozenset[str]]:
+        """Return what InheritanceNodes carry out for modules that are led by both, by module."""
+        left: dict[str, frozenset[str]] = {}
+        for node in self.names:
+            name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None
+            if name is None:
+                continue
+            given = {
+                function
+                for _, rotation, functions in self.providers(node)
+                for function in MOTION_FUNCTIONS
+                if map_function(function, 1.0, rotation).keys() <= functions
+            }
+            left[name] = left.get(name, frozenset()) | given - self.functions(name)
+        return left
+
+    def _provider_links(self, node: str) -> dict[str, Link]:
+        return {
+            effector: link
+            for link in self.control_out[node]
+            for effector in self._effectors(link.client)
+        }
 
     def allocation(self, node: str) -> str | None:
         """Return which of similar providers an InheritanceNode takes, `None` the nearest."""
@@ -247,43 +284,19 @@ class Plan:
         ]
 
     def _rotation(self, chain: list[str], base: str) -> Rotation:
-        rotation = _IDENTITY
+        rotation = IDENTITY
         for mounting, mounted in pairwise(chain[: chain.index(base) + 1]):
             if mounting in self.mounts and self.mounts[mounting].mounted == mounted:
-                rotation = _times(self._mount_rotation(self.mounts[mounting]), rotation)
+                rotation = times(self._mount_rotation(self.mounts[mounting]), rotation)
         return rotation
 
     def _mount_rotation(self, mount: Mount) -> Rotation:
-        own = _rotation_of(self._vertex(mount.mounting, mount.mounting_vertex))
-        on = _rotation_of(self._vertex(mount.mounted, mount.mounted_vertex))
-        across = _rotation_of(mount.transformation)
+        own = rotation_of(self._vertex(mount.mounting, mount.mounting_vertex))
+        on = rotation_of(self._vertex(mount.mounted, mount.mounted_vertex))
+        across = rotation_of(mount.transformation)
         transposed = tuple(zip(*own, strict=True))
-        return _times(on, _times(across, transposed))
+        return times(on, times(across, transposed))
 
     def _vertex(self, name: str, number: int | None) -> Transformation | None:
         vertices = self.modules[name].vertices if name in self.modules else ()
         return next((v.transformation for v in vertices if v.number == (number or 0)), None)
-
-
-def _rotation_of(transformation: Transformation | None) -> Rotation:
-    rotation = _IDENTITY
-    for axis, degrees in transformation.rotations if transformation else ():
-        rotation = _times(_turn(axis.lower(), float(degrees)), rotation)
-    return rotation
-
-
-def _turn(axis: str, degrees: float) -> Rotation:
-    quarters = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
-    angle = radians(degrees)
-    c, s = quarters.get(degrees % 360, (cos(angle), sin(angle)))
-    if axis == "x":
-        return ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
-    if axis == "y":
-        return ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
-    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
-
-
-def _times(a: Rotation, b: Rotation) -> Rotation:
-    return tuple(
-        tuple(sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)) for i in range(3)
-    )
