@@ -8,7 +8,7 @@ from typing import Any
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
-from mars_asp.cli.reason import read_project, rulebook_for
+from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.diff import Change, Difference, diff
@@ -27,6 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print what changed; 1 where an error appeared, 3 where no time was left."""
+    check_inputs(arguments.old, arguments.new)
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
     found = diff(old, new, rulebook_for(arguments), arguments.time_limit)
     if arguments.format == "json":

@@ -8,12 +8,36 @@ from pathlib import Path
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.parse import MOST_BYTES, decode
 from mars_asp.project import Project, load_project, project_facts
 from mars_asp.rulebook import Rulebook, load_rulebook
+from mars_asp.source import point
 from mars_asp.visible import visible
 
 STANDARD_INPUT = "-"
+
+
+def read_input(shown: str) -> str:
+    """Return the text of standard input, which `shown` stands for in places.
+
+    Raises:
+        MarsError: it is too large, or no text.
+    """
+    return decode(sys.stdin.buffer.read(MOST_BYTES + 1), shown)
+
+
+def check_inputs(*paths: str) -> None:
+    """Check that standard input is read for one file alone.
+
+    Raises:
+        MarsError: it is asked for twice.
+    """
+    if paths.count(STANDARD_INPUT) > 1:
+        message = "standard input was read for another file already"
+        place = point(STANDARD_INPUT, 1, 1)
+        help_text = "give all files but one by their names"
+        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
 
 
 def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
@@ -26,7 +50,7 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     text = None
     if path == STANDARD_INPUT:
         path = "<stdin>"
-        text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), path)
+        text = read_input(path)
     with stage(arguments, f"reading {visible(path)}"):
         project = load_project(path, arguments.sources, text)
     report(project.diagnostics, arguments)

@@ -12,7 +12,15 @@ from mars_asp.cli import _positive
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
-from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
+from mars_asp.cli.reason import (
+    STANDARD_INPUT,
+    add_file,
+    analyse_project,
+    check_inputs,
+    read_input,
+    read_project,
+    rulebook_for,
+)
 from mars_asp.cli.report import report
 from mars_asp.visible import visible
 
@@ -24,6 +32,7 @@ if TYPE_CHECKING:
     from mars_asp.judge import Judgement
     from mars_asp.model import Configuration
     from mars_asp.project import Project
+    from mars_asp.scenario import Scenario
     from mars_asp.trial import Trial
 
 #: Simulated seconds between two looks at the run.
@@ -48,13 +57,13 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.judge import judge
     from mars_asp.link_modes import state_modes
     from mars_asp.record import Record
-    from mars_asp.scenario import load_scenario
     from mars_asp.trace.text import trace_json
     from mars_asp.trial import stage_trial
 
     check_packages(arguments)
+    check_inputs(arguments.file, arguments.scenario)
     project = read_project(arguments)
-    scenario = load_scenario(Path(arguments.scenario))
+    scenario = _scenario(arguments)
     if arguments.seed is not None:
         scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
@@ -82,6 +91,14 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.explain:
             _explain(judgement)
     return int(not judgement.holds)
+
+
+def _scenario(arguments: argparse.Namespace) -> "Scenario":
+    from mars_asp.scenario import load_scenario, read_scenario
+
+    if arguments.scenario == STANDARD_INPUT:
+        return read_scenario(read_input("<stdin>"), Path("<stdin>"))
+    return load_scenario(Path(arguments.scenario))
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import analyse_project, read_project, rulebook_for
+from mars_asp.cli.reason import analyse_project, check_inputs, read_project, rulebook_for
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
 from mars_asp.rulebook import Rulebook
@@ -36,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print what fails; 1 where something does, 3 where no time was left to compare costs."""
+    check_inputs(arguments.specification, arguments.file)
     specification = read_project(arguments, arguments.specification).configuration
     project = read_project(arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
