@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mars_asp.diagnostic import MarsError
 from mars_asp.execute import Behaviour, Executor
 from mars_asp.execute.arbitration import HierarchicalArbitration
 from mars_asp.model import GRASP
@@ -226,6 +227,26 @@ def test_an_inheritance_node_maps_into_the_providers_frames_and_the_nearest_take
     # What a command does not name is zero, so the head turns no further.
     assert head.got == [(0, {"Rotn_Y": 5}), (100, {})]
     assert base.got == [(100, {"Trans_X": -8})]
+
+
+def test_a_provider_that_nothing_describes_is_taken_where_it_is_the_only_one() -> None:
+    base = Inbox()
+    lines = (
+        "Camera is_mounted_on Head\nHead is_mounted_on Base\n"
+        "InheritanceNode1 is_controlled_by A\nBase is_controlled_by InheritanceNode1\n"
+    )
+    behaviours = {
+        "A": Behaviour(lambda: ("Rotn_X", 5), ms(100)),
+        "Base": base,
+        "Head": Inbox(),
+    }
+    executed(lines, [control_out("A")], behaviours, 0.0)
+    assert base.got == [(0, {"Rotn_X": 5})]
+    lines += "Head is_controlled_by InheritanceNode1\n"
+    with pytest.raises(MarsError) as raised:
+        executed(lines, [control_out("A"), effector("Base", "Rotn_X")], behaviours, 0.0)
+    (found,) = raised.value.diagnostics
+    assert found.message == "nothing says which functions `Head` provides to `InheritanceNode1`"
 
 
 def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits() -> None:

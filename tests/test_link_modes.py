@@ -61,7 +61,8 @@ def test_a_run_delivers_what_another_mode_than_the_first_serves(
     )
     (tmp_path / "s.toml").write_text(
         'duration = 5\n[robot]\nmodule = "Base"\n'
-        '[devices.Camera]\nkind = "odometry"\nperiod = 20\n[bindings.Fast]\npython = "sink.py:take"\n'
+        '[devices.Camera]\nkind = "odometry"\nperiod = 20\n'
+        '[bindings.Fast]\npython = "sink.py:take"\n'
         '[bindings.Slow]\npython = "sink.py:take"\n'
     )
     (tmp_path / "sink.py").write_text("def take(value):\n    return None\n")

@@ -116,6 +116,12 @@ class Executor:
             for c in plan.configuration.conversions
             if (c.converter or c.transformer) not in plan.behaviours
         ]
+        problems += [
+            _unknown_provider(node, provider, spans.get(provider, whole))
+            for node in plan.names
+            if plan.kind(node) == "inheritance_node"
+            for provider in plan.unknown_providers(node)
+        ]
         if problems:
             raise MarsError(problems)
 
@@ -258,3 +264,9 @@ def _unbound(name: str, kind: str, span: Span) -> Diagnostic:
     message = f"`{name}` has nothing to run it ({kind.replace('_', ' ')})"
     help_text = f"bind `{name}` to a device or a Python function in the scenario"
     return Diagnostic("unbound", "error", message, span, (), help_text)
+
+
+def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
+    message = f"nothing says which functions `{name}` provides to `{node}`"
+    help_text = f"describe `{name}`: name its source by `--sources`, or repeat its block"
+    return Diagnostic("undescribed", "error", message, span, (), help_text)

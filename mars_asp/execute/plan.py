@@ -219,8 +219,16 @@ class Plan:
         found: list[tuple[Link, Rotation, frozenset[str]]] = []
         for name in chain:
             if name in links:
-                found.append((links[name], self._rotation(chain, name), self.functions(name)))
+                # Who alone carries out what is inherited can do it, though nothing describes it.
+                alone = name not in self.modules and len(links) == 1
+                functions = frozenset(MOTION_FUNCTIONS) if alone else self.functions(name)
+                found.append((links[name], self._rotation(chain, name), functions))
         return found
+
+    def unknown_providers(self, node: str) -> list[str]:
+        """Return which of several providers nothing describes, so that none can be chosen."""
+        providers = self._provider_links(node)
+        return [n for n in providers if n not in self.modules] if len(providers) > 1 else []
 
     def functions(self, name: str) -> frozenset[str]:
         """Return the native functions that a module states."""
