@@ -204,7 +204,8 @@ def _least(
     if result.unsatisfiable:
         raise UnsatisfiableError
     values = dict(zip(levels, cost, strict=False))
-    if result.exhausted and true is not None:
+    # Without anything to minimise the first answer ends the search, and none is better.
+    if true is not None and (result.exhausted or not levels):
         return Optimum(true, values, values, True, None)
     lower = control.statistics["summary"]["lower"] if levels else []
     bound = {**dict.fromkeys(levels, 0), **dict(zip(levels, map(int, lower), strict=False))}

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.analysis import analyse
+from mars_asp.cli import run_here
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model import Configuration, Control, Data, Mode, Mount, Relationship
 from mars_asp.modes import parse_mode
@@ -181,7 +182,9 @@ def test_a_broken_priority_names_its_clause() -> None:
 def written(specification: Configuration, project: Project) -> dict[int, int]:
     verification = judge_specification(specification, project, RULEBOOK)
     assert verification.violations == ()
-    return written_cost(verification, RULEBOOK).cost
+    cost = written_cost(verification, RULEBOOK)
+    assert cost.proven
+    return cost.cost
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -261,3 +264,18 @@ def test_conversion_cost_decides_what_is_minimal(
     assert done["minimal"] is minimal
     assert done["cost"] == {"nodes": 2, "conversion": conversion, "relationships": 4}
     assert done["least"] == {"nodes": 2, "conversion": 2, "relationships": 4}
+
+
+def test_an_abstract_transformer_costs_nothing_and_is_minimal(tmp_path: Path) -> None:
+    """Where nothing is minimised the first answer is as good as any."""
+    (tmp_path / "c.mars").write_text(
+        "@configuration\n@modules Eye, C\nC uses_data_from Eye\n"
+        "@module_start\n@module_name Eye\n@Sense NotifyWhenReady\nImage look();\n@module_end\n"
+        "@module_start\n@module_name C\n@DataIn\nvoid take(Lines x);\n@module_end\n"
+    )
+    words = ["verify", str(tmp_path / "s.mars"), str(tmp_path / "c.mars"), "--format", "json"]
+    assert run_here(["synthesise", str(tmp_path / "c.mars"), "-o", words[1]]) == 0
+    assert run_here(words) == 0
+    done = json.loads(run(f"mars-asp {' '.join(words)}").splitlines()[0])
+    assert done["minimal"]
+    assert done["cost"] == done["least"] == {"nodes": 1, "conversion": 0, "relationships": 2}
