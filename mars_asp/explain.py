@@ -173,6 +173,9 @@ def _asked_atom(
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol
     names = {name.text for name in project.configuration.modules}
+    if synthesis is None and _is_node(subject, project):
+        message = f"there is no `{subject}`, for no specification realises this configuration"
+        raise wrong_subject(project, message, "`mars-asp check` says what stands against it")
     if subject in names:
         message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
         raise wrong_subject(project, message, help_text)

@@ -9,6 +9,8 @@ from mars_asp.modes import parse_number
 AXES = ("x", "y", "z")
 NONE = "_"
 _MOST_SLOTS = 7
+#: Rules reason with micrometres in whole 32 bit numbers.
+_FARTHEST = 2_147_483
 
 
 def read_transformation(slots: Sequence[str]) -> Transformation | tuple[int, str, str]:
@@ -50,8 +52,11 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[int, str
         rotations.append((axis, angle))
     translation = [Decimal(0) if slot == NONE else parse_number(slot) for slot in after]
     for index, length in enumerate(translation):
+        place = len(slots) - 3 + index
         if length is None:
-            place = len(slots) - 3 + index
             return (place, f"`{slots[place]}` is no length", "write a number of mm or `_`")
+        if abs(length) > _FARTHEST:
+            message = f"`{slots[place]}` mm is farther than rules can reason about"
+            return (place, message, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}")
     x, y, z = (length for length in translation if length is not None)
     return Transformation(tuple(rotations), (x, y, z))

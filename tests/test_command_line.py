@@ -25,6 +25,17 @@ def mars(*words: str, text: str | None = None) -> subprocess.CompletedProcess[st
 
 
 LEVEL0 = "examples/level0/config.mars"
+IMPOSSIBLE = """\
+@configuration
+@modules A, B, C
+A uses_data_from B NotifyWhenReady
+C uses_data_from B
+@module_start
+@module_name B
+@Sense RequestWhenReady
+Image look();
+@module_end
+"""
 GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
 
 
@@ -77,6 +88,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["draw", "-", "-o", "picture.svg"], GOOD + "A uses_data_form B\n", 2, "`uses_data_from`"),
         (["draw", "missing.mars", "-o", "picture.svg"], None, 2, "missing.mars"),
         (["check", "-"], "@configuration\n@modules A, B,\nA uses_data_from B\n", 2, "drop it"),
+        (["explain", "-", "DataSplitter1"], IMPOSSIBLE, 2, "no specification realises"),
         (["rules", "show"], None, 2, "needs the ID"),
         (["verify", LEVEL0, "tests/specifications/level0.mars"], None, 2, "SPEC stands first"),
         (["diff", "-", "-"], GOOD, 2, "for another file already"),
@@ -137,6 +149,11 @@ def test_json_keeps_what_execution_needs() -> None:
         "from": "Image",
         "to": "Lines",
     }
+
+
+def test_a_rule_is_shown_as_json_too() -> None:
+    found = json.loads(mars("rules", "show", "data/divergence", "--format", "json").stdout)
+    assert (found["id"], found["path"]) == ("data/divergence", "rules/data.lp")
 
 
 def test_hostile_rules_end_with_a_message(tmp_path: Path) -> None:

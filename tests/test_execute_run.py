@@ -134,7 +134,8 @@ def test_blocks_of_a_configuration_say_what_its_modules_are(
         "Arm is_controlled_by Hand\n" + written.replace("@ControlOut", "@ControlOut Rotn_Y, Grasp"),
     )
     (tmp_path / "lead.py").write_text(
-        "count = 0\ndef lead():\n    global count\n    count += 1\n"
+        "count = 0\nprint('read')\ndef lead():\n    global count\n    count += 1\n"
+        "    print('led')\n"
         "    return ('Rotn_Y', 9) if count % 2 else ('Grasp', 40)\n"
     )
     (tmp_path / "s.toml").write_text(
@@ -143,7 +144,9 @@ def test_blocks_of_a_configuration_say_what_its_modules_are(
     )
     words = ["run", str(tmp_path / "robot.mars"), "--scenario", str(tmp_path / "s.toml")]
     assert run_here([*words, "--format", "json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    printed, told = capsys.readouterr()
+    assert told.startswith("read\nled\n")
+    found = json.loads(printed)
     asked = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
     assert asked["Eye", "DataSplitter1"] == 20
     assert asked["DataSplitter1", "Screen"] == 5

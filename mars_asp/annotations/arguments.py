@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from mars_asp.model import GRASP, MOTION_FUNCTIONS, Mode, Transformation
 from mars_asp.modes import ModeProblem, parse_mode, parse_number
+from mars_asp.spelling import nearest
 from mars_asp.tuples import read_transformation
 
 FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
@@ -43,7 +44,8 @@ def read_commands(text: str) -> tuple[str, ...] | Wrong:
     words = list(re.finditer(r"[^,\s]+", text))
     for word in words:
         if word[0] not in FUNCTIONS:
-            expected = f"write functions: {', '.join(FUNCTIONS)}"
+            near = nearest(word[0], FUNCTIONS, 0.84)
+            expected = f"did you mean `{near}`?" if near else f"one of {', '.join(FUNCTIONS)}"
             return Wrong("MARS114", f"`{word[0]}` is no function", expected, *word.span())
     return tuple(word[0] for word in words)
 
@@ -75,7 +77,12 @@ def read_delivery(text: str) -> tuple[tuple[Mode, ...], Decimal | None] | Wrong:
             at = begin + words.start(2)
             value = parse_number(words[2].strip())
             end = at + len(words[2].strip())
-            if value is None or not 0 < value <= _HIGHEST_HZ or hz is not None:
+            if value is not None and hz is not None:
+                message = f"a second frequency, `{words[2].strip()}`"
+                return Wrong(
+                    "MARS113", message, f"one belongs to `{_PERIODIC}`, drop the other", at, end
+                )
+            if value is None or not 0 < value <= _HIGHEST_HZ:
                 return Wrong("MARS113", f"`{words[2].strip()}` is no frequency", _HZ, at, end)
             hz = value, at, end
     periodic = any(mode.name == _PERIODIC for mode in modes)

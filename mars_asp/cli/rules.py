@@ -32,7 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     messages = [rule for rule in rulebook.rules if rule.because is not None]
     if arguments.action == "show":
-        _show(rulebook, arguments.what)
+        rule = _named(rulebook, arguments.what)
+        print(encoded(_json(rule)) if arguments.format == "json" else _document(rule).rstrip("\n"))
     elif arguments.action == "doc":
         print("# Rules\n")
         for rule in messages:
@@ -45,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _show(rulebook: Rulebook, name: str) -> None:
+def _named(rulebook: Rulebook, name: str) -> Rule:
     rule = rulebook.by_id.get(name)
     if rule is None:
         near = nearest(name, rulebook.by_id)
@@ -54,7 +55,7 @@ def _show(rulebook: Rulebook, name: str) -> None:
         raise MarsError(
             (Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),)
         )
-    print(_document(rule), end="")
+    return rule
 
 
 def _document(rule: Rule) -> str:

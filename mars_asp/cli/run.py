@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -77,8 +78,11 @@ def run(arguments: argparse.Namespace) -> int:
     specification = state_modes(specification, modules, rulebook_for(arguments))
     record = Record()
     observe = record.observe if arguments.record else None
-    trial = stage_trial(specification, modules, scenario, observe)
-    _carry_out(trial, arguments)
+    # What modules print is no part of the result that programs read.
+    aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
+    with aside:
+        trial = stage_trial(specification, modules, scenario, observe)
+        _carry_out(trial, arguments)
     judgement = judge(trial)
     write_outputs(trial, record, arguments)
     if arguments.format == "json":
