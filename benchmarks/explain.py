@@ -16,7 +16,7 @@ from clingo import ast
 from growth import robot_lines
 
 from mars_asp.facts import facts_text
-from mars_asp.project import load_project, project_facts
+from mars_asp.project import load_project, project_facts, project_lookup
 from mars_asp.rulebook import load_rulebook
 from mars_asp.slicing import slice_for
 
@@ -66,8 +66,15 @@ class _Named(ast.Transformer):
 def for_xclingo(path: str, folder: Path) -> str:
     """Write the rules and facts behind the asked consequence, its rules with traces."""
     project = load_project(path)
-    part = slice_for(ASKED, load_rulebook(), lambda names: project_facts(project, wanted=names))
+    part = slice_for(
+        ASKED,
+        load_rulebook(),
+        lambda names: project_facts(project, wanted=names),
+        lambda names: project_lookup(project, names),
+    )
     assert part is not None
+    # Which facts of a predicate are needed is our own answer already.
+    facts = project_facts(project, wanted={fact.atom.name for fact in part.facts})
     traced = [
         f'%!trace_rule {{"{rule.id}"}}.\n{_Named()(rule.ast)}' for rule in part.rulebook.rules
     ]
@@ -76,7 +83,7 @@ def for_xclingo(path: str, folder: Path) -> str:
         f'%!show_trace {{consequence({kind},V,"{name}",C)}} :- consequence({kind},V,"{name}",C).'
     )
     target = folder / "asked.lp"
-    target.write_text("\n".join([*traced, asked, facts_text(part.facts)]))
+    target.write_text("\n".join([*traced, asked, facts_text(facts)]))
     return str(target)
 
 

@@ -15,7 +15,7 @@ from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import node_kind
-from mars_asp.project import Project, project_facts
+from mars_asp.project import Project, project_facts, project_lookup
 from mars_asp.resolve import Synthesis, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.slicing import Slice, slice_for
@@ -61,13 +61,18 @@ def explain(
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in the seconds given.
     """
-    part = None
     if subject is not None:
-        part = slice_for(subject, rulebook, lambda names: project_facts(project, wanted=names))
-    if part is not None:
-        answer = _explain_part(project, part, subject or "", every)
-        if answer.topics:
-            return answer
+        # What a part refuses, the whole says with all that is wrong, if it is.
+        with contextlib.suppress(MarsError):
+            part = slice_for(
+                subject,
+                rulebook,
+                lambda names: project_facts(project, wanted=names),
+                lambda names: project_lookup(project, names),
+            )
+            answer = None if part is None else _explain_part(project, part, subject, every)
+            if answer is not None and answer.topics:
+                return answer
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     # To read the consequences takes longer than to trace a node.

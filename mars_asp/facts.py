@@ -1,8 +1,10 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from decimal import Decimal
 from functools import cached_property
+from itertools import groupby
+from operator import attrgetter
 
 from clingo import Symbol
 
@@ -17,6 +19,7 @@ from mars_asp.model import (
     Mode,
     Module,
     Mount,
+    Name,
     Relationship,
     Service,
     ends_of,
@@ -48,7 +51,7 @@ def configuration_facts(
     Raises:
         MarsError: a number does not fit clingo's 32 bit integers.
     """
-    return _Compiler(configuration, modules or {}, wanted).compile()
+    return Compiler(configuration, modules or {}, wanted).compile()
 
 
 def described_modules(
@@ -82,10 +85,14 @@ def numbered_annotations(
     """Yield the annotations of described modules with their identifiers."""
     number = len(configuration.relationships)
     for module in described.values():
-        annotations: tuple[Service | Function, ...] = (*module.services, *module.functions)
-        for annotation in annotations:
+        for annotation in annotations_of(module):
             number += 1
             yield number, module, annotation
+
+
+def annotations_of(module: Module) -> tuple[Service | Function, ...]:
+    """Return the annotations of a module in the order of their identifiers."""
+    return (*module.services, *module.functions)
 
 
 def mode_term(mode: Mode) -> Atom:
@@ -111,19 +118,24 @@ def plain(number: Decimal) -> str:
     return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
 
 
-#: The predicates by which modules and relationships are told, and those of annotations.
-WIRING = frozenset(
-    "architecture period module node place uses_data_from is_controlled_by is_mounted_on"
-    " priority hold allocation required_mode required_rate in_words".split()
+#: The predicates by which the architecture, modules, relationships and annotations are told.
+HEADING = frozenset({"architecture", "period"})
+MODULES = frozenset({"module", "node", "place"})
+RELATIONSHIPS = frozenset(
+    "place uses_data_from is_controlled_by is_mounted_on priority hold allocation required_mode"
+    " required_rate".split()
 )
+WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
 ANNOTATIONS = frozenset(
     "described class native place converts commands unknown_input input ambiguous_name delivers"
-    " output offered_mode offered_rate in_words".split()
+    " output offered_mode offered_rate".split()
 )
+#: Those by which it is told what mounts do to motions.
+FRAMES = frozenset("rooted appears appears_in_part lever_arm own_rank chain_rank".split())
 
 
-class _Compiler:
-    """Collects facts and what does not fit; lives for one call."""
+class Compiler:
+    """Collects facts and what does not fit."""
 
     def __init__(
         self,
@@ -133,84 +145,132 @@ class _Compiler:
     ) -> None:
         self.configuration = configuration
         self.wanted = wanted
-        self.known = {**modules, **{module.name: module for module in configuration.declared}}
-        self.described = described_modules(configuration, modules)
+        self.modules = modules
         self.facts: list[Fact] = []
         self.problems: list[Diagnostic] = []
-        self.worded: set[tuple[str, Term]] = set()
+
+    @cached_property
+    def known(self) -> Mapping[str, Module]:
+        """Return every module that anything is known of."""
+        return {**self.modules, **{module.name: module for module in self.configuration.declared}}
+
+    @cached_property
+    def described(self) -> Mapping[str, Module]:
+        """Return the modules that rules are told of."""
+        return described_modules(self.configuration, self.modules)
 
     @cached_property
     def names(self) -> Names:
+        """Return the representations that rules are told of."""
         return _names(self.described)
 
+    @cached_property
+    def numbered(self) -> Sequence[tuple[int, Relationship]]:
+        """Return the relationships with their identifiers."""
+        return numbered(self.configuration.relationships)
+
     def compile(self) -> tuple[Fact, ...]:
+        """Return all facts that are wanted.
+
+        Raises:
+            MarsError: a number does not fit.
+        """
+        self.tell()
+        if self.problems:
+            raise MarsError(self.problems)
+        return tuple(self.facts)
+
+    def tell(self) -> None:
+        """Tell all that is wanted."""
         parts = (
-            (self.wiring, WIRING),
+            (self.heading, HEADING),
+            (self.each_module, MODULES),
+            (self.relationships, RELATIONSHIPS),
             (self.annotations, ANNOTATIONS),
+            (self.words, {"in_words"}),
             (self.resemblances, {"resembles"}),
             (self.walks, {"closed_walk"}),
         )
         for tell, predicates in parts:
             if self.wanted is None or self.wanted & predicates:
                 tell()
-        if self.problems:
-            raise MarsError(self.problems)
-        return tuple(self.facts)
 
-    def wiring(self) -> None:
-        """Tell the architecture, modules and relationships."""
+    def heading(self) -> None:
+        """Tell the architecture."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         if configuration.period_ms is not None:
             period = self.whole(configuration.period_ms, "ms", configuration.span)
             self.add(configuration.span, "period", period)
-        for name in configuration.modules:
-            self.add(name.span, "module", name.text)
-            self.place(name.text, name.span)
+
+    def each_module(self) -> None:
+        """Tell the modules that the configuration names."""
+        for name in self.configuration.modules:
+            self.module(name)
+
+    def module(self, name: Name) -> None:
+        """Tell one module that the configuration names."""
+        self.add(name.span, "module", name.text)
+        self.place(name.text, name.span)
+        if self.configuration.kind == "specification":
             kind = node_kind(name.text)
-            if configuration.kind == "specification" and kind and name.text not in self.described:
+            if kind and name.text not in self.described:
                 self.add(name.span, "node", name.text, Atom(kind))
-        for number, relationship in numbered(configuration.relationships):
+
+    def relationships(self) -> None:
+        """Tell the relationships."""
+        for number, relationship in self.numbered:
             self.relationship(number, relationship)
 
     def annotations(self) -> None:
         """Tell what modules are described to be."""
-        configuration = self.configuration
-        for module in self.described.values():
-            self.add(module.span, "described", module.name)
-            for module_class in module_classes(module):
-                self.add(module.span, "class", module.name, Atom(module_class))
-        for number, module, annotation in numbered_annotations(configuration, self.described):
-            if isinstance(annotation, Service):
-                self.service(number, module.name, annotation)
-            else:
-                self.add(annotation.span, "native", number, module.name, annotation.name)
-            self.place(number, annotation.span)
+        if self.wanted is None or not self.wanted.isdisjoint(("described", "class")):
+            for module in self.described.values():
+                self.description(module)
+        for number, module, annotation in numbered_annotations(self.configuration, self.described):
+            self.annotation(number, module, annotation)
+
+    def description(self, module: Module) -> None:
+        """Tell that a module is described, and of which classes it is."""
+        self.add(module.span, "described", module.name)
+        for module_class in module_classes(module):
+            self.add(module.span, "class", module.name, Atom(module_class))
+
+    def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
+        """Tell one annotation of a module."""
+        if isinstance(annotation, Service):
+            self.service(number, module.name, annotation)
+        else:
+            self.add(annotation.span, "native", number, module.name, annotation.name)
+        self.place(number, annotation.span)
 
     def add(self, span: Span, name: str, *arguments: Term) -> None:
+        """Note a fact, if it is wanted."""
         if self.wanted is None or name in self.wanted:
             self.facts.append(Fact(Atom(name, arguments), span))
 
     def place(self, identifier: Term, span: Span) -> None:
+        """Tell where something stands."""
         self.add(span, "place", identifier, span.path, span.line, span.column)
 
     def whole(self, number: Decimal | int, unit: str, span: Span) -> int:
         """Return a number as a whole one that clingo can hold; note it where it does not fit."""
         value = Decimal(number)
         if value != value.to_integral_value() or not -MOST <= value <= MOST:
-            self.problems.append(
-                Diagnostic(
-                    "number-range",
-                    "error",
-                    f"`{plain(value)}` {unit} is no whole number of at most {MOST}",
-                    span,
-                    help="rules reason with whole 32 bit numbers; state a smaller or coarser one",
-                )
+            problem = Diagnostic(
+                "number-range",
+                "error",
+                f"`{plain(value)}` {unit} is no whole number of at most {MOST}",
+                span,
+                help="rules reason with whole 32 bit numbers; state a smaller or coarser one",
             )
+            if problem not in self.problems:
+                self.problems.append(problem)
             return 0
         return int(value)
 
     def relationship(self, number: int, relationship: Relationship) -> None:
+        """Tell one relationship."""
         span = relationship.span
         match relationship:
             case Data(client, source):
@@ -231,28 +291,47 @@ class _Compiler:
         self.place(number, span)
 
     def requirement(self, number: int, data: Data) -> None:
+        """Tell which service a data relationship asks for."""
         if data.mode is None:
             return
         mode = mode_term(data.mode)
         self.add(data.span, "required_mode", number, mode)
         if data.hz is None:
-            self.word(data.mode, mode, ANY, data.span)
             return
         rate = self.whole(data.hz * 1000, "mHz", data.span)
         self.add(data.span, "required_rate", number, rate)
-        self.word(data.mode, mode, rate, data.span, data.hz)
 
-    def word(
-        self, mode: Mode, term: Atom, rate: Term, span: Span, hz: Decimal | None = None
-    ) -> None:
-        """Say once how a mode with its rate is written."""
-        if (str(term), rate) in self.worded:
-            return
-        self.worded.add((str(term), rate))
-        text = mode.text or mode.name
-        self.add(span, "in_words", term, rate, text if hz is None else f"{text} {plain(hz)}")
+    def words(self) -> None:
+        """Say once how each mode with its rate is written."""
+        known = set()
+        told = set()
+        for mode, hz, otherwise, span in self.written_modes():
+            # Most are written alike, and to make their terms takes longer than to find them known.
+            if (mode, mode.text, hz, otherwise) in known:
+                continue
+            known.add((mode, mode.text, hz, otherwise))
+            term = mode_term(mode)
+            rate = otherwise if hz is None else self.whole(hz * 1000, "mHz", span)
+            if (str(term), rate) not in told:
+                told.add((str(term), rate))
+                text = mode.text or mode.name
+                words = text if hz is None else f"{text} {plain(hz)}"
+                self.add(span, "in_words", term, rate, words)
+
+    def written_modes(self) -> Iterator[tuple[Mode, Decimal | None, Atom, Span]]:
+        """Yield each mode that is required or offered, with its frequency or what stands for it."""
+        for _, relationship in self.numbered:
+            if isinstance(relationship, Data) and relationship.mode is not None:
+                yield relationship.mode, relationship.hz, ANY, relationship.span
+        for module in self.described.values():
+            for service in module.services:
+                if service.kind in ("Sense", "DataOut"):
+                    for mode in service.modes:
+                        hz = service.hz if mode.name == PERIODIC else None
+                        yield mode, hz, NONE, service.span
 
     def service(self, number: int, name: str, service: Service) -> None:
+        """Tell a function annotation of a module."""
         span = service.span
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
@@ -272,6 +351,7 @@ class _Compiler:
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
+        """Tell what a module delivers, and how."""
         span = service.span
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.names.ambiguous:
@@ -283,11 +363,9 @@ class _Compiler:
             if mode.name == PERIODIC and service.hz is not None:
                 rate = self.whole(service.hz * 1000, "mHz", span)
                 self.add(span, "offered_rate", number, rate)
-                self.word(mode, term, rate, span, service.hz)
-            else:
-                self.word(mode, term, NONE, span)
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
+        """Tell what an ambiguous representation could mean."""
         for candidate in self.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 
@@ -309,7 +387,7 @@ class _Compiler:
         """Tell the shortest closed walk of every knot of relationships of one kind."""
         data, control, mounts = [], [], []
         spans = {}
-        for number, relationship in numbered(self.configuration.relationships):
+        for number, relationship in self.numbered:
             spans[number] = relationship.span
             match relationship:
                 case Data(client, source):
@@ -334,18 +412,33 @@ def numbered(
     They are numbered by what they say, so that the order of the lines of a file, which means
     nothing, cannot decide anything either.
     """
-    return tuple(enumerate(sorted(relationships, key=_content), 1))
+    found: list[Relationship] = []
+    for kind, ends in _ENDS.items():
+        alike = sorted((each for each in relationships if type(each) is kind), key=ends)
+        # Few relate the same two modules, so little else is ever compared.
+        for _, group in groupby(alike, ends):
+            first, *others = group
+            found += sorted((first, *others), key=_content) if others else (first,)
+    return tuple(enumerate(found, 1))
+
+
+#: The two modules of relationships of each kind, the kinds in the order of their identifiers.
+_ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = {
+    Data: attrgetter("client", "source"),
+    Control: attrgetter("controlled", "controller"),
+    Mount: attrgetter("mounting", "mounted"),
+}
 
 
 def _content(relationship: Relationship) -> tuple[object, ...]:
+    """Return what a relationship says of its two modules, and where."""
     match relationship:
-        case Data(client, source, span, mode, hz):
-            words = (str(mode_term(mode)) if mode else "", hz or Decimal(0))
-            return (0, client, source, *words, span)
-        case Control(controlled, controller, span, priority, hold, allocation):
-            return (1, controlled, controller, priority or 0, hold or 0, allocation or "", span)
-        case Mount(mounting, mounted, span, at, on):
-            return (2, mounting, mounted, at or 0, on or 0, span)
+        case Data(_, _, span, mode, hz):
+            return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
+        case Control(_, _, span, priority, hold, allocation):
+            return (priority or 0, hold or 0, allocation or "", span)
+        case Mount(_, _, span, at, on):
+            return (at or 0, on or 0, span)
 
 
 def module_classes(module: Module) -> Iterator[str]:

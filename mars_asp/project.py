@@ -7,8 +7,9 @@ from pathlib import Path
 
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, by_place
-from mars_asp.facts import configuration_facts
+from mars_asp.facts import FRAMES, configuration_facts
 from mars_asp.language import parse_file, parse_text
+from mars_asp.lookup import Lookup
 from mars_asp.model import Configuration, Module, Mount
 from mars_asp.source import Span, point
 from mars_asp.spelling import resemblances
@@ -77,12 +78,23 @@ def project_facts(
         MarsError: numbers that do not fit.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
-    if not has_mounts(project) or not _has_functions(project):
+    if wanted is not None and not wanted & FRAMES:
         return facts
+    frames = _frame_facts(project, moved)
+    return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
+
+
+def project_lookup(project: Project, wanted: Set[str]) -> Lookup:
+    """Return the facts of a project of predicates `wanted`, to be made as they are looked for."""
+    return Lookup(project.configuration, project.modules, wanted, lambda: _frame_facts(project))
+
+
+def _frame_facts(project: Project, moved: Iterable[str] = ()) -> tuple[Fact, ...]:
+    if not has_mounts(project) or not _has_functions(project):
+        return ()
     from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
 
-    frames = frame_facts(project.configuration, project.modules, moved)
-    return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
+    return frame_facts(project.configuration, project.modules, moved)
 
 
 def has_mounts(project: Project) -> bool:

@@ -1,7 +1,8 @@
 """The rules and facts that one question needs: a splitting set (Lifschitz and Turner 1994).
 
 What a rule of the base reads is derived by rules of the base alone, so the rules behind an atom,
-grounded without the others, give it as all of them together do.
+grounded without the others, give it as all of them together do. Of their instances and of the
+facts, `mars_asp.magic` says which the question can need.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
@@ -10,8 +11,11 @@ from dataclasses import dataclass
 import clingo
 
 from mars_asp.atom import Fact
+from mars_asp.lookup import KEYS, Lookup
+from mars_asp.magic import Asked, Demand, demand_of
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.trace.demand import names_read, reachable_rules
+from mars_asp.trace.given import symbol_of, term_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +27,16 @@ class Slice:
 
 
 def slice_for(
-    subject: str, rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
+    subject: str,
+    rulebook: Rulebook,
+    facts_of: Callable[[Set[str]], Iterable[Fact]],
+    lookup_of: Callable[[Set[str]], Lookup],
 ) -> Slice | None:
     """Return what `KIND(NAME)` of a consequence or an atom needs, or `None` for anything else.
 
     That is so where the subject is no such term, or where no rule of the base derives it, and
-    with rule packs: rules that the question does not read could leave no answer at all.
-    `facts_of` gives the facts of predicates, by their names.
+    with rule packs: rules that the question does not read could leave no answer at all. By the
+    names of predicates, `facts_of` gives all their facts, `lookup_of` those that are looked for.
     """
     if rulebook.packs:
         return None
@@ -41,12 +48,69 @@ def slice_for(
     derived = {head for rule in base for head, _ in rule.heads}
     every = derived.union(*(names_read(rule.text) for rule in base))
     # What could matter says which facts to make, and these which rules can fire at all.
-    facts = tuple(facts_of(_read(_behind(base, asked, every), name)))
+    possible = _behind(base, asked, every)
+    demand = _demand(subject, name, possible)
+    if demand is None:
+        facts = tuple(facts_of(_read(possible, name)))
+        text = None
+    else:
+        facts, text = _needed(demand, facts_of, lookup_of)
     rules = _behind(base, asked, derived | {fact.atom.name for fact in facts})
     read = _read(rules, name)
-    text = "\n".join(rule.text for rule in rules)
     needed = tuple(fact for fact in facts if fact.atom.name in read)
+    if text is None:
+        text = "\n".join(rule.text for rule in rules)
     return Slice(Rulebook(rules, (("base", text),)), needed)
+
+
+def _demand(subject: str, name: str, rules: Sequence[Rule]) -> Demand | None:
+    """Return how to find out which instances a question needs, if that can be told."""
+    symbol = _term(subject)
+    if name == "consequence" and (symbol is None or symbol.name != name):
+        kind, _, rest = subject.partition("(")
+        about = rest.removesuffix(")")
+        # A name is shown without quotes, any other term as it is written.
+        subjects = {str(clingo.String(about)), str(_parsed(about) or clingo.String(about))}
+        values = [(kind, each) for each in sorted(subjects)]
+        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, KEYS)
+    if symbol is None or not symbol.arguments:
+        return None
+    sign = "" if symbol.positive else "-"
+    count = len(symbol.arguments)
+    asked = Asked(f"{sign}{symbol.name}", count, tuple(range(count)))
+    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], KEYS)
+
+
+def _needed(
+    demand: Demand,
+    facts_of: Callable[[Set[str]], Iterable[Fact]],
+    lookup_of: Callable[[Set[str]], Lookup],
+) -> tuple[tuple[Fact, ...], str]:
+    """Return the facts that are needed, and the rules with what says so."""
+    lookup = lookup_of(demand.found)
+    control = clingo.Control(["--warn=none"])
+    control.add("demand", [], demand.program)
+    control.ground([("demand", [])], _Context(lookup))
+    atoms = (str(atom.symbol) for atom in control.symbolic_atoms)
+    needs = (f"{atom}." for atom in atoms if atom.startswith("_need"))
+    whole = tuple(facts_of(demand.whole)) if demand.whole else ()
+    found = (fact for fact in lookup.facts if fact.atom.name not in demand.whole)
+    return (*whole, *found), "\n".join((demand.guarded, *needs))
+
+
+class _Context:
+    """What a demand program calls."""
+
+    def __init__(self, lookup: Lookup) -> None:
+        self._lookup = lookup
+
+    def given(
+        self, name: clingo.Symbol, positions: clingo.Symbol, values: clingo.Symbol
+    ) -> Sequence[clingo.Symbol]:
+        """Return the arguments of the given facts with values at positions, as tuples."""
+        places = tuple(place.number for place in positions.arguments)
+        found = self._lookup.find(name.string, places, tuple(map(term_of, values.arguments)))
+        return [clingo.Function("", symbol_of(fact.atom).arguments) for fact in found]
 
 
 def _behind(
@@ -66,10 +130,18 @@ def _asked(subject: str, rulebook: Rulebook) -> tuple[str, str]:
         return "", ""
     if any(rule.text.startswith(f"consequence({kind},") for rule in rulebook.rules):
         return "consequence", kind
+    symbol = _term(subject)
+    return ("", "") if symbol is None else (symbol.name, str((*symbol.arguments, "")[0]))
+
+
+def _term(text: str) -> clingo.Symbol | None:
+    """Return what a text says, if it is a function term."""
+    symbol = _parsed(text)
+    return symbol if symbol is not None and symbol.type == clingo.SymbolType.Function else None
+
+
+def _parsed(text: str) -> clingo.Symbol | None:
     try:
-        symbol = clingo.parse_term(subject, logger=lambda *_: None)
+        return clingo.parse_term(text, logger=lambda *_: None)
     except RuntimeError:
-        return "", ""
-    if symbol.type != clingo.SymbolType.Function:
-        return "", ""
-    return symbol.name, str(symbol.arguments[0]) if symbol.arguments else ""
+        return None

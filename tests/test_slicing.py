@@ -1,21 +1,36 @@
 """What is explained from a slice is explained as from all rules and facts."""
 
-from collections.abc import Set
+import random
+import re
+from dataclasses import replace
 from pathlib import Path
 
+import clingo
 import pytest
 
-from mars_asp.atom import Fact
-from mars_asp.explain import explain
+from mars_asp.analysis import analyse
+from mars_asp.explain import explain, explainer_for
 from mars_asp.facts import ANNOTATIONS, WIRING
-from mars_asp.project import load_project, project_facts
-from mars_asp.rulebook import load_rulebook
-from mars_asp.slicing import slice_for
+from mars_asp.lookup import KEYS
+from mars_asp.project import Project, load_project, project_facts, project_lookup
+from mars_asp.rulebook import Rulebook, load_rulebook
+from mars_asp.slicing import Slice, slice_for
 from mars_asp.trace.text import trace_json
 from tests.documents import ROOT
+from tests.random_configurations import random_configuration
 
 CONFIGURATIONS = sorted((ROOT / "examples").glob("*/config.mars"))
 RULEBOOK = load_rulebook()
+
+
+def sliced(project: Project, subject: str, rulebook: Rulebook) -> Slice | None:
+    """Return what a question needs of a project."""
+    return slice_for(
+        subject,
+        rulebook,
+        lambda names: project_facts(project, wanted=names),
+        lambda names: project_lookup(project, names),
+    )
 
 
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=lambda path: path.parent.name)
@@ -32,16 +47,13 @@ def test_a_slice_explains_as_the_whole_does(path: Path) -> None:
 def test_a_slice_is_smaller_and_what_is_chosen_has_none() -> None:
     project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
 
-    def facts_of(names: Set[str]) -> tuple[Fact, ...]:
-        return project_facts(project, wanted=names)
-
-    part = slice_for("data_divergence(Runaway)", RULEBOOK, facts_of)
+    part = sliced(project, "data_divergence(Runaway)", RULEBOOK)
     assert part is not None
-    assert len(part.facts) < len(project_facts(project)) / 2
+    assert len(part.facts) < len(project_facts(project)) / 10
     assert len(part.rulebook.rules) < len(RULEBOOK.rules) / 4
-    assert slice_for('splitter("Runaway",origin)', RULEBOOK, facts_of) is None
-    assert slice_for("DataSplitter1", RULEBOOK, facts_of) is None
-    assert slice_for("nothing(", RULEBOOK, facts_of) is None
+    assert sliced(project, 'splitter("Runaway",origin)', RULEBOOK) is None
+    assert sliced(project, "DataSplitter1", RULEBOOK) is None
+    assert sliced(project, "nothing(", RULEBOOK) is None
 
 
 #: What the configurations of the project leave out.
@@ -83,3 +95,110 @@ def test_facts_of_some_predicates_are_those_of_all(tmp_path: Path) -> None:
             wanted = tuple(fact for fact in facts if fact.atom.name == name)
             assert project_facts(project, wanted={name}) == wanted
     assert seen >= WIRING | ANNOTATIONS | {"closed_walk"}
+
+
+def test_facts_are_found_one_by_one(tmp_path: Path) -> None:
+    rare = tmp_path / "rare.mars"
+    rare.write_text(RARE)
+    for path in [*CONFIGURATIONS, ROOT / "tests" / "mixed.mars", rare]:
+        project = load_project(str(path))
+        facts = project_facts(project)
+        lookup = project_lookup(project, {name for name, _ in KEYS})
+        for fact in facts:
+            name, arguments = fact.atom.name, fact.atom.arguments
+            for place in KEYS[name, len(arguments)]:
+                value = arguments[place]
+                assert fact in lookup.find(name, (place,), (value,))
+                assert lookup.find(name, (place,), ("nobody",)) == ()
+            every = tuple(range(len(arguments)))
+            if KEYS[name, len(arguments)]:
+                assert fact in lookup.find(name, every, arguments)
+        assert sorted(lookup.facts, key=str) == sorted(facts, key=str)
+
+
+def test_every_given_predicate_can_be_found() -> None:
+    text = (ROOT / "rules" / "vocabulary.lp").read_text(encoding="utf-8")
+    defined = re.findall(r"^#defined (\w+)/(\d+)\.", text, re.MULTILINE)
+    derived = {signature for rule in RULEBOOK.rules for signature in rule.heads}
+    assert {(name, int(arity)) for name, arity in defined} - derived == set(KEYS)
+
+
+#: Rules of all sorts, of which `even` cannot be told apart by what it needs.
+PACK = """\
+gets(A, B) :- uses_data_from(_, A, B).
+gets(A, C) :- gets(A, B), uses_data_from(_, B, C).
+lonely(M) :- module(M), not gets(M, _), not gets(_, M).
+fan(S, N) :- gets(_, S), N = #count { C : gets(C, S) }.
+heaviest(S, N) :- fan(S, N), N >= N' : fan(_, N').
+climbs(S, 0) :- fan(S, _).
+climbs(S, I + 1) :- climbs(S, I), fan(S, N), I < N.
+asks(f(C, S), R) :- uses_data_from(R, C, S), not required_mode(R, _).
+amount(C, N) :- asks(f(C, _), _), N = #sum { R : asks(f(C, _), R) ; 1, x : lonely(C) }.
+served_all(S) :- gets(_, S), amount(C, _) : gets(C, S).
+hears_of(A ; B) :- gets(A, B), not amount(B, _).
+beside(R, R') :- uses_data_from(R, _, _), R' = R - 1..R + 1, uses_data_from(R', _, _), R != R'.
+-quiet(M) :- gets(M, _).
+quiet(M) :- module(M), not -quiet(M).
+alike(A, B) :- class(A, K), class(B, K), A != B, not gets(A, B).
+flatly(M) :- architecture(flat), module(M), not is_controlled_by(_, M, _).
+even(A) :- uses_data_from(_, A, B), not even(B).
+%! id: sorts/alarm
+%! because: {M} and {N}
+consequence(sorts_alarm, warning, M, f(N)) :- fan(M, N), not served_all(M).
+%! id: sorts/number
+%! because: {R}
+consequence(sorts_number, note, R, near) :- beside(R, R'), not asks(_, R).
+%! id: sorts/term
+%! because: {C}
+consequence(sorts_term, note, f(C, S), x) :- asks(f(C, S), _), not gets(S, C).
+"""
+
+
+def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
+    pack = tmp_path / "sorts.lp"
+    pack.write_text(PACK)
+    # Taken as rules of our own: with packs nothing is sliced.
+    rulebook = replace(load_rulebook([pack]), packs=0)
+    names = {signature for rule in rulebook.rules for signature in rule.heads}
+    projects = [load_project(str(path)) for path in CONFIGURATIONS]
+    projects += [load_project("random.mars", text=random_configuration(s)) for s in range(6)]
+    fewer = 0
+    for number, project in enumerate(projects):
+        facts = project_facts(project)
+        analysis = analyse(facts, rulebook, project.configuration.span)
+        atoms = [
+            atom.symbol
+            for atom in analysis.grounding.control.symbolic_atoms
+            if atom.is_fact and (atom.symbol.name, len(atom.symbol.arguments)) in names
+        ]
+        whole = explainer_for(rulebook, facts, analysis, None)
+        rng = random.Random(number)
+        asked = [(str(atom), {atom}) for atom in rng.sample(atoms, min(4, len(atoms)))]
+        of_kinds: dict[str, set[clingo.Symbol]] = {}
+        for told in analysis.consequences:
+            of_kinds.setdefault(f"{told.kind}({told.subject})", set()).add(told.atom)
+        asked += rng.sample(sorted(of_kinds.items()), min(2, len(of_kinds)))
+        for subject, wanted in asked:
+            part = sliced(project, subject, rulebook)
+            assert part is not None
+            found = analyse(part.facts, part.rulebook, project.configuration.span, subject)
+            if subject in of_kinds:
+                assert {told.atom for told in found.consequences} == wanted
+            explainer = explainer_for(part.rulebook, part.facts, found, None)
+            traces, expected = explainer.why(wanted, True), whole.why(wanted, True)
+            for atom in wanted:
+                assert trace_json(traces[atom]) == trace_json(expected[atom]), subject
+            fewer += len(part.facts) < len(facts) / 2
+    assert fewer > 40
+
+
+def test_constants_of_packs_are_read_with_all_rules(tmp_path: Path) -> None:
+    pack = tmp_path / "limits.lp"
+    pack.write_text(
+        "#const most = 1.\n%! id: limits/busy\n%! because: {S} feeds {N}\n"
+        "consequence(busy, note, S, receivers) :- uses_data_from(_, _, S),"
+        " N = #count { C : uses_data_from(_, C, S) }, N > most.\n"
+    )
+    project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
+    topics = explain(project, load_rulebook([pack]), "busy(Runaway)").topics
+    assert [topic.title for topic in topics] == ["busy(Runaway)"]

@@ -49,3 +49,15 @@ def _symbol(term: Term) -> clingo.Symbol:
             return clingo.String(term)
         case Atom():
             return symbol_of(term)
+
+
+def term_of(symbol: clingo.Symbol) -> Term:
+    """Return a symbol of clingo as a term of a fact."""
+    kinds = clingo.SymbolType
+    if symbol.type == kinds.Number:
+        return symbol.number
+    if symbol.type == kinds.String:
+        return symbol.string
+    if symbol.type == kinds.Function and symbol.positive:
+        return Atom(symbol.name, tuple(map(term_of, symbol.arguments)))
+    return Atom(str(symbol))
