@@ -52,6 +52,8 @@ def specify(
             case Mount():
                 draft.lines.append(relationship)
     nodes = tuple(draft.nodes.values())
+    # A specification that needs no more nodes stays in the order in which it is written.
+    stays = configuration.kind == "specification" and not nodes
     introduced = tuple(Name(node.name, configuration.span) for node in nodes)
     conversions = tuple(node.conversion for node in nodes if node.conversion is not None)
     printed = replace(
@@ -60,7 +62,7 @@ def specify(
         stated=_states_architecture(configuration, nodes),
         sources=(),
         modules=(*configuration.modules, *introduced),
-        relationships=tuple(draft.lines),
+        relationships=configuration.relationships if stays else tuple(draft.lines),
         declared=(),
         conversions=(*configuration.conversions, *conversions),
     )
