@@ -7,13 +7,12 @@ clingo than ours, so it is installed by `pip install --no-deps xclingo`.
 """
 
 import random
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from clingo import ast
-from growth import robot_lines
+from growth import robot_lines, used
 
 from mars_asp.facts import facts_text
 from mars_asp.project import load_project, project_facts, project_lookup
@@ -21,23 +20,13 @@ from mars_asp.rulebook import load_rulebook
 from mars_asp.slicing import slice_for
 
 ASKED = "data_divergence(M7_0)"
-#: Runs a command and prints the CPU seconds and the MB that it took.
-_TIMED = """
-import resource, subprocess, sys
-status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(status, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
-"""
 
 
 def measure(*words: str) -> tuple[float, float]:
     """Return the seconds of CPU and the MB of memory that a command takes."""
-    command = [sys.executable, "-c", _TIMED, *words]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    status, seconds, memory = done.stdout.split()
-    if int(status) not in (0, 1, 30):
-        raise SystemExit(f"{words} ended with status {status}\n{done.stderr}")
-    return float(seconds), float(memory)
+    # 1 is an error-level finding, 30 that clingo has found all answers.
+    seconds, memory, _ = used(words, (0, 1, 30))
+    return seconds, memory
 
 
 def mars(*words: str) -> tuple[float, float]:
@@ -105,8 +94,8 @@ def main() -> None:
             ("everything", ("explain", path)),
             ("every way to it", ("explain", path, "--all")),
         ):
-            taken, used = mars(*words)
-            print(f"{title:<16} {taken / base:6.2f}  memory {used / memory:5.2f}", flush=True)
+            taken, kept = mars(*words)
+            print(f"{title:<16} {taken / base:6.2f}  memory {kept / memory:5.2f}", flush=True)
         path = written(small, folder)
         ours, _ = mars("explain", path, ASKED)
         xclingo = str(Path(sys.executable).with_name("xclingo"))

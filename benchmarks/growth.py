@@ -13,7 +13,7 @@ import random
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Sequence
 from pathlib import Path
 
 from mars_asp.facts import facts_text
@@ -108,19 +108,20 @@ def _block(name: str, annotation: str, declaration: str) -> str:
 KINDS = {"independent": robot_lines, "connected": connected_lines, "hub": hub_lines}
 
 
-def used(*words: str) -> tuple[float, float, bool]:
-    """Return the seconds of CPU and the MB of memory of a process, and whether it had time."""
-    done = subprocess.run(
-        [sys.executable, "-c", _USED, sys.executable, "-m", *words],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+def used(command: Sequence[str], fine: Container[int]) -> tuple[float, float, int]:
+    """Return the seconds of CPU and the MB of memory that a process takes, and its status."""
+    timed = [sys.executable, "-c", _USED, *command]
+    done = subprocess.run(timed, capture_output=True, text=True, check=True)
     status, seconds, memory = done.stdout.split()
-    # clingo ends with 30 where it has found all answers, mars-asp with 3 where time was over.
-    if int(status) not in (0, 3, 30):
-        raise SystemExit(f"{words} ended with status {status}")
-    return float(seconds), float(memory), int(status) != TIME_OVER
+    if int(status) not in fine:
+        raise SystemExit(f"{command} ended with status {status}")
+    return float(seconds), float(memory), int(status)
+
+
+def of_module(*words: str) -> tuple[float, float, int]:
+    """Return that of a module of Python with arguments."""
+    # clingo ends with 30 where it has found all answers.
+    return used([sys.executable, "-m", *words], (0, TIME_OVER, 30))
 
 
 def measure(kind: str, modules: int, folder: Path) -> tuple[float, float]:
@@ -130,14 +131,14 @@ def measure(kind: str, modules: int, folder: Path) -> tuple[float, float]:
     file.write_text("\n".join(lines(modules, random.Random(1))) + "\n", encoding="utf-8")
     facts = facts_text(project_facts(load_project(str(file))))
     program.write_text(f"{load_rulebook().text('base')}\n{facts}", encoding="utf-8")
-    alone, _, _ = used("clingo", "--warn=none", str(program))
-    analysed, kept, _ = used("mars_asp", "analyse", "--format", "json", str(file))
+    alone, _, _ = of_module("clingo", "--warn=none", str(program))
+    analysed, kept, _ = of_module("mars_asp", "analyse", "--format", "json", str(file))
     synthesise = ("synthesise", "--time-limit", MOST_SECONDS, str(file))
-    synthesised, most, proven = used("mars_asp", *synthesise)
+    synthesised, most, status = of_module("mars_asp", *synthesise)
     print(
         f"{kind:11} {modules:7} {alone:8.2f} s  {analysed:8.2f} s ({analysed / alone:4.1f})"
         f" {kept:6.0f} MB  {synthesised:8.2f} s ({synthesised / analysed:3.1f}) {most:6.0f} MB"
-        f"  {'proven' if proven else 'not proven'}",
+        f"  {'not proven' if status == TIME_OVER else 'proven'}",
         end="",
         flush=True,
     )

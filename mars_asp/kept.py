@@ -10,11 +10,16 @@ import importlib.util
 import os
 import pickle
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from mars_asp import __version__
+
+_Key = TypeVar("_Key", bound=Hashable)
+_Value = TypeVar("_Value")
+#: Where more values are kept than this, those that the last command did not ask for go.
+_MOST = 5000
 
 
 def version_of(files: Iterable[Path]) -> str:
@@ -42,6 +47,23 @@ def keep(name: str, version: str, value: object) -> None:
     with contextlib.suppress(OSError):
         part.write_bytes(pickle.dumps((version, value)))
         part.replace(place)
+
+
+def made_of(
+    name: str, files: Iterable[Path], keys: Iterable[_Key], make: Callable[[_Key], _Value]
+) -> dict[_Key, _Value]:
+    """Return what is made of each key, in their order, kept from one command to the next.
+
+    `files` are those of the maker: what is kept under `name` is made anew when one changes.
+    """
+    version = version_of(files)
+    known: dict[_Key, _Value] = recall(name, version) or {}
+    used: dict[_Key, _Value] = {}
+    for key in keys:
+        used[key] = known[key] if key in known else make(key)
+    if not used.keys() <= known.keys():
+        keep(name, version, {**known, **used} if len(known) < _MOST else used)
+    return used
 
 
 def _place(name: str) -> Path:

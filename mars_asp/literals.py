@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 from clingo import ast
 
-from mars_asp.kept import keep, recall, version_of
+from mars_asp.kept import made_of
 from mars_asp.rulebook import Rule
 from mars_asp.trace import pattern, scope
 from mars_asp.trace.pattern import pattern_is_open
@@ -19,7 +19,6 @@ from mars_asp.trace.scope import variables_of
 
 #: A predicate: its name, with `-` before if it is classically negated, and its arity.
 Signature: TypeAlias = tuple[str, int]
-MOST_KEPT = 5000
 _TYPE = ast.ASTType
 
 
@@ -72,18 +71,10 @@ class Plain:
 
 def plain_rules(rules: Iterable[Rule]) -> tuple[Plain, ...] | None:
     """Return rules without their pools; `None` where one has a choice or what is not known here."""
-    version = version_of(
-        (Path(__file__), *map(Path, (pattern.__file__, scope.__file__, ast.__file__)))
-    )
-    known: dict[str, tuple[Plain, ...] | None] = recall("literals", version) or {}
-    used: dict[str, tuple[Plain, ...] | None] = {}
-    for rule in rules:
-        text = rule.text
-        used[text] = known[text] if text in known else _plain(rule)
-    if not used.keys() <= known.keys():
-        keep("literals", version, {**known, **used} if len(known) < MOST_KEPT else used)
+    rule_of = {rule.text: rule for rule in rules}
+    files = map(Path, (__file__, pattern.__file__, scope.__file__, ast.__file__))
     found: list[Plain] = []
-    for each in used.values():
+    for each in made_of("literals", files, rule_of, lambda text: _plain(rule_of[text])).values():
         if each is None:
             return None
         found += each

@@ -20,7 +20,7 @@ from typing import TypeAlias
 
 from clingo import ast
 
-from mars_asp.kept import keep, recall, version_of
+from mars_asp.kept import made_of
 from mars_asp.rulebook import Rule
 from mars_asp.trace import scope
 from mars_asp.trace.scope import AGGREGATES, OWN, atoms_of_head, bare, guards, variables_of
@@ -32,7 +32,6 @@ _HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction
 #: hold them.
 _NUMBER = "\0r"
 QUESTION = "\0q"
-MOST_KEPT = 5000
 #: A rule's text and those of its predicates that are open.
 _Key: TypeAlias = tuple[str, frozenset[Signature]]
 #: Explanation rules, and the name of what cannot be traced.
@@ -53,27 +52,24 @@ class Rewriter:
         What a rule is rewritten into depends on its text and on which of its predicates are open,
         so it is kept from one command to the next.
         """
-        version = version_of((Path(__file__), Path(scope.__file__), Path(ast.__file__)))
-        known: dict[_Key, _Written] = recall("firings", version) or {}
-        used: dict[_Key, _Written] = {}
+        keys = {number: self._key(rules[number]) for number in numbers}
+        first = {key: number for number, key in reversed(keys.items())}
+        files = map(Path, (__file__, scope.__file__, ast.__file__))
+        made = made_of("firings", files, first, lambda key: self._written(first[key], rules))
         parts: list[str] = []
-        for number in numbers:
-            key = (
-                rules[number].text,
-                frozenset(s for s in self.open if s[0] in rules[number].text),
-            )
-            used[key] = known.get(key) or self._written(number, rules[number])
-            text, unsupported = used[key]
+        for number, key in keys.items():
+            text, unsupported = made[key]
             parts.append(text.replace(_NUMBER, str(number)))
             if unsupported is not None:
                 self.unsupported[number] = unsupported
-        if not used.keys() <= known.keys():
-            keep("firings", version, {**known, **used} if len(known) < MOST_KEPT else used)
         return "\n".join(parts)
 
-    def _written(self, number: int, rule: Rule) -> "_Written":
+    def _key(self, rule: Rule) -> "_Key":
+        return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
+
+    def _written(self, number: int, rules: Sequence[Rule]) -> "_Written":
         """Return the explanation rules of a rule, and the construct that cannot be traced."""
-        lines = [line for s in rule.ast.unpool() for line in self._rule(number, s)]
+        lines = [line for s in rules[number].ast.unpool() for line in self._rule(number, s)]
         return "\n".join(lines), self.unsupported.get(number)
 
     def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
