@@ -16,7 +16,7 @@ from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import node_kind
 from mars_asp.project import Project, project_facts, project_lookup
-from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.resolve import Synthesis, is_refuted, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.slicing import Slice, slice_for
 from mars_asp.solve import Resolution
@@ -84,7 +84,7 @@ def explain(
     asked: list[tuple[str, clingo.Symbol]] = [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
     asked += [(_node_title(node, synthesis), clingo.parse_term(node.term)) for node in nodes]
     if not asked and subject is not None:
-        asked = [_asked_atom(subject, project, analysis, synthesis)]
+        asked = [_asked_atom(subject, project, analysis, rulebook, synthesis)]
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
     return Explanation(subject, _topics(explainer, asked, every), analysis, synthesis)
@@ -96,7 +96,7 @@ def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> E
     asked = [(f"{c.kind}({c.subject})", c.atom) for c in analysis.consequences]
     if not asked:
         with contextlib.suppress(MarsError):
-            asked = [_asked_atom(subject, project, analysis, None)]
+            asked = [_asked_atom(subject, project, analysis, part.rulebook, None)]
     explainer = explainer_for(part.rulebook, part.facts, analysis, None)
     return Explanation(subject, _topics(explainer, asked, every), analysis, None)
 
@@ -161,7 +161,11 @@ def _node_title(node: Node, synthesis: Synthesis | None) -> str:
 
 
 def _asked_atom(
-    subject: str, project: Project, analysis: Analysis, synthesis: Synthesis | None
+    subject: str,
+    project: Project,
+    analysis: Analysis,
+    rulebook: Rulebook,
+    synthesis: Synthesis | None,
 ) -> tuple[str, clingo.Symbol]:
     """Return the true atom that a subject names.
 
@@ -175,12 +179,13 @@ def _asked_atom(
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
         atom = analysis.grounding.control.symbolic_atoms[symbol]
+        if synthesis is None and is_refuted(rulebook, symbol.name, len(symbol.arguments)):
+            raise _unrealised(subject, project)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol
     names = {name.text for name in project.configuration.modules}
     if synthesis is None and _is_node(subject, project):
-        message = f"there is no `{subject}`, for no specification realises this configuration"
-        raise wrong_subject(project, message, "`mars-asp check` says what stands against it")
+        raise _unrealised(subject, project)
     if subject in names:
         message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
         raise wrong_subject(project, message, help_text)
@@ -191,6 +196,11 @@ def _asked_atom(
     message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
     help_text = f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
     raise wrong_subject(project, message, help_text)
+
+
+def _unrealised(subject: str, project: Project) -> MarsError:
+    message = f"there is no `{subject}`, for no specification realises this configuration"
+    return wrong_subject(project, message, "`mars-asp check` says what stands against it")
 
 
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:

@@ -13,6 +13,8 @@ from mars_asp.synthesis import Specification, specify
 #: The levels of the minimisation in `rules/resolve`.
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
 COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
+#: What the rules derive of each relationship that stands against every specification.
+UNRESOLVABLE = ("unresolvable", 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,19 @@ def synthesise(
     deadline = None if seconds is None else time.monotonic() + seconds
     grounding = analysis.grounding
     resolution = grounding.resolve(rulebook.text("resolve"), deadline, progress)
-    if any(True for _ in grounding.symbols("unresolvable", 1)):
+    if any(True for _ in grounding.symbols(*UNRESOLVABLE)):
         return None
     return Synthesis(specify(configuration, modules, resolution.answer.shown), resolution)
+
+
+def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:
+    """Say whether the rules of the resolution derive a predicate."""
+    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")
+
+
+def is_refuted(rulebook: Rulebook, name: str, arity: int) -> bool:
+    """Say whether no atom of a predicate holds where nothing realises the configuration.
+
+    Some may be derived all the same, for what stands against a part does not stop the others.
+    """
+    return (name, arity) != UNRESOLVABLE and is_resolved(rulebook, name, arity)

@@ -16,10 +16,10 @@ from clingo import ast
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.explain import explainer_for
-from mars_asp.model import NODE_NAMES
+from mars_asp.explain import explainer_for, wrong_subject
+from mars_asp.model import NODE_NAMES, node_kind
 from mars_asp.project import Project, project_facts
-from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_refuted, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
 from mars_asp.source import point
 from mars_asp.spelling import nearest
@@ -27,7 +27,7 @@ from mars_asp.term import as_term
 from mars_asp.trace import absence
 from mars_asp.trace.given import symbol_of
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
-from mars_asp.trace.values import Missing, Trace
+from mars_asp.trace.values import Absent, Missing, Trace
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
 _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
@@ -37,8 +37,9 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
         "full", [name, clingo.Function("run", [hole()])]
     ),
     "control_splitter": lambda name: clingo.Function(
-        "control_splitter", [clingo.Function("base", [name])]
+        "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]
     ),
+    "inheritance_node": lambda name: clingo.Function("inheritance_node", [name]),
 }
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 _DEFINED = re.compile(r"^#defined\s+(\w+)/(\d+)\s*\.", re.MULTILINE)
@@ -53,7 +54,8 @@ class WhyNot:
 
     `extra` is what the cheapest realisation with `offered` costs more, by level; `None` where no
     realisation has such an atom, or where it is nothing that is chosen. `choosable` tells these
-    two apart.
+    two apart. `obstacles` are the traces of what stands against every specification, where that is
+    why there is nothing.
     """
 
     subject: str
@@ -64,6 +66,7 @@ class WhyNot:
     offered: str | None
     extra: Mapping[int, int] | None
     analysis: Analysis
+    obstacles: tuple[Trace, ...] = ()
 
 
 def why_not(
@@ -75,20 +78,33 @@ def why_not(
 ) -> WhyNot:
     """Explain an absence: of an atom, `KIND(NAME)` of a consequence, or `NODE(NAME)` of a node.
 
-    Variables of an atom stand for any value. Raises:
+    Variables of an atom, and `_` for a name, stand for any value. A node may be named as well.
+
+    Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in the seconds given.
     """
     deadline = None if seconds is None else time.monotonic() + seconds
     facts = tuple(project_facts(project))
-    pattern = _Vocabulary(project, rulebook, facts).pattern(subject)
+    vocabulary = _Vocabulary(project, rulebook, facts)
+    pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
     analysis = analyse(facts, rulebook, project.configuration.span)
     synthesis = None
-    choosable = (pattern.name, len(pattern.arguments)) in {
-        head for rule in rulebook.rules if rule.stage == "resolve" for head in rule.heads
-    }
+    signature = ("", 0) if pattern is None else (pattern.name, len(pattern.arguments))
+    choosable = pattern is None or is_resolved(rulebook, *signature)
     if choosable:
         synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+        if synthesis is None and (pattern is None or is_refuted(rulebook, *signature)):
+            explainer = explainer_for(rulebook, facts, analysis, None)
+            against = sorted(analysis.grounding.symbols(*UNRESOLVABLE))
+            obstacles = tuple(explainer.why(against).values())
+            shown = subject if pattern is None else shown_pattern(pattern)
+            return WhyNot(
+                subject, shown, Absent(shown), False, True, None, None, analysis, obstacles
+            )
+    if pattern is None:
+        assert synthesis is not None
+        pattern = _node_term(subject, project, synthesis)
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
@@ -104,6 +120,28 @@ def why_not(
     if synthesis is not None:
         offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
     return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
+
+
+def _node_term(name: str, project: Project, synthesis: Synthesis) -> clingo.Symbol:
+    """Return what the node of a name stands for.
+
+    Raises:
+        MarsError: there is no node of that name, which only counts nodes: ask where one is missing.
+    """
+    nodes = synthesis.specification.nodes
+    for node in nodes:
+        if node.name == name:
+            return clingo.parse_term(node.term)
+    kind = node_kind(name)
+    assert kind is not None
+    same = [node.name for node in nodes if node.kind == kind]
+    there = f"there is {', '.join(same)}" if same else "there is none of this kind"
+    word = NODE_NAMES[kind]
+    raise wrong_subject(
+        project,
+        f"no node is named `{name}`: {there}",
+        f"ask where one is missing: `{word}(NAME)` for a module NAME, or `{word}(_)` for any",
+    )
 
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
@@ -160,6 +198,14 @@ class _Vocabulary:
             for argument in symbol.arguments:
                 self._note(argument)
 
+    def is_node(self, subject: str) -> bool:
+        """Say whether a subject is the name of a node, and of no module."""
+        return (
+            node_kind(subject) is not None
+            and subject not in NODE_NAMES.values()
+            and subject not in self._strings
+        )
+
     def pattern(self, subject: str) -> clingo.Symbol:
         """Return what a subject asks for."""
         call = _CALL.fullmatch(subject)
@@ -167,15 +213,19 @@ class _Vocabulary:
             name = call[2] if call[2] is not None else call[3]
             words = {word: kind for kind, word in NODE_NAMES.items()}
             kind = words.get(call[1], call[1])
-            if kind in _AT_MODULE and name:
-                return _AT_MODULE[kind](self._string(name))
+            if kind in _AT_MODULE and subject not in self._strings:
+                return _AT_MODULE[kind](self._about(name))
             if self._is_kind(call[1]):
-                about = hole() if name in (None, "", "_") else self._string(name or "")
                 kind_term = clingo.Function(call[1])
-                return clingo.Function("consequence", [kind_term, hole(), about, hole()])
+                return clingo.Function(
+                    "consequence", [kind_term, hole(), self._about(name), hole()]
+                )
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
         return self._atom(subject)
+
+    def _about(self, name: str | None) -> clingo.Symbol:
+        return hole() if name in (None, "", "_") else self._string(name or "")
 
     def _is_kind(self, name: str) -> bool:
         """Say whether rules name a kind, or one that derives any kind could mean it."""

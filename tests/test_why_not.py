@@ -88,6 +88,9 @@ def test_holes_of_one_name_are_one_value() -> None:
         ('splitter("FeelForce",origins)', "did you mean `origin`"),
         ("FeelForce", "DataSplitter(FeelForce)"),
         ("data_divergence(X)", "write `_` for any"),
+        ("DataSplitter(X)", "write `_` for any"),
+        ("DataSplitter9", "there is DataSplitter1, DataSplitter2"),
+        ("InheritanceNode7", "`InheritanceNode(_)` for any"),
         ("a b", "is no atom"),
         ("p(1..3)", "there is no predicate"),
         ("priority(1..3,1)", "is no atom"),
@@ -107,6 +110,49 @@ def test_what_is_there_is_said_to_be_there() -> None:
     )
     assert found["present"]
     assert found["traces"][0]["kind"] == "derived"
+
+
+def test_any_node_of_a_kind_is_one_that_is_there() -> None:
+    found = json.loads(
+        run(f"mars-asp explain {LEVEL0} --why-not DataSplitter(Runaway) --format json")
+    )
+    for subject in ("DataSplitter2", "DataSplitter(_)", "DataSplitter"):
+        other = json.loads(run(f"mars-asp explain {LEVEL0} --why-not {subject} --format json"))
+        assert other["present"]
+        assert other["traces"] == found["traces"]
+
+
+@pytest.mark.parametrize(
+    "subject", ["InheritanceNode(Turn)", "InheritanceNode", "ControlSplitter(_)", "DataTransformer"]
+)
+def test_every_kind_of_node_can_be_asked_for(subject: str) -> None:
+    found = json.loads(run(f"mars-asp explain {LEVEL0} --why-not {subject} --format json"))
+    assert not found["present"]
+    assert found["traces"][0]["premises"]
+
+
+UNREALISED = "tests/repair/rate/config.mars"
+
+
+@pytest.mark.parametrize(
+    "subject",
+    ["DataSplitter(Sonar)", "DataSplitter1", "splitter(X,Y)", "ArbitrationNode", "DataSplitter(_)"],
+)
+def test_no_node_is_there_where_nothing_realises_the_configuration(subject: str) -> None:
+    done = mars("explain", UNREALISED, "--why-not", subject)
+    assert done.returncode == 1
+    assert f"no {subject}: no specification realises this configuration" in done.stdout
+    assert "no splitter makes what `Map` requires" in done.stdout
+    found = json.loads(mars("explain", UNREALISED, "--why-not", subject, "--format=json").stdout)
+    assert not found["present"]
+    assert [trace["rule"]["id"] for trace in found["obstacles"]] == ["data/unresolvable"]
+
+
+def test_what_rules_derive_of_a_node_is_not_there_without_a_specification() -> None:
+    done = mars("explain", UNREALISED, 'splitter("Sonar",origin)')
+    assert done.returncode == 2
+    assert "no specification realises this configuration" in done.stderr
+    assert "yes, it holds" in mars("explain", UNREALISED, "--why-not", "unresolvable(_)").stdout
 
 
 @pytest.mark.parametrize("subject", ["data_divergence(FeelForce)", "data_divergence(_)"])

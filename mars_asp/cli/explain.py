@@ -25,6 +25,8 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
+#: Of what stands against every specification so many are shown.
+_MOST_OBSTACLES = 3
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -118,7 +120,13 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         trace = trace_json(answer.trace)
         extra = None if answer.extra is None else _cost(answer.extra)
         found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
-        print(encoded({**found, "extra_cost": extra, "traces": [trace]}))
+        obstacles = [trace_json(obstacle) for obstacle in answer.obstacles]
+        found |= {"extra_cost": extra, "obstacles": obstacles, "traces": [trace]}
+        print(encoded(found))
+        return int(answer.analysis.has_errors)
+    if answer.obstacles:
+        for line in _obstacles(answer, depth, arguments):
+            print(line)
         return int(answer.analysis.has_errors)
     title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
     if isinstance(answer.trace, Absent):
@@ -128,6 +136,20 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     if not answer.present and answer.choosable and not arguments.quiet:
         print(_price(answer))
     return int(answer.analysis.has_errors)
+
+
+def _obstacles(answer: "WhyNot", depth: int | None, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield why nothing realises the configuration, so that nothing of the kind is there."""
+    title = f"no {answer.subject}: no specification realises this configuration"
+    shown = answer.obstacles[:_MOST_OBSTACLES]
+    titles = [title, *["and for another reason"] * len(shown[1:])]
+    topics = list(zip(titles, shown, strict=True))
+    yield from _lines(topics, depth, arguments)
+    left = len(answer.obstacles) - len(shown)
+    if left:
+        yield f"and {left} more: see `mars-asp check`"
+    if not arguments.quiet:
+        yield "`mars-asp explain FILE --repair` looks for what would mend it"
 
 
 def _cost(cost: Mapping[int, int]) -> dict[str, int]:
