@@ -8,6 +8,7 @@
 import contextlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import clingo
 
@@ -26,6 +27,9 @@ from mars_asp.synthesis import Node
 from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
 from mars_asp.trace.given import GivenFacts
+
+#: What of a configuration or module is explained alone.
+Sort: TypeAlias = Literal["consequences", "nodes"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +56,21 @@ def explain(
     subject: str | None = None,
     seconds: float | None = None,
     every: bool = False,
+    only: Sort | None = None,
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
-    With `every` each step of a trace has all `others` derivations of its atom, too.
+    With `every` each step of a trace has all `others` derivations of its atom, too. With `only`
+    topics of one sort are explained, of everything or of a module; for consequences nothing is
+    resolved.
 
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in the seconds given.
     """
-    if subject is not None:
+    if subject is not None and only is not None:
+        _check_module(subject, project, only)
+    elif subject is not None:
         # What a part refuses, the whole says with all that is wrong, if it is.
         with contextlib.suppress(MarsError):
             part = slice_for(
@@ -76,14 +85,19 @@ def explain(
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     # To read the consequences takes longer than to trace a node.
-    chosen = () if _is_node(subject, project) else _consequences(analysis, project, subject)
+    unread = only == "nodes" if subject is None else _is_node(subject, project)
+    chosen = () if unread else _consequences(analysis, project, subject)
     synthesis = None
-    if not chosen or not _is_kind(chosen, subject):
+    if only != "consequences" and (not chosen or not _is_kind(chosen, subject)):
         synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
     nodes = _nodes(synthesis, subject, chosen)
-    asked: list[tuple[str, clingo.Symbol]] = [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
+    asked: list[tuple[str, clingo.Symbol]] = []
+    if only != "nodes":
+        asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
     asked += [(_node_title(node, synthesis), clingo.parse_term(node.term)) for node in nodes]
     if not asked and subject is not None:
+        if only is not None:
+            raise _nothing_of(subject, project, bool(chosen), synthesis)
         asked = [_asked_atom(subject, project, analysis, rulebook, synthesis)]
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
@@ -122,6 +136,35 @@ def explainer_for(
 def _is_node(subject: str | None, project: Project) -> bool:
     named = {name.text for name in project.configuration.modules}
     return subject is not None and node_kind(subject) is not None and subject not in named
+
+
+def _check_module(subject: str, project: Project, only: Sort) -> None:
+    """Check that a subject is a module, which has consequences and nodes.
+
+    Raises:
+        MarsError: it is something else, which is of one sort or of none.
+    """
+    names = [name.text for name in project.configuration.modules]
+    if subject not in names:
+        near = nearest(subject, names)
+        message = f"`{subject}` is no module, and only a module has both consequences and nodes"
+        help_text = f"did you mean `{near}`?" if near else f"leave out `--only {only}`"
+        raise wrong_subject(project, message, help_text)
+
+
+def _nothing_of(
+    subject: str, project: Project, concerned: bool, synthesis: Synthesis | None
+) -> MarsError:
+    """Return the error that a module has nothing of the sort that was asked for."""
+    if not concerned:
+        message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
+    elif synthesis is None:
+        message = f"no node resolves what concerns `{subject}`, for no specification realises it"
+        help_text = "`mars-asp check` says what stands against it"
+    else:
+        message = f"no node resolves what concerns `{subject}`"
+        help_text = "leave out `--only nodes` to see what that is"
+    return wrong_subject(project, message, help_text)
 
 
 def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:

@@ -25,6 +25,7 @@ def mars(*words: str, text: str | None = None) -> subprocess.CompletedProcess[st
 
 
 LEVEL0 = "examples/level0/config.mars"
+SCARA = "examples/scara/config.mars"
 IMPOSSIBLE = """\
 @configuration
 @modules A, B, C
@@ -77,6 +78,13 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["explain", LEVEL0, "--repair", "--depth", "2"], None, 2, "--depth says nothing"),
         (["explain", LEVEL0, "--alternatives", "--depth", "all"], None, 2, "--depth says nothing"),
         (["explain", LEVEL0, "--alternatives", "--repair"], None, 2, "not allowed with"),
+        (["explain", LEVEL0, "--only", "kinds"], None, 2, "invalid choice: 'kinds'"),
+        (["explain", LEVEL0, "--only", "nodes", "--repair"], None, 2, "--only says nothing"),
+        (["explain", LEVEL0, "--alternatives", "--only", "nodes"], None, 2, "--only says nothing"),
+        (["explain", LEVEL0, "--why-not", "a", "--only", "nodes"], None, 2, "leave out --only"),
+        (["explain", LEVEL0, "Trun", "--only", "nodes"], None, 2, "did you mean `Turn`"),
+        (["explain", LEVEL0, "DataSplitter1", "--only", "nodes"], None, 2, "leave out `--only no"),
+        (["explain", SCARA, "Tool", "--only", "nodes"], None, 2, "no node resolves what concerns"),
         (["explain", LEVEL0, "--all", "--repair"], None, 2, "not allowed with"),
         (["explain", LEVEL0, "--all", "--why-not", "a"], None, 2, "not allowed with"),
         (["rules", "show", "data/divergenc"], None, 2, "did you mean `data/divergence`"),

@@ -30,19 +30,15 @@ def main(path: str) -> int:
     """Print the lines; return 2 where the configuration is wrong."""
     try:
         project = load_project(path)
-        explanation = explain(project, load_rulebook())
+        explanation = explain(project, load_rulebook(), only="nodes")
     except MarsError as error:
         for problem in error.diagnostics:
             print(f"{problem.span.path}:{problem.span.line}: {problem.message}", file=sys.stderr)
         return 2
-    nodes = () if explanation.synthesis is None else explanation.synthesis.specification.nodes
-    names = {node.name for node in nodes}
     for topic in explanation.topics:
-        name = topic.title.split()[0]
-        if name in names:
-            print(name)
-            for span in sorted(set(places(topic.trace))):
-                print(f"    {span.path}:{span.line}")
+        print(topic.title.split()[0])
+        for span in sorted(set(places(topic.trace))):
+            print(f"    {span.path}:{span.line}")
     return 0
 
 

@@ -56,6 +56,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     question.add_argument(
         "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
     )
+    parser.add_argument(
+        "--only",
+        choices=("consequences", "nodes"),
+        help="these alone of everything or of a module; for consequences nothing is resolved",
+    )
     parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
         "--depth",
@@ -85,7 +90,9 @@ def run(arguments: argparse.Namespace) -> int:
 
         return run_repair(project, arguments, subject)
     rulebook = rulebook_for(arguments)
-    answer = explain(project, rulebook, subject, arguments.time_limit, arguments.every)
+    answer = explain(
+        project, rulebook, subject, arguments.time_limit, arguments.every, arguments.only
+    )
     if arguments.format == "json":
         traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
         print(encoded({"subject": subject, "traces": traces}))
@@ -103,7 +110,11 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
     if arguments.why_not is not None and (has_subject or arguments.about is not None):
         subject = "SUBJECT" if has_subject else "--about"
         return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
+    if arguments.why_not is not None and arguments.only is not None:
+        return "--why-not asks about its ATOM alone: leave out --only, or --why-not"
     for option in ("repair", "alternatives"):
+        if getattr(arguments, option) and arguments.only is not None:
+            return f"--{option} prints no trace, so --only says nothing: leave it out"
         if getattr(arguments, option) and hasattr(arguments, "depth"):
             return f"--{option} prints no trace, so --depth says nothing: leave it out"
     return None
@@ -184,7 +195,9 @@ def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
     yield from _lines(topics, getattr(arguments, "depth", DEPTH), arguments)
     if arguments.quiet:
         return
-    if not answer.topics:
+    if arguments.only == "nodes" and answer.synthesis is None:
+        yield "no specification realises this configuration, so there is no node to explain"
+    elif not answer.topics and arguments.only != "nodes":
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
         yield _summary(answer)
