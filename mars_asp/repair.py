@@ -6,28 +6,27 @@
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import clingo
 
 from mars_asp.analysis import Analysis, Consequence, analyse, fill, shown
-from mars_asp.atom import Fact
 from mars_asp.diagnostic import MarsError
 from mars_asp.edits import Line, UnknownEditError, apply_edits
 from mars_asp.explain import wrong_subject
-from mars_asp.facts import facts_text
 from mars_asp.project import Project, project_facts
-from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.resolve import least_cost
 from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
-from mars_asp.solve import Grounding
 from mars_asp.spelling import nearest
 
 #: What the rulebook of a repair holds.
 STAGES = ("resolve", "repair")
-#: Mends are looked for until so many are found, or so many sets of edits were tried.
+#: For a finding mends are looked for until so many are found, or so many sets of edits were tried.
 MOST_MENDS, MOST_TRIED, MOST_EDITS = 5, 60, 3
+#: For all findings together, until so many facts were solved; a try costs as much as so many facts.
+MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
 _EDIT = ("edit", 5)
 
 
@@ -45,15 +44,17 @@ class Edit:
 class Mend:
     """Edits that together remove a finding, and what the result was when it was solved.
 
-    `warnings` are warnings that were not there before; `errors` counts the errors that are left;
-    `synthesis` is the least specification, `None` while errors are left.
+    `others` counts the other findings that are gone, too; `warnings` are warnings that were not
+    there before; `errors` counts the errors that are left; `spent` is the cost of the least
+    specification by level, `None` while errors are left.
     """
 
     edits: tuple[Edit, ...]
     lines: tuple[Line, ...]
+    others: int
     warnings: tuple[Consequence, ...]
     errors: int
-    synthesis: Synthesis | None
+    spent: Mapping[int, int] | None
 
     @property
     def cost(self) -> tuple[int, int, int]:
@@ -65,8 +66,8 @@ class Mend:
 class Repair:
     """A finding and the smallest mends of it, best first.
 
-    `tried` of `candidates` sets of edits were solved; `complete` is whether no smaller or equally
-    small set was left untried.
+    `tried` sets of edits were solved; `complete` is whether no smaller or equally small one was
+    left.
     """
 
     consequence: Consequence
@@ -76,12 +77,17 @@ class Repair:
 
 
 def repairs(
-    project: Project, rulebook: Rulebook, subject: str | None = None, seconds: float | None = None
+    project: Project,
+    rulebook: Rulebook,
+    subject: str | None = None,
+    seconds: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Repair, ...]:
     """Look for mends of every error, or of every warning where there is no error.
 
     `subject` chooses findings by kind, subject or `kind(subject)` instead. `rulebook` holds the
-    stages `STAGES`. After `seconds` what was found so far is returned.
+    stages `STAGES`. After `seconds` what was found so far is returned. `progress` is told how many
+    sets of edits were tried, and how many will be at most.
 
     Raises:
         MarsError: numbers that do not fit, rules that clingo refuses; the subject is no module,
@@ -94,10 +100,13 @@ def repairs(
     if not findings:
         _check_subject(subject, project, rulebook)
         return ()
-    proposed = _proposals(facts, rulebook)
-    search = _Search(project, rulebook, analysis, deadline)
-    return tuple(
-        search.repair(finding, proposed.get(_key_of(finding.atom), ())) for finding in findings
+    proposed = _proposals(analysis, rulebook)
+    most = MOST_FACTS // (len(facts) + FACTS_OF_A_TRY)
+    search = _Search(project, rulebook, analysis.consequences, findings, deadline)
+    return search.repairs(
+        [proposed.get(_key_of(finding.atom), []) for finding in findings],
+        max(LEAST_TRIED, most),
+        progress,
     )
 
 
@@ -132,13 +141,13 @@ def _check_subject(subject: str | None, project: Project, rulebook: Rulebook) ->
 
 
 def _proposals(
-    facts: Iterable[Fact], rulebook: Rulebook
+    analysis: Analysis, rulebook: Rulebook
 ) -> dict[tuple[clingo.Symbol, ...], list[Edit]]:
     """Return the edits that the rules propose for each finding, least first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
-    text = "\n".join((rulebook.text("base"), rulebook.text("repair"), said))
-    grounding = Grounding(text, facts_text(facts))
+    grounding = analysis.grounding
+    grounding.derive(f"{rulebook.text('repair')}\n{said}")
     found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
     for symbol in sorted(grounding.symbols("_proposed", 3)):
         number, head, values = symbol.arguments
@@ -164,36 +173,79 @@ def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
     return kind, subject, case
 
 
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """What a set of edits made of a project: `gone` are the findings that are no more."""
+
+    gone: frozenset[int]
+    lines: tuple[Line, ...]
+    warnings: tuple[Consequence, ...]
+    errors: int
+    spent: Mapping[int, int] | None
+
+
 class _Search:
-    """Tries sets of edits on one project."""
+    """Tries sets of edits on one project, each once for all findings that it could mend."""
 
     def __init__(
-        self, project: Project, rulebook: Rulebook, analysis: Analysis, deadline: float | None
+        self,
+        project: Project,
+        rulebook: Rulebook,
+        before: Iterable[Consequence],
+        findings: Sequence[Consequence],
+        deadline: float | None,
     ) -> None:
         self._project = project
         self._rulebook = rulebook
         self._deadline = deadline
-        self._before = Counter(map(_name, analysis.consequences))
+        self._before = Counter(map(_name, before))
+        self._findings = findings
 
-    def repair(self, finding: Consequence, edits: Sequence[Edit]) -> Repair:
-        """Look for mends of one finding, by size and then by weight."""
-        mends: list[Mend] = []
-        tried = 0
+    def repairs(
+        self,
+        proposed: Sequence[Sequence[Edit]],
+        most: int,
+        progress: Callable[[int, int], None] | None,
+    ) -> tuple[Repair, ...]:
+        """Look for mends by their size, and then by weight for each finding that they may mend.
+
+        `proposed` are the edits for each finding, least first; `most` is how many sets are tried.
+        """
+        mends: list[list[Mend]] = [[] for _ in self._findings]
+        tried = [0] * len(self._findings)
+        #: The findings for which a set was passed over.
+        left: set[int] = set()
+        solved = 0
         for size in range(1, MOST_EDITS + 1):
-            for chosen in _by_weight(edits, size):
+            unmended = [number for number, found in enumerate(mends) if not found]
+            for group in _shared({n: proposed[n] for n in unmended}, size):
                 late = self._deadline is not None and time.monotonic() > self._deadline
-                if len(mends) == MOST_MENDS or tried == MOST_TRIED or late:
-                    return Repair(finding, _ranked(mends), tried, complete=False)
-                tried += 1
-                mend = self._try(finding, chosen)
-                if mend is not None:
-                    mends.append(mend)
-            if mends:
-                break
-        return Repair(finding, _ranked(mends), tried, complete=True)
+                wanted = {
+                    number: edits
+                    for number, edits in group.items()
+                    if len(mends[number]) < MOST_MENDS and tried[number] < MOST_TRIED
+                }
+                left |= group.keys() - wanted.keys()
+                if late or solved >= most:
+                    left |= wanted.keys()
+                    continue
+                if not wanted:
+                    continue
+                if progress is not None:
+                    progress(solved, most)
+                solved += 1
+                outcome = self._try(next(iter(wanted.values())))
+                for number, edits in wanted.items():
+                    tried[number] += 1
+                    if outcome is not None and number in outcome.gone:
+                        mends[number].append(_mend(edits, outcome))
+        return tuple(
+            Repair(finding, _ranked(mends[number]), tried[number], number not in left)
+            for number, finding in enumerate(self._findings)
+        )
 
-    def _try(self, finding: Consequence, edits: tuple[Edit, ...]) -> Mend | None:
-        """Solve the edited project; return nothing where the finding stays or an error comes."""
+    def _try(self, edits: tuple[Edit, ...]) -> _Outcome | None:
+        """Solve the edited project; return nothing where no finding goes or an error comes."""
         try:
             project, lines = apply_edits(self._project, [edit.term for edit in edits])
             facts = project_facts(project)
@@ -201,26 +253,50 @@ class _Search:
         except (MarsError, UnknownEditError):
             return None
         after = Counter(map(_name, analysis.consequences))
-        if after[_name(finding)] >= self._before[_name(finding)]:
-            return None
+        names = map(_name, self._findings)
+        gone = frozenset(n for n, name in enumerate(names) if after[name] < self._before[name])
         new = [c for c in analysis.consequences if after[_name(c)] > self._before[_name(c)]]
-        if any(c.severity == "error" for c in new):
+        if not gone or any(c.severity == "error" for c in new):
             return None
         errors = sum(c.severity == "error" for c in analysis.consequences)
-        synthesis = None if errors else self._synthesise(project, analysis)
-        if not errors and synthesis is None:
+        spent = None if errors else self._spent(analysis)
+        if not errors and spent is None:
             return None
         warnings = tuple(c for c in new if c.severity == "warning")
-        return Mend(edits, lines, warnings, errors, synthesis)
+        return _Outcome(gone, lines, warnings, errors, spent)
 
-    def _synthesise(self, project: Project, analysis: Analysis) -> Synthesis | None:
+    def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
         left = None if self._deadline is None else max(0.1, self._deadline - time.monotonic())
         try:
-            return synthesise(
-                project.configuration, project.modules, analysis, self._rulebook, left
-            )
+            return least_cost(analysis, self._rulebook, left)
         except (MarsError, TimeoutError):
             return None
+
+
+def _mend(edits: tuple[Edit, ...], outcome: _Outcome) -> Mend:
+    others = len(outcome.gone) - 1
+    return Mend(edits, outcome.lines, others, outcome.warnings, outcome.errors, outcome.spent)
+
+
+def _shared(proposed: Mapping[int, Sequence[Edit]], size: int) -> list[dict[int, tuple[Edit, ...]]]:
+    """Return the sets of edits of a size, each with the findings that it is proposed for.
+
+    Those of least weight for each finding come first, then those that stand first for one.
+    """
+    found: dict[frozenset[clingo.Symbol], dict[int, tuple[Edit, ...]]] = {}
+    rank: dict[frozenset[clingo.Symbol], int] = {}
+    for number, edits in proposed.items():
+        for place, chosen in enumerate(_by_weight(edits, size)):
+            terms = frozenset(edit.term for edit in chosen)
+            found.setdefault(terms, {})[number] = chosen
+            rank[terms] = min(place, rank.get(terms, place))
+
+    def order(terms: frozenset[clingo.Symbol]) -> tuple[float, int, int]:
+        group = found[terms]
+        weight = sum(edit.weight for edit in next(iter(group.values())))
+        return weight / len(group), rank[terms], min(group)
+
+    return [found[terms] for terms in sorted(found, key=order)]
 
 
 def _by_weight(edits: Sequence[Edit], size: int) -> Iterator[tuple[Edit, ...]]:
@@ -230,9 +306,10 @@ def _by_weight(edits: Sequence[Edit], size: int) -> Iterator[tuple[Edit, ...]]:
         yield from chosen
     else:
         # Of more than a screenful of edits sets would be too many to try anyway.
-        yield from sorted(
-            combinations(edits[:20], size), key=lambda group: sum(edit.weight for edit in group)
-        )
+        groups = combinations(edits[:20], size)
+        by_weight = sorted(groups, key=lambda group: sum(edit.weight for edit in group))
+        # One more than is tried, so that it is known whether all were.
+        yield from by_weight[: MOST_TRIED + 1]
 
 
 def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:

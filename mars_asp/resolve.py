@@ -48,12 +48,37 @@ def synthesise(
     Raises:
         MarsError: clingo refuses the rules.
     """
+    resolution = _resolve(analysis, rulebook, seconds, progress)
+    if resolution is None:
+        return None
+    return Synthesis(specify(configuration, modules, resolution.answer.shown), resolution)
+
+
+def least_cost(
+    analysis: Analysis, rulebook: Rulebook, seconds: float | None = None
+) -> Mapping[int, int] | None:
+    """Return what `synthesise` would find the least specification to cost, by level.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    resolution = _resolve(analysis, rulebook, seconds)
+    if resolution is None:
+        return None
+    resolution.answer.check()
+    return resolution.cost
+
+
+def _resolve(
+    analysis: Analysis,
+    rulebook: Rulebook,
+    seconds: float | None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Resolution | None:
     deadline = None if seconds is None else time.monotonic() + seconds
     grounding = analysis.grounding
     resolution = grounding.resolve(rulebook.text("resolve"), deadline, progress)
-    if any(True for _ in grounding.symbols(*UNRESOLVABLE)):
-        return None
-    return Synthesis(specify(configuration, modules, resolution.answer.shown), resolution)
+    return None if any(True for _ in grounding.symbols(*UNRESOLVABLE)) else resolution
 
 
 def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:

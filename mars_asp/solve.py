@@ -55,6 +55,15 @@ class Answer:
         """Return the true atoms that are no facts, and some that are."""
         return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
+    def check(self) -> None:
+        """Check that there is this answer.
+
+        Raises:
+            MarsError: there is none, so the decisions for the components do not fit together.
+        """
+        with self._model():
+            pass
+
     @contextmanager
     def _model(self) -> Iterator[clingo.Model]:
         with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
@@ -113,13 +122,10 @@ class Grounding:
         self._program = Recorded()
         self._names: dict[int, str] = {}
         self._steps = 0
-        self.control = clingo.Control(_OPTIONS, self._note, _MOST_MESSAGES)
+        self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
         self.add(f"{base}\n{facts}")
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
-
-    def _note(self, code: clingo.MessageCode, message: str) -> None:
-        self._messages.append((code, message))
 
     def add(self, text: str) -> None:
         """Ground rules and facts over what is grounded already.
@@ -273,3 +279,10 @@ class Grounding:
             return optimise(component, deadline)
         except UnsatisfiableError:
             raise self.refused("no resolution satisfies the rules of `rules/resolve`") from None
+
+
+def _noting(
+    messages: list[tuple[clingo.MessageCode, str]],
+) -> Callable[[clingo.MessageCode, str], None]:
+    # A method would keep its control alive, and what is large in it Python's collector cannot see.
+    return lambda code, message: messages.append((code, message))

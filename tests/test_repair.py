@@ -1,11 +1,13 @@
 """The smallest edits that remove findings, each tried here in another way as well."""
 
 import json
+from collections import Counter
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 
+from mars_asp import repair
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli import run_here
 from mars_asp.edits import Line, apply_edits
@@ -49,9 +51,9 @@ def test_edits_written_into_the_file_remove_the_finding(folder: Path) -> None:
     path = str(folder / "config.mars")
     project = load_project(path)
     before = _analyse(project)
-    for repair in repairs(project, RULEBOOK):
-        finding = (repair.consequence.kind, repair.consequence.subject)
-        for mend in repair.mends:
+    for found in repairs(project, RULEBOOK):
+        finding = (found.consequence.kind, found.consequence.subject)
+        for mend in found.mends:
             text = _edited(Path(path).read_text(), mend.lines)
             if text is None:
                 continue
@@ -80,21 +82,76 @@ def _edited(text: str, lines: tuple[Line, ...]) -> str | None:
 def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Configuration) -> None:
     project = Project(configuration, {}, ())
     before = _errors(_analyse(project))
-    for repair in repairs(project, RULEBOOK):
-        finding = (repair.consequence.kind, repair.consequence.subject)
-        assert len({len(mend.edits) for mend in repair.mends}) <= 1
-        for mend in repair.mends:
+    for found in repairs(project, RULEBOOK):
+        finding = (found.consequence.kind, found.consequence.subject)
+        assert len({len(mend.edits) for mend in found.mends}) <= 1
+        for mend in found.mends:
             after = _solved(project, mend)
             count = [(c.kind, c.subject) for c in after.consequences].count(finding)
             was = [(c.kind, c.subject) for c in _analyse(project).consequences].count(finding)
             assert count < was
             assert not set(_errors(after)) - set(before)
-            assert (mend.synthesis is None) == bool(mend.errors)
+            assert (mend.spent is None) == bool(mend.errors)
+            assert mend.others == _gone(project, after) - 1
+
+
+def _gone(project: Project, after: Analysis) -> int:
+    """Return how many findings are no more, of the errors, or of the warnings without errors."""
+    was, now = (
+        [(c.severity, c.kind, c.subject) for c in analysis.consequences]
+        for analysis in (_analyse(project), after)
+    )
+    worst = "error" if any(name[0] == "error" for name in was) else "warning"
+    found = [name for name in was if name[0] == worst]
+    kept = Counter(name[1:] for name in now)
+    had = Counter(name[1:] for name in was)
+    return sum(kept[name[1:]] < had[name[1:]] for name in found)
 
 
 def _solved(project: Project, mend: Mend) -> Analysis:
     edited, _ = apply_edits(project, [edit.term for edit in mend.edits])
     return _analyse(edited)
+
+
+def _hub(clients: int) -> Project:
+    """Return clients of one source, none of which accepts what it delivers."""
+    names = [f"C{number}" for number in range(clients)]
+    lines = ["@configuration", "@modules S, " + ", ".join(names)]
+    lines += [f"{name} uses_data_from S" for name in names]
+    lines += ["@module_start", "@module_name S", "@Sense NotifyWhenReady", "Raw grab();"]
+    for name in names:
+        lines += ["@module_end", "@module_start", f"@module_name {name}", "@DataIn"]
+        lines += ["void show(Other x);"]
+    text = "\n".join([*lines, "@module_end", ""])
+    return Project(parse_text(text, "hub.mars").configuration, {}, ())
+
+
+def test_an_edit_that_many_findings_share_is_tried_once_and_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(repair, "MOST_FACTS", 0)
+    monkeypatch.setattr(repair, "LEAST_TRIED", 5)
+    told: list[tuple[int, int]] = []
+    found = repairs(_hub(20), RULEBOOK, progress=lambda *state: told.append(state))
+    assert told == [(done, 5) for done in range(5)]
+    assert len(found) == 20
+    for number, each in enumerate(found):
+        assert str(each.mends[0].edits[0].term) == 'declare("Raw","Other")'
+        assert each.mends[0].others == 19
+        # Of the other edit of each finding, four more are tried.
+        assert (each.tried, len(each.mends), each.complete) == (
+            (2, 2, True) if number < 4 else (1, 1, False)
+        )
+
+
+def test_findings_that_no_try_is_left_for_say_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(repair, "MOST_FACTS", 0)
+    monkeypatch.setattr(repair, "LEAST_TRIED", 1)
+    path = str(ROOT / "tests/repair/roles/config.mars")
+    assert run_here(["explain", path, "--repair"]) == 1
+    assert "not tried beside so many others: ask for `class_mismatch(" in capsys.readouterr().out
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -127,8 +184,8 @@ def test_a_pack_may_propose_edits_for_its_own_findings(tmp_path: Path) -> None:
     )
     configuration = parse_text("@configuration\n@modules Rock\n", "c.mars").configuration
     book = load_rulebook([pack], STAGES)
-    [repair] = repairs(Project(configuration, {}, ()), book)
-    assert [str(edit.term) for mend in repair.mends for edit in mend.edits] == ['unname("Rock")']
+    [found] = repairs(Project(configuration, {}, ()), book)
+    assert [str(edit.term) for mend in found.mends for edit in mend.edits] == ['unname("Rock")']
 
 
 def test_conflicting_rules_of_packs_are_named(

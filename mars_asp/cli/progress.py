@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 #: Nobody needs a bar for what is over before it could be read.
 _PATIENCE = 1.0
+#: Seconds between two bars: more often is not read, and a terminal takes time.
+_SPACING = 0.1
 
 
 @contextmanager
@@ -45,13 +47,14 @@ def progress_bar(
         yield None
         return
     started = time.monotonic()
-    shown = False
+    shown: float | None = None
 
     def progress(done: int, total: int) -> None:
         nonlocal shown
-        if time.monotonic() - started < _PATIENCE or done % 50:
+        now = time.monotonic()
+        if now - started < _PATIENCE or (shown is not None and now - shown < _SPACING):
             return
-        shown = True
+        shown = now
         width = 30 * done // max(1, total)
         bar = "#" * width + "." * (30 - width)
         _show(f"[{bar}] {done} of {total} {what}")
@@ -59,7 +62,7 @@ def progress_bar(
     try:
         yield progress
     finally:
-        if shown:
+        if shown is not None:
             _clear()
 
 

@@ -2,10 +2,11 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
@@ -18,7 +19,9 @@ from mars_asp.visible import visible
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
     """Print repairs; 1 where an error is left without one that is shown."""
-    found = repairs(project, rulebook_for(arguments, STAGES), subject, arguments.time_limit)
+    rulebook = rulebook_for(arguments, STAGES)
+    with progress_bar(arguments, "sets of edits") as progress:
+        found = repairs(project, rulebook, subject, arguments.time_limit, progress)
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [_repair_json(r) for r in found]}))
     else:
@@ -38,7 +41,10 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
         yield f"{place}: {kind}: {visible(consequence.message)}"
         for number, mend in enumerate(repair.mends, 1):
             yield from _mend_text(number, mend)
-        if not repair.mends:
+        if not repair.mends and not repair.tried and not repair.complete:
+            alone = f"{consequence.kind}({visible(consequence.subject)})"
+            yield f"  not tried beside so many others: ask for `{alone}` alone"
+        elif not repair.mends:
             end = "" if repair.complete else ", and more were left"
             yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
 
@@ -52,13 +58,19 @@ def _mend_text(number: int, mend: Mend) -> Iterator[str]:
         for sign, text in (("-", line.old), ("+", line.new)):
             if text is not None:
                 yield f"       {sign} {place}: {visible(text)}"
+    if mend.others:
+        yield f"       mends {mend.others} other finding{'s' * (mend.others > 1)}, too"
     for warning in mend.warnings:
         yield f"       then warns: {visible(warning.message)}"
     if mend.errors:
         yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
-    elif mend.synthesis is not None:
-        costs = ", ".join(f"{name} {mend.synthesis.cost(level)}" for name, level in COSTS.items())
+    elif mend.spent is not None:
+        costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
         yield f"       then realised; cost: {costs}"
+
+
+def _costs(spent: Mapping[int, int]) -> dict[str, int]:
+    return {name: spent.get(level, 0) for name, level in COSTS.items()}
 
 
 def _repair_json(repair: Repair) -> dict[str, object]:
@@ -71,14 +83,13 @@ def _repair_json(repair: Repair) -> dict[str, object]:
 
 
 def _mend_json(mend: Mend) -> dict[str, object]:
-    synthesis = mend.synthesis
-    cost = synthesis and {name: synthesis.cost(level) for name, level in COSTS.items()}
     return {
         "edits": [_edit_json(edit) for edit in mend.edits],
         "lines": [_line_json(line) for line in mend.lines],
+        "also_mended": mend.others,
         "warnings": [consequence_json(warning) for warning in mend.warnings],
         "errors_left": mend.errors,
-        "cost": cost,
+        "cost": None if mend.spent is None else _costs(mend.spent),
     }
 
 
