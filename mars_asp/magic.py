@@ -84,7 +84,7 @@ def demand_of(
     given predicates, the positions of arguments by which their facts can be found.
     """
     plain = plain_rules(rules)
-    if plain is None or _negates_itself(plain):
+    if plain is None or negates_itself(plain):
         return None
     writer = _Writer(keys)
     for rule in plain:
@@ -101,7 +101,7 @@ def demand_of(
     )
 
 
-def _negates_itself(rules: Iterable[Plain]) -> bool:
+def negates_itself(rules: Iterable[Plain]) -> bool:
     """Say whether recursion leads through anything but positive literals."""
     reads: dict[Signature, set[Signature]] = {}
     others: set[tuple[Signature, Signature]] = set()

@@ -17,6 +17,14 @@ _DEFINED = re.compile(r"^#defined\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 _SEVERITIES = ("note", "warning", "error")
 
 Signature = tuple[str, int]
+#: Statements that leave the answers of rules as they are.
+_HARMLESS = (
+    ast.ASTType.Rule,
+    ast.ASTType.Program,
+    ast.ASTType.Comment,
+    ast.ASTType.Defined,
+    ast.ASTType.ShowSignature,
+)
 #: What a rule pack from elsewhere may derive besides predicates of its own.
 EXTENSIBLE: frozenset[Signature] = frozenset(
     {("consequence", 4), ("participant", 5), ("concerns", 4), ("edit", 5)}
@@ -40,6 +48,13 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
                 yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
             else:
                 yield Diagnostic("rule-syntax", "error", " ".join(match[3].split()), place)
+
+
+def has_rules_alone(text: str) -> bool:
+    """Say whether a text holds nothing but rules, and what says nothing of answers."""
+    found: list[ast.AST] = []
+    ast.parse_string(text, found.append)
+    return all(statement.ast_type in _HARMLESS for statement in found)
 
 
 def declared(text: str) -> set[Signature]:

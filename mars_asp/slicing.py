@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import clingo
 
 from mars_asp.atom import Fact
+from mars_asp.literals import plain_rules
 from mars_asp.lookup import KEYS, Lookup
-from mars_asp.magic import Asked, Demand, demand_of
+from mars_asp.magic import Asked, Demand, demand_of, negates_itself
+from mars_asp.pack import has_rules_alone
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.trace.demand import names_read, reachable_rules
 from mars_asp.trace.given import symbol_of, term_of
@@ -35,13 +37,14 @@ def slice_for(
     """Return what `KIND(NAME)` of a consequence or an atom needs, or `None` for anything else.
 
     That is so where the subject is no such term, or where no rule of the base derives it, and
-    with rule packs: rules that the question does not read could leave no answer at all. By the
-    names of predicates, `facts_of` gives all their facts, `lookup_of` those that are looked for.
+    with rule packs that could leave no answer at all or several, by rules that the question does
+    not read. By the names of predicates, `facts_of` gives all their facts, `lookup_of` those that
+    are looked for.
     """
-    if rulebook.packs:
-        return None
     name, first = _asked(subject, rulebook)
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
+    if rulebook.packs and not _has_one_answer(base, rulebook):
+        return None
     if not any(name == head for rule in base for head, _ in rule.heads):
         return None
     asked = {name: frozenset({first})}
@@ -61,6 +64,21 @@ def slice_for(
     if text is None:
         text = "\n".join(rule.text for rule in rules)
     return Slice(Rulebook(rules, (("base", text),)), needed)
+
+
+def _has_one_answer(base: Sequence[Rule], rulebook: Rulebook) -> bool:
+    """Say whether rules with packs have just one answer, whatever the facts are.
+
+    So it is where packs hold rules alone, each of which forces one atom, and recursion leads
+    through no negation: they are stratified (Apt, Blair and Walker 1988).
+    """
+    if any(not has_rules_alone(text) for _, text in rulebook.texts[-rulebook.packs :]):
+        return False
+    plain = plain_rules(base)
+    if plain is None or negates_itself(plain):
+        return False
+    # What is classically negated excludes what is not.
+    return not any(rule.head.signature[0].startswith("-") for rule in plain)
 
 
 def _demand(subject: str, name: str, rules: Sequence[Rule]) -> Demand | None:

@@ -157,7 +157,7 @@ consequence(sorts_term, note, f(C, S), x) :- asks(f(C, S), _), not gets(S, C).
 def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
     pack = tmp_path / "sorts.lp"
     pack.write_text(PACK)
-    # Taken as rules of our own: with packs nothing is sliced.
+    # Taken as rules of our own: with a pack that negates itself nothing is sliced.
     rulebook = replace(load_rulebook([pack]), packs=0)
     names = {signature for rule in rulebook.rules for signature in rule.heads}
     projects = [load_project(str(path)) for path in CONFIGURATIONS]
@@ -190,6 +190,62 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
                 assert trace_json(traces[atom]) == trace_json(expected[atom]), subject
             fewer += len(part.facts) < len(facts) / 2
     assert fewer > 40
+
+
+#: What leaves just one answer, whatever it is about.
+STRATIFIED = """\
+#show gets/2.
+#defined far/1.
+gets(A, B) :- uses_data_from(_, A, B).
+gets(A, C) :- gets(A, B), uses_data_from(_, B, C).
+lonely(M) :- module(M), not gets(M, _), not gets(_, M), not far(M).
+%! id: stratified/many
+%! because: `{S}` serves {N}
+consequence(many, note, S, 0) :- module(S), N = #count { C : gets(C, S) }, N > 1.
+consequence(K, note, M, odd) :- lonely(M), kind_of_oddity(K).
+kind_of_oddity(data_divergence).
+"""
+
+
+def test_packs_that_have_one_answer_are_sliced(tmp_path: Path) -> None:
+    pack = tmp_path / "stratified.lp"
+    pack.write_text(STRATIFIED)
+    rulebook = load_rulebook([pack])
+    fewer = 0
+    for path in CONFIGURATIONS:
+        project = load_project(str(path))
+        whole = explain(project, rulebook)
+        for topic in whole.topics[: len(whole.analysis.consequences)]:
+            part = sliced(project, topic.title, rulebook)
+            assert part is not None
+            fewer += len(part.facts) < len(project_facts(project)) / 2
+            found = explain(project, rulebook, topic.title)
+            assert found.synthesis is None
+            traces = [trace_json(t.trace) for t in found.topics if t.title == topic.title]
+            assert trace_json(topic.trace) in traces
+    assert fewer > 10
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        ":- module(_).",
+        "{ odd(M) } :- module(M).",
+        "odd(M) ; even(M) :- module(M).",
+        "odd(M) :- module(M), not even(M). even(M) :- module(M), not odd(M).",
+        "odd(N) :- N = #count { M : odd(M) }.",
+        "odd(M) :- module(M). -odd(M) :- module(M).",
+        "#const most = 1. odd(M) :- module(M).",
+        "odd(M) :- module(M). #minimize { 1, M : odd(M) }.",
+        "odd(M) :- module(M). :~ odd(M). [1]",
+    ],
+)
+def test_other_packs_are_not(tmp_path: Path, rules: str) -> None:
+    pack = tmp_path / "other.lp"
+    pack.write_text(rules + "\n")
+    project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
+    assert sliced(project, "data_divergence(Runaway)", RULEBOOK) is not None
+    assert sliced(project, "data_divergence(Runaway)", load_rulebook([pack])) is None
 
 
 def test_constants_of_packs_are_read_with_all_rules(tmp_path: Path) -> None:
