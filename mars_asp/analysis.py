@@ -13,9 +13,10 @@ from typing import TypeAlias, TypeVar
 import clingo
 
 from mars_asp.atom import Fact
-from mars_asp.conflict import check_decided, check_packs
+from mars_asp.conflict import check_decided, check_packs, check_severities
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
+from mars_asp.pack import SEVERITIES
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
@@ -24,7 +25,6 @@ from mars_asp.term import Term, arguments, as_symbol, atoms
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[Term, Term, Term]
 _Value = TypeVar("_Value")
-_SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 _CONSEQUENCE = ("consequence", 4)
 _SAID = "_said"
 _HOLE = re.compile(r"\{([^{}]*)\}")
@@ -87,7 +87,8 @@ def analyse(
     `data_divergence(Camera)` or the whole atom, is what alone will be read.
 
     Raises:
-        MarsError: clingo refuses the rules, or rule packs leave no answer.
+        MarsError: clingo refuses the rules, or rule packs leave no answer or give a severity that
+            is none.
     """
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if _speaks(rule))
@@ -97,6 +98,7 @@ def analyse(
     check_packs(grounding.control, rulebook, text)
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)
+    check_severities(grounding.control, _SAID, speakers)
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
@@ -236,4 +238,4 @@ def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[Term], _Valu
 
 def _severity(symbol: clingo.Symbol) -> Severity:
     name = str(symbol)
-    return next((severity for severity in _SEVERITIES if severity == name), "warning")
+    return next(severity for severity in SEVERITIES if severity == name)

@@ -5,15 +5,18 @@ one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); 
 kept is needed. The built-in rules alone always have an answer.
 """
 
+import re
 from collections.abc import Sequence
 
 import clingo
 from clingo import ast
 
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.pack import SEVERITIES, no_severity, severity_place
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.term import arguments, as_symbol, labelled
+from mars_asp.term import arguments, as_symbol, atoms, labelled
 
+_NAMED_SEVERITY = re.compile(rf"consequence\(\s*\w+\s*,\s*({'|'.join(SEVERITIES)})\s*,")
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
 
@@ -75,6 +78,36 @@ def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) 
                     excerpt=speakers[number].text.partition("\n")[0],
                 )
                 for number in sorted(open_rules)
+            )
+        )
+
+
+def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+    """Check that how severe a consequence is, is one of the words for that.
+
+    A rule that names the word was checked when it was read; one with a variable takes what its
+    body gives. The atoms `said` are as in `check_decided`.
+
+    Raises:
+        MarsError: it is another word; the rules with places.
+    """
+    if all(_NAMED_SEVERITY.match(rule.text) for rule in speakers):
+        return
+    wrong = set()
+    for atom in atoms(control, said, 3, True):
+        number, head, _ = arguments(atom)
+        severity = arguments(head)[1]
+        if str(as_symbol(severity)) not in SEVERITIES:
+            wrong.add((as_symbol(number).number, str(as_symbol(severity))))
+    if wrong:
+        raise MarsError(
+            tuple(
+                no_severity(
+                    word,
+                    severity_place(speakers[number].ast, speakers[number].span),
+                    speakers[number].text.partition("\n")[0],
+                )
+                for number, word in sorted(wrong)
             )
         )
 

@@ -97,3 +97,18 @@ def unfit(table: str, key: str, value: Any) -> Iterator[tuple[int | None, Form]]
     for index, part in parts(table, key, value) if form else ():
         if form and not form.fits(part):
             yield index, form
+
+
+#: Keys of one table of which the first is at most as great as the second.
+ORDERED: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "devices": (("low", "high"), ("low", "value"), ("value", "high")),
+    "faults": (("from", "until"),),
+}
+
+
+def disordered(schema: str, table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the keys of a table whose numbers are in the wrong order."""
+    for first, second in ORDERED.get(schema, ()):
+        stated = [table[key] for key in (first, second) if _is_number(table.get(key))]
+        if len(stated) == 2 and stated[0] > stated[1]:
+            yield first, second

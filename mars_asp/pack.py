@@ -6,7 +6,7 @@ from collections.abc import Iterator, Set
 import clingo
 from clingo import ast
 
-from mars_asp.diagnostic import Diagnostic
+from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
@@ -14,7 +14,7 @@ _PLACE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: error: (.*)", re.DOTALL)
 _UNSAFE = re.compile(r"note: '(\w+)' is unsafe")
 _DEFINED = re.compile(r"^#defined\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 
-_SEVERITIES = ("note", "warning", "error")
+SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 
 Signature = tuple[str, int]
 #: Statements that leave the answers of rules as they are.
@@ -104,16 +104,21 @@ def misused_heads(rule: ast.AST, heads: Set[Signature], span: Span) -> Iterator[
 
 
 def _wrong_severity(term: ast.AST, span: Span) -> Iterator[Diagnostic]:
-    written = str(term)
-    if term.ast_type != ast.ASTType.Variable and written not in _SEVERITIES:
-        near = nearest(written, _SEVERITIES)
-        yield Diagnostic(
-            "rule-severity",
-            "error",
-            f"`{written}` is no severity",
-            _place(span, term),
-            help=f"did you mean `{near}`?" if near else f"one of {', '.join(_SEVERITIES)}",
-        )
+    if term.ast_type != ast.ASTType.Variable and str(term) not in SEVERITIES:
+        yield no_severity(str(term), _place(span, term))
+
+
+def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
+    """Return what is said of a severity that is none."""
+    near = nearest(written, SEVERITIES)
+    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
+    message = f"`{written}` is no severity"
+    return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
+
+
+def severity_place(rule: ast.AST, span: Span) -> Span:
+    """Return where the head of a rule that stands at `span` says how severe a consequence is."""
+    return _place(span, rule.head.atom.symbol.arguments[1])
 
 
 def named_kinds(rule: ast.AST) -> frozenset[str] | None:

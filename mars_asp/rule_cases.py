@@ -42,6 +42,8 @@ class Outcome:
         """Yield lines that say what is missing and what is too much."""
         missing = [answer for answer in self.expected if answer not in self.found]
         extra = [answer for answer in self.found if answer not in self.expected]
+        if not self.expected:
+            yield "  no line `%=`, so no answer set is expected; rules of your own go with --rules"
         if len(missing) == len(extra) == 1:
             lost, new = set(missing[0]), set(extra[0])
             yield from (f"  - {atom}" for atom in sorted(lost - new))
@@ -51,11 +53,19 @@ class Outcome:
         yield from (f"  + answer set: {' '.join(answer)}" for answer in extra)
 
 
-def find_cases(paths: Iterable[Path]) -> tuple[Path, ...]:
-    """Return the case files that paths name, those of folders in the order of their names."""
+def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path, ...]:
+    """Return the case files that paths name, those of folders in the order of their names.
+
+    Of what a folder holds, the files of rule packs are no cases.
+    """
+    rules = {path.resolve() for path in packs}
     found: list[Path] = []
     for path in paths:
-        found += sorted(path.rglob("*.lp")) if path.is_dir() else [path]
+        if path.is_dir():
+            held = sorted(path.rglob("*.lp"))
+            found += (p for p in held if not {p.resolve(), p.resolve().parent} & rules)
+        else:
+            found.append(path)
     return tuple(found)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.forms import REQUIRED, parts, unfit
+from mars_asp.forms import REQUIRED, disordered, parts, unfit
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.model import GRASP, MOTION_FUNCTIONS
 from mars_asp.source import Span, point
@@ -265,6 +265,9 @@ class _Check:
                 yield _problem(self.places.of(key, under, entry), f"`{key}` is no key here", hint)
             else:
                 yield from self.value(schema, key, value, (under, entry))
+        for first, second in disordered(schema, table):
+            message = f"`{first}` is {table[first]}, above `{second}`, which is {table[second]}"
+            yield _problem(self.places.of(first, under, entry), message, "exchange or change them")
 
     def value(
         self, schema: str, key: str, value: Any, at: tuple[tuple[str, ...], int | None]

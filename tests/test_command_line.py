@@ -312,3 +312,43 @@ def test_outcomes_of_cases_come_as_json_too(tmp_path: Path) -> None:
         {"path": str(tmp_path / "right.lp"), "passed": True, "difference": []},
         {"path": str(tmp_path / "wrong.lp"), "passed": False, "difference": ["  - foo(1)"]},
     ]
+
+
+def test_rules_of_a_pack_are_no_cases(tmp_path: Path) -> None:
+    rules, cases = tmp_path / "rules", tmp_path / "rules" / "cases"
+    cases.mkdir(parents=True)
+    (rules / "odd.lp").write_text("odd(M) :- module(M).\n")
+    (cases / "one.lp").write_text('module("M").\n#show odd/1.\n%= odd("M")\n')
+    for given in (rules, rules / "odd.lp"):
+        done = mars("test", str(tmp_path), "--rules", str(given))
+        assert (done.returncode, done.stdout) == (0, "1 passed, 0 failed\n")
+    done = mars("test", str(rules), "--rules", str(rules / "odd.lp"), "--format", "json")
+    assert [Path(case["path"]).name for case in json.loads(done.stdout)["cases"]] == ["one.lp"]
+    # Nobody said that these are rules.
+    done = mars("test", str(rules))
+    assert done.returncode == 1
+    assert "rules of your own go with --rules" in done.stdout
+
+
+def test_a_folder_without_cases_says_so(tmp_path: Path) -> None:
+    done = mars("test", str(tmp_path))
+    assert done.returncode == 1
+    assert f"no case, a `.lp` file besides --rules, in {tmp_path}" in done.stderr
+
+
+def test_a_severity_that_a_rule_takes_from_its_body_is_checked(tmp_path: Path) -> None:
+    pack = tmp_path / "grave.lp"
+    pack.write_text(
+        "%! id: grave/heavy\n%! because: `{M}` is heavy\n"
+        "consequence(heavy, S, M, 1) :- graveness(M, S).\n"
+        'graveness("Turn", eror). graveness("Forward", note).\n'
+    )
+    config = "examples/level0/config.mars"
+    for verb in (["check"], ["analyse"], ["synthesise"], ["explain"], ["explain", "heavy(Turn)"]):
+        done = mars(verb[0], config, *verb[1:], "--rules", str(pack))
+        assert done.returncode == 2
+        assert f"{pack}:3:20: error: `eror` is no severity" in done.stderr
+        assert "did you mean `error`?" in done.stderr
+    pack.write_text(pack.read_text().replace("eror", "error"))
+    assert mars("check", config, "--rules", str(pack)).returncode == 1
+    assert "heavy" in mars("explain", config, "heavy(Turn)", "--rules", str(pack)).stdout

@@ -523,6 +523,30 @@ def test_a_fault_that_nothing_has_is_refused(name: str) -> None:
     assert raised.value.diagnostics[0].span.line == 7
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ("low = 90\nhigh = -90", "`low` is 90, above `high`, which is -90"),
+        ("high = 10\nvalue = 11.5", "`value` is 11.5, above `high`, which is 10"),
+        ("value = -1\nlow = 0", "`low` is 0, above `value`, which is -1"),
+        ("\nlow = inf\nhigh = inf\nvalue = 0", "`low` is inf, above `value`, which is 0"),
+    ],
+)
+def test_bounds_of_a_joint_are_in_order(wrong: str, told: str) -> None:
+    with pytest.raises(MarsError) as raised:
+        read_scenario(f'{BASE}[devices.J]\nkind = "joint"\n{wrong}\n', Path("s.toml"))
+    (found,) = raised.value.diagnostics
+    assert found.message == told
+    lines = f"{BASE}[devices.J]\n\n{wrong}\n".split("\n")
+    assert lines[found.span.line - 1].startswith(told.split("`")[1])
+
+
+def test_a_fault_ends_after_it_began() -> None:
+    fault = '[faults.C]\nkind = "silent"\nuntil = 2\nfrom = 3\n'
+    with pytest.raises(MarsError, match="`from` is 3, above `until`, which is 2"):
+        read_scenario(BASE + fault, Path("s.toml"))
+
+
 def test_a_device_without_a_kind_is_refused() -> None:
     with pytest.raises(MarsError, match="`C` has no `kind`"):
         trial(BASE + "[devices.C]\nperiod = 3\n")

@@ -1,6 +1,7 @@
 """Run rule cases: facts and expected answer sets in one file."""
 
 import argparse
+import sys
 from pathlib import Path
 
 from mars_asp.cli.encode import encoded
@@ -17,15 +18,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print what differs; 1 where a case failed or there was none."""
     rulebook = rulebook_for(arguments, STAGES)
-    outcomes = [run_case(case, rulebook) for case in find_cases(map(Path, arguments.paths))]
+    cases = find_cases(map(Path, arguments.paths), map(Path, arguments.rules))
+    if not cases:
+        where = ", ".join(map(visible, arguments.paths))
+        print(f"mars-asp test: no case, a `.lp` file besides --rules, in {where}", file=sys.stderr)
+    outcomes = [run_case(case, rulebook) for case in cases]
     failed = [outcome for outcome in outcomes if not outcome.passed]
     passed = len(outcomes) - len(failed)
     if arguments.format == "json":
-        cases = [
+        listed = [
             {"path": str(o.path), "passed": o.passed, "difference": list(o.difference())}
             for o in outcomes
         ]
-        print(encoded({"passed": passed, "failed": len(failed), "cases": cases}))
+        print(encoded({"passed": passed, "failed": len(failed), "cases": listed}))
         return int(bool(failed) or not outcomes)
     for outcome in failed:
         print(f"FAILED {visible(str(outcome.path))}")
