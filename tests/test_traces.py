@@ -36,7 +36,11 @@ _ASKED, _LEVELS = 2, 9
 
 def wrong_in(seed: int) -> list[str] | None:
     """Return what is wrong with the explanations of a random program; `None` without answer set."""
-    text, facts = random_program(seed)
+    return wrong_explanations(*random_program(seed), random.Random(seed))
+
+
+def wrong_explanations(text: str, facts: Iterable[str], rng: random.Random) -> list[str] | None:
+    """Return the same of a program and what is given; `rng` picks what absent atoms to ask for."""
     found = explainer_of(text, facts)
     if found is None:
         return None
@@ -50,7 +54,6 @@ def wrong_in(seed: int) -> list[str] | None:
         if height(trace) != least.get(atom)
     ]
     absent = [clingo.parse_term(atom) for atom in atoms_besides(map(str, true))]
-    rng = random.Random(seed)
     for atom in rng.sample(absent, min(_ASKED, len(absent))):
         missing = why_not(explainer, atom, _LEVELS)
         wrong += faults([missing], given, true)
@@ -65,7 +68,11 @@ def wrong_in(seed: int) -> list[str] | None:
 
 def wrong_in_others(seed: int) -> list[str] | None:
     """Return what is wrong with all derivations of a random program; `None` without answer set."""
-    text, facts = random_program(seed)
+    return wrong_derivations(*random_program(seed))
+
+
+def wrong_derivations(text: str, facts: Iterable[str]) -> list[str] | None:
+    """Return the same of a program and what is given."""
     found = explainer_of(text, facts)
     if found is None:
         return None

@@ -6,7 +6,7 @@ support itself. An aggregate is reached when enough of its elements are; which o
 bound, as of `#count` and `#sum` from below.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -31,17 +31,20 @@ class Element:
     absent: Terms
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Group:
     """The elements of one aggregate, and how many of them a firing needs.
 
-    `function` is `all`, `none`, or the aggregate's, of which the value must reach `bound`.
+    `function` is `all`, `none`, or the aggregate's, of which the value must reach `bound`. Firings
+    that need the same share the group; groups that differ in their bounds alone share the elements,
+    which `key` stands for.
     """
 
     function: str
     strict: bool
     bound: clingo.Symbol
-    elements: tuple[Element, ...]
+    key: Term
+    elements: Sequence[Element]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,29 +72,22 @@ class Firing:
 
 def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     """Return what the explanation rules of a question found."""
-    elements: dict[tuple[Term, Term], list[Element]] = {}
+    elements: dict[Term, list[Element]] = {}
     for atom in _atoms(control, f"_e{question}_"):
-        firing, index, told_apart, *parts = term.arguments(atom)
-        inside = elements.setdefault((firing, index), [])
+        key, told_apart, *parts = term.arguments(atom)
+        inside = elements.setdefault(key, [])
         inside.append(Element(told_apart, *(tuple(term.arguments(part)) for part in parts)))
-    groups: dict[Term, list[tuple[int, Group]]] = {}
-    for atom in _atoms(control, f"_g{question}_"):
-        firing, index, *(function, relation, bound) = term.arguments(atom)
-        strict = as_symbol(relation).name in ("gt", "lt")
-        group = Group(
-            as_symbol(function).name,
-            strict,
-            as_symbol(bound),
-            tuple(elements.get((firing, index), ())),
-        )
-        groups.setdefault(firing, []).append((as_symbol(index).number, group))
+    groups: dict[Term, Group] = {}
     found = []
     rules: dict[Term, tuple[int, clingo.Symbol | None]] = {}
     for atom in _atoms(control, f"_s{question}_"):
-        tag, head, premises, absent, values = term.arguments(atom)
+        tag, head, premises, absent, values, *needed = term.arguments(atom)
         if tag not in rules:
             rules[tag] = _rule_of(as_symbol(tag))
         rule, lacks = rules[tag]
+        for need in needed:
+            if need not in groups:
+                groups[need] = _group_of(need, elements)
         found.append(
             Firing(
                 rule,
@@ -99,11 +95,18 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
                 tuple(dict.fromkeys(term.arguments(premises))),
                 absent,
                 values,
-                tuple(group for _, group in sorted(groups.get(atom, ()), key=_index)),
+                tuple(map(groups.__getitem__, needed)),
                 lacks,
             )
         )
     return found
+
+
+def _group_of(need: Term, elements: Mapping[Term, Sequence[Element]]) -> Group:
+    function, relation, bound, key = term.arguments(need)
+    strict = as_symbol(relation).name in ("gt", "lt")
+    found = elements.get(key, ())
+    return Group(as_symbol(function).name, strict, as_symbol(bound), key, found)
 
 
 def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
@@ -120,18 +123,21 @@ def _atoms(control: clingo.Control, prefix: str) -> Iterator[Term]:
 
 
 class _Tally:
-    """What has been counted of a group, and whether that is enough."""
+    """What has been counted of some elements, and the firings that wait for more of them."""
 
-    def __init__(self, group: Group) -> None:
-        self._group = group
+    def __init__(self, function: str, elements: Iterable[Element]) -> None:
+        self._function = function
         self._counted: set[Term] = set()
         self._total = 0
         self._end: clingo.Symbol | None = None
-        tuples = {element.tuple for element in group.elements}
-        self._needs_all = group.function == "all" or (
-            group.function == "sum" and any(_number(_weight(t)) < 0 for t in tuples)
+        tuples = {element.tuple for element in elements}
+        self._needs_all = function == "all" or (
+            function == "sum" and any(_number(_weight(t)) < 0 for t in tuples)
         )
         self._missing = len(tuples)
+        self._waiting: dict[Group, list[_Waiting]] = {}
+        #: The groups that wait, those that need least last.
+        self._order: list[Group] = []
 
     def add(self, element: Element) -> None:
         """Count an element."""
@@ -139,45 +145,62 @@ class _Tally:
             return
         self._counted.add(element.tuple)
         self._missing -= 1
-        if self._group.function in ("all", "none", "count"):
+        if self._function in ("all", "none", "count"):
             self._total += 1
             return
         weight = _weight(element.tuple)
         self._total += max(0, _number(weight))
-        pick = min if self._group.function == "min" else max
+        pick = min if self._function == "min" else max
         self._end = weight if self._end is None else pick(self._end, weight)
 
-    @property
-    def is_enough(self) -> bool:
-        """Say whether the firing rests on what has been counted."""
-        function, bound, strict = self._group.function, self._group.bound, self._group.strict
-        if function == "none":
+    def reaches(self, group: Group) -> bool:
+        """Say whether a firing that needs a group may rest on what has been counted."""
+        bound, strict = group.bound, group.strict
+        if self._function == "none":
             return True
         if self._needs_all:
             return not self._missing
-        if function == "min":
+        if self._function == "min":
             end = clingo.Supremum if self._end is None else self._end
             return end < bound or (end == bound and not strict)
         value = clingo.Number(self._total)
-        if function == "max":
+        if self._function == "max":
             value = clingo.Infimum if self._end is None else self._end
         return value > bound or (value == bound and not strict)
 
+    def wait(self, group: Group, waiting: "_Waiting") -> None:
+        """Note that a firing waits until a group is reached."""
+        if group not in self._waiting:
+            self._waiting[group] = []
+            self._order.clear()
+        self._waiting[group].append(waiting)
+
+    def release(self) -> "Iterator[_Waiting]":
+        """Yield the firings of groups that are reached by now, once."""
+        if self._waiting and not self._order:
+            self._order = sorted(self._waiting, key=_difficulty, reverse=self._function != "min")
+        while self._order and self.reaches(self._order[-1]):
+            yield from self._waiting.pop(self._order.pop())
+
+
+def _difficulty(group: Group) -> tuple[clingo.Symbol, bool]:
+    """Return a sort key: of `min` the least bound is hard to reach, otherwise the greatest."""
+    return group.bound, group.strict != (group.function == "min")
+
 
 class _Waiting:
-    """What a firing still waits for: premises, and groups that are not enough."""
+    """A firing, and how many of its premises and groups it still waits for."""
 
     def __init__(self, firing: Firing) -> None:
         self.firing = firing
         self.open = 0
-        self.tallies = [_Tally(group) for group in firing.groups]
 
 
 class _Part:
     """An element that waits for premises."""
 
-    def __init__(self, group: int, element: Element, open_premises: int) -> None:
-        self.group = group
+    def __init__(self, tally: _Tally, element: Element, open_premises: int) -> None:
+        self.tally = tally
         self.element = element
         self.open = open_premises
 
@@ -191,26 +214,36 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
     grounding shows.
     """
     heads = {firing.head for firing in firings}
-    users: dict[Term, list[tuple[_Waiting, _Part | None]]] = {}
+    users: dict[Term, list[_Waiting | _Part]] = {}
+    tallies: dict[Term, _Tally] = {}
     level: list[Firing] = []
 
     def still_open(atoms: Terms) -> set[Term]:
         return {atom for atom in atoms if atom in heads}
 
-    for firing in firings:
-        waiting = _Waiting(firing)
-        for premise in still_open(firing.premises):
-            users.setdefault(premise, []).append((waiting, None))
-            waiting.open += 1
-        for index, group in enumerate(firing.groups):
+    def tally_of(group: Group) -> _Tally:
+        if group.key not in tallies:
+            tally = tallies[group.key] = _Tally(group.function, group.elements)
             for element in group.elements:
                 inside = still_open(element.premises)
-                waits = _Part(index, element, len(inside))
+                part = _Part(tally, element, len(inside))
                 for premise in inside:
-                    users.setdefault(premise, []).append((waiting, waits))
+                    users.setdefault(premise, []).append(part)
                 if not inside:
-                    waiting.tallies[index].add(element)
-            waiting.open += not waiting.tallies[index].is_enough
+                    tally.add(element)
+        return tallies[group.key]
+
+    for firing in firings:
+        waiting = _Waiting(firing)
+        inside = still_open(firing.premises)
+        waiting.open = len(inside)
+        for premise in inside:
+            users.setdefault(premise, []).append(waiting)
+        for group in firing.groups:
+            tally = tally_of(group)
+            if not tally.reaches(group):
+                tally.wait(group, waiting)
+                waiting.open += 1
         if not waiting.open:
             level.append(firing)
     best: dict[Term, Firing] = {}
@@ -229,37 +262,32 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
         heights |= dict.fromkeys(new, height)
         level = []
         for atom in new:
-            for waiting, part in users.get(atom, ()):
-                if part is not None:
-                    part.open -= 1
-                    if part.open:
-                        continue
-                    tally = waiting.tallies[part.group]
-                    was_enough = tally.is_enough
-                    tally.add(part.element)
-                    if was_enough or not tally.is_enough:
-                        continue
-                waiting.open -= 1
-                if not waiting.open:
-                    level.append(waiting.firing)
+            for user in users.get(atom, ()):
+                user.open -= 1
+                if user.open:
+                    continue
+                if isinstance(user, _Waiting):
+                    level.append(user.firing)
+                    continue
+                user.tally.add(user.element)
+                for waiting in user.tally.release():
+                    waiting.open -= 1
+                    if not waiting.open:
+                        level.append(waiting.firing)
     return best, heights
 
 
 def is_reached(group: Group, elements: Iterable[Element]) -> bool:
     """Say whether some of its elements are enough for a group."""
-    tally = _Tally(group)
+    tally = _Tally(group.function, group.elements)
     for element in elements:
         tally.add(element)
-    return tally.is_enough
+    return tally.reaches(group)
 
 
 def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
     """Return a sort key: the first rule, then the least values and premises."""
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
-
-
-def _index(pair: tuple[int, Group]) -> int:
-    return pair[0]
 
 
 def _weight(told_apart: Term) -> clingo.Symbol:

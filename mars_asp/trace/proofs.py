@@ -1,13 +1,14 @@
 """Traces of least height, built from firings."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import clingo
 
 from mars_asp.rulebook import Rule
 from mars_asp.term import Term, as_symbol, as_term
-from mars_asp.trace.firings import Firing, Terms, firing_order, least_heights
+from mars_asp.trace.counted import CountedBelow, CountedWithout, Support, support
+from mars_asp.trace.firings import Firing, firing_order, least_heights
 from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.needs import Needs
 from mars_asp.trace.values import Absent, Derived, Trace, Unexplained
@@ -32,6 +33,7 @@ class Proofs:
         told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
         firings = [f for f in firings if f.rule not in told or not given.leaf(as_symbol(f.head))]
         self._best, self._heights = least_heights(firings)
+        self._counted = CountedBelow(self._heights)
         self._traces: dict[Term, Trace] = {}
         self._absences: dict[Term, Absent] = {}
         self._needs = Needs(firings, self._heights) if every else None
@@ -50,7 +52,7 @@ class Proofs:
 
     def _least(self, root: Term) -> Trace:
         traces = self._traces
-        stack: list[tuple[Term, tuple[Terms, Terms] | None]] = [(root, None)]
+        stack: list[tuple[Term, Support | None]] = [(root, None)]
         while stack:
             head, below = stack.pop()
             firing = self._best.get(head)
@@ -83,9 +85,17 @@ class Proofs:
             best = self._below_best(atom)
             waiting += best[0]
             told = {_derivation(self._best[atom], best)}
+            counted = CountedWithout(partial(needs.stands_without, atom))
+            alike: set[tuple[object, ...]] = set()
             for firing in sorted(needs.firings_of(atom), key=firing_order):
-                below = _below(firing, partial(needs.stands_without, atom))
-                if firing is self._best[atom] or _derivation(firing, below) in told:
+                if firing is self._best[atom]:
+                    continue
+                own = _beside_groups(firing, counted)
+                if own in alike:
+                    continue
+                alike.add(own)
+                below = support(firing, counted.of)
+                if _derivation(firing, below) in told:
                     continue
                 told.add(_derivation(firing, below))
                 waiting += below[0]
@@ -93,20 +103,15 @@ class Proofs:
                     self._least(premise)
                 self._others[atom].append(self._step(firing, below))
 
-    def _step(
-        self, firing: Firing, below: tuple[Terms, Terms], others: Sequence[Derived] = ()
-    ) -> Derived:
+    def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
         premises, absent = below
         steps = (*(self._traces[premise] for premise in premises), *map(self._absent, absent))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
-    def _below_best(self, atom: Term) -> tuple[Terms, Terms]:
+    def _below_best(self, atom: Term) -> Support:
         """Return what supports the firing of least height: what has a lesser one."""
-        return _below(self._best[atom], partial(self._is_below, self._heights[atom]))
-
-    def _is_below(self, height: int, atom: Term) -> bool:
-        return self._heights.get(atom, 0) < height
+        return support(self._best[atom], partial(self._counted.of, self._heights[atom]))
 
     def _absent(self, pattern: Term) -> Absent:
         known = self._absences.get(pattern)
@@ -126,29 +131,13 @@ class Proofs:
         return Unexplained(str(atom), "no rule gives it without itself")
 
 
-def _derivation(firing: Firing, below: tuple[Terms, Terms]) -> tuple[object, ...]:
+def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:
+    """Return what tells a firing from others with the same groups, without looking into these."""
+    held, lacking = counted.of_all(firing.groups)
+    own = frozenset(firing.premises) - held, frozenset(firing.absent) - lacking
+    return firing.rule, firing.values, firing.groups, *own
+
+
+def _derivation(firing: Firing, below: Support) -> tuple[object, ...]:
     """Return what tells a derivation from the others of its atom."""
     return firing.rule, firing.values, *map(frozenset, below)
-
-
-def _below(firing: Firing, counts: Callable[[Term], bool]) -> tuple[Terms, Terms]:
-    """Return what supports a firing, and what it rests on the absence of.
-
-    Of an aggregate stand here all elements of which the premises count, so that a reader sees
-    everything that is counted, and no atom is among its own reasons.
-    """
-    if not firing.groups:
-        return firing.premises, firing.absent
-    premises = list(firing.premises)
-    absent = list(firing.absent)
-    for group in firing.groups:
-        inside: list[Term] = []
-        lacking: list[Term] = []
-        for element in group.elements:
-            if all(map(counts, element.premises)):
-                inside += element.premises
-                lacking += element.absent
-                inside += filter(counts, element.conditions)
-        premises += sorted(set(inside), key=as_symbol)
-        absent += sorted(set(lacking), key=as_symbol)
-    return tuple(dict.fromkeys(premises)), tuple(dict.fromkeys(absent))

@@ -5,11 +5,18 @@ For a rule `h(X) :- b(X,Y), not c(Y)` with number 14, and question 2:
     _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
     _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)).
 
-An aggregate or conditional literal of a firing is a group: `_e2_14` atoms are its elements, a
-`_g2_14` atom says how many of them the firing rests on. A predicate that is decided only by
-solving, `open`, is read from copies `_t_h` of its true atoms. The terms of the firing atom are
-evaluated by clingo itself, so arithmetic needs no second reading. Each rule has predicates of its
-own: with one for all, every firing would be matched against what every rule asks for next.
+An aggregate or conditional literal is a group, of which a firing says how many elements it rests
+on. Elements depend on the literal and on its global variables alone, so that firings that differ in
+others share them: for `d(X) :- b(X,Y), 2 <= #count { Z : c(X,Z) }` with number 15,
+
+    _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),g(count,ge,2,k(15,"...",X))) :- ...
+    _g2_15(k(15,"...",X)) :- _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),_).
+    _e2_15(k(15,"...",X),t(Z),p(c(X,Z)),o(),a()) :- _g2_15(k(15,"...",X)), c(X,Z).
+
+A predicate that is decided only by solving, `open`, is read from copies `_t_h` of its true atoms.
+The terms of the firing atom are evaluated by clingo itself, so arithmetic needs no second reading.
+Each rule has predicates of its own: with one for all, every firing would be matched against what
+every rule asks for next.
 """
 
 import re
@@ -18,6 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
+import clingo
 from clingo import ast
 
 from mars_asp.kept import made_of
@@ -69,7 +77,10 @@ class Rewriter:
 
     def _written(self, number: int, rules: Sequence[Rule]) -> "_Written":
         """Return the explanation rules of a rule, and the construct that cannot be traced."""
-        lines = [line for s in rules[number].ast.unpool() for line in self._rule(number, s)]
+        # Variants of a statement that differ in a pool share what they count over.
+        lines = dict.fromkeys(
+            line for s in rules[number].ast.unpool() for line in self._rule(number, s)
+        )
         return "\n".join(lines), self.unsupported.get(number)
 
     def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
@@ -103,7 +114,8 @@ class Rewriter:
         `shown` is the head and `names` are the variables that tell instances apart. With `ask`
         the premises are asked for in turn.
         """
-        place = f"{QUESTION}_{_NUMBER if ask else number}"
+        rule = _NUMBER if ask else str(number)
+        place = f"{QUESTION}_{rule}"
         premises: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
@@ -122,18 +134,27 @@ class Rewriter:
                     groups.append(literal.atom)
                 elif literal.atom.ast_type == _TYPE.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
-        firing = (
-            f"_s{place}({tag},{shown},p({','.join(term for _, term in premises)}),"
-            f"a({','.join(absent)}),{_values(sorted(names))})"
+        told = (
+            tag,
+            shown,
+            f"p({','.join(term for _, term in premises)})",
+            f"a({','.join(absent)})",
+            _values(sorted(names)),
         )
+        keys = [_group_key(rule, group, variables_of(told)) for group in groups]
+        needed = [
+            f"g({','.join(_needed(group, terms))},{key})"
+            for group, key in zip(groups, keys, strict=True)
+        ]
         wanted = [*asked, *(text for text, _ in premises), *rest, *terms.equations]
-        yield f"{firing} :- {'; '.join(wanted)}."
+        yield f"_s{place}({','.join((*told, *needed))}) :- {'; '.join(wanted)}."
+        firing = f"_s{place}({','.join((*told, *('_' for _ in groups)))})"
         if ask:
             yield from (f"{asking(term)} :- {firing}." for _, term in premises)
-        for index, group in enumerate(groups):
-            yield f"_g{place}({firing},{index},{','.join(_needed(group))}) :- {firing}."
+        for group, key in zip(groups, keys, strict=True):
+            yield f"_g{place}({key}) :- {firing}."
             for element in _elements(group):
-                yield from self._element(place, index, firing, ask, *element)
+                yield from self._element(place, key, ask, *element)
 
     def _symbolic(
         self,
@@ -156,8 +177,7 @@ class Rewriter:
     def _element(
         self,
         place: str,
-        index: int,
-        firing: str,
+        key: str,
         ask: bool,
         told_apart: str,
         required: Sequence[ast.AST],
@@ -178,10 +198,9 @@ class Rewriter:
             first = (premises[0][1],) if premises else ("absent", *absent)[:2]
             told_apart = f"t({','.join(first)})"
         needed, more = (",".join(term for _, term in found) for found in (premises, others))
-        element = (
-            f"_e{place}({firing},{index},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
-        )
-        wanted = [firing, *(text for text, _ in (*premises, *others)), *rest, *terms.equations]
+        element = f"_e{place}({key},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        sources = (text for text, _ in (*premises, *others))
+        wanted = [f"_g{place}({key})", *sources, *rest, *terms.equations]
         yield f"{element} :- {'; '.join(wanted)}."
         if ask:
             yield from (f"{asking(term)} :- {element}." for _, term in (*premises, *others))
@@ -321,7 +340,19 @@ _STRAIGHT = {
 }
 
 
-def _needed(group: ast.AST) -> tuple[str, str, str]:
+def _group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
+    """Return a term for the elements of a group: whose they are, and their global variables.
+
+    The same text can mean another thing where a pool gives a variant of the rule other global
+    variables, so their names are told too.
+    """
+    conditional = group.ast_type == _TYPE.ConditionalLiteral
+    names = sorted(variables_of((group,) if conditional else group.elements) & outside)
+    text = str(clingo.String(f"{group} for {','.join(names)}"))
+    return f"k({','.join((rule, text, *names))})"
+
+
+def _needed(group: ast.AST, terms: "Terms") -> tuple[str, str, str]:
     """Return how many elements of a group a firing rests on: (function, relation, bound).
 
     All of them, none (an upper bound is no support), or enough to reach a bound.
@@ -333,13 +364,13 @@ def _needed(group: ast.AST) -> tuple[str, str, str]:
         function = ast.AggregateFunction(group.function).name.lower()
     supporting = ("le", "lt") if function == "min" else ("ge", "gt")
     relations = [
-        (table.get(guard.comparison), str(guard.term))
+        (table.get(guard.comparison), guard.term)
         for guard, table in ((group.left_guard, _SWAPPED), (group.right_guard, _STRAIGHT))
         if guard is not None
     ]
     for relation, bound in relations:
         if relation in supporting:
-            return function, relation, bound
+            return function, relation, str(terms.named(bound))
     if relations and all(relation is not None for relation, _ in relations):
         return "none", "none", "0"
     return "all", "all", "0"

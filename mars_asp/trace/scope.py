@@ -18,13 +18,13 @@ _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 _VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 
 
-def bare(node: ast.AST) -> str:
+def bare(node: ast.AST | str) -> str:
     """Return a node's text without its strings."""
     return _STRING.sub('""', str(node))
 
 
-def variables_of(nodes: Iterable[ast.AST]) -> set[str]:
-    """Return the names of the variables in nodes, but for anonymous ones."""
+def variables_of(nodes: Iterable[ast.AST | str]) -> set[str]:
+    """Return the names of the variables in nodes or texts of terms, but for anonymous ones."""
     return {name for node in nodes for name in _VARIABLE.findall(bare(node))}
 
 
