@@ -157,7 +157,14 @@ def fill(
     """Fill the `{Variable}` holes of a message with values as `show` writes them."""
     if text is None:
         return None
-    return _HOLE.sub(lambda hole: show(values[hole[1]]) if hole[1] in values else hole[0], text)
+    form, holes = _form(text)
+    return form % tuple([show(values[h]) if h in values else f"{{{h}}}" for h in holes])
+
+
+@cache
+def _form(text: str) -> tuple[str, tuple[str, ...]]:
+    """Return a message for `%`, and the names of its holes."""
+    return _HOLE.sub("%s", text.replace("%", "%%")), tuple(_HOLE.findall(text))
 
 
 def shown(symbol: clingo.Symbol) -> str:

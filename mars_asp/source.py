@@ -1,11 +1,10 @@
 """Stretches of files."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Span:
-    """A stretch of one file.
+class Span(NamedTuple):
+    """A stretch of one file; spans are in the order of their files.
 
     Lines and columns count from 1 in code points; a byte order mark counts for nothing; the
     end column is the first one behind the stretch. `path` is shown to users as it stands.

@@ -27,6 +27,7 @@ class Reader(NamedTuple):
 
     as_term: Callable[[clingo.Symbol], Term]
     as_symbol: Callable[[Term], clingo.Symbol]
+    text: Callable[[Term], str]
     arguments: Callable[[Term], Sequence[Term]]
     atoms: Callable[[clingo.Control, str, int, bool], list[Term]]
     labelled: Callable[[clingo.Control, str, int, bool], list[Labelled]]
@@ -62,7 +63,10 @@ def plain_reader() -> Reader:
                 fact = clingo.Function(name, symbols[term].arguments, positive)
                 backend.add_rule([backend.add_atom(fact)])
 
-    return Reader(as_term, symbols.__getitem__, arguments, atoms, labelled, state)
+    def text(term: Term) -> str:
+        return str(symbols[term])
+
+    return Reader(as_term, symbols.__getitem__, text, arguments, atoms, labelled, state)
 
 
 def raw_reader() -> Reader | None:
@@ -80,19 +84,32 @@ def raw_reader() -> Reader | None:
     inside = ffi.new("clingo_symbol_t**")
     size = ffi.new("size_t*")
     read, unpack = lib.clingo_symbol_arguments, ffi.unpack
+    measure, write = lib.clingo_symbol_to_string_size, lib.clingo_symbol_to_string
+    room = 4096
+    buffer = ffi.new("char[]", room)
 
     def as_term(symbol: clingo.Symbol) -> Term:
         raw: Any = symbol
         return Term(raw._rep)
 
+    def text(term: Term) -> str:
+        check(measure(term, size))
+        count = size[0]
+        place = buffer if count <= room else ffi.new("char[]", count)
+        check(write(term, place, count))
+        found: str = ffi.string(place).decode()
+        return found
+
     def arguments(term: Term) -> Sequence[Term]:
-        check(read(term, inside, size))
+        if not read(term, inside, size):
+            check(False)
         count = size[0]
         found: Sequence[Term] = unpack(inside[0], count) if count else ()
         return found
 
     atoms, labelled = _raw_atoms(ffi, lib, check)
-    return Reader(as_term, symbol_of, arguments, atoms, labelled, _raw_state(ffi, lib, check))
+    state = _raw_state(ffi, lib, check)
+    return Reader(as_term, symbol_of, text, arguments, atoms, labelled, state)
 
 
 def _raw_atoms(
@@ -169,6 +186,8 @@ _READER = raw_reader() or plain_reader()
 as_term = _READER.as_term
 #: The symbol of a number.
 as_symbol = _READER.as_symbol
+#: A term as clingo reads it.
+text = _READER.text
 #: The arguments of a function or tuple.
 arguments = _READER.arguments
 #: The atoms of a predicate: its name, arity and whether it is not classically negated.

@@ -32,6 +32,7 @@ def test_both_readers_read_the_same() -> None:
         assert literals == [each[1:] for each in plain.labelled(control, *kind)]
         assert [each[0] for each in raw.labelled(control, *kind)] == found
         assert [raw.as_term(raw.as_symbol(term)) for term in found] == found
+        assert [raw.text(term) for term in found] == [str(raw.as_symbol(term)) for term in found]
 
 
 def test_equal_terms_have_one_number() -> None:
@@ -54,3 +55,9 @@ def test_both_readers_state_the_same_facts() -> None:
             *('p(1,f("a"))', "p((),-g)", "q"),
             *('-copy(1,f("a"))', "-copy((),-g)", "-copy", "seen(1)", "seen(())"),
         }
+
+
+def test_texts_are_whole_however_long() -> None:
+    for reader in filter(None, (raw_reader(), plain_reader())):
+        for name in ("a" * 5000, "\u00e9\n" * 3000, "b"):
+            assert reader.text(reader.as_term(clingo.Function(name))) == name

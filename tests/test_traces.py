@@ -6,6 +6,7 @@
 import random
 import re
 import sys
+import textwrap
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
@@ -240,6 +241,23 @@ def test_a_long_atom_goes_on_behind_a_comma() -> None:
     lines = list(wrapped(f"{atom}, as in (1)", 1))
     assert max(map(len, lines)) <= 80
     assert "".join(lines).replace(" ", "") == f"{atom},asin(1)"
+
+
+def test_lines_are_broken_as_textwrap_breaks_them() -> None:
+    rng = random.Random(5)
+    parts = ("a ", "  ", "\t", "\n", "bc-d ", "é\x00", ", ", " {x} ", "{x}{x} ")
+    for _ in range(3000):
+        words = rng.choices(parts, k=rng.randrange(1, 30))
+        text = "".join(words).replace("{x}", "x" * rng.randrange(1, 60)).expandtabs().strip()
+        indent = "  " * rng.randrange(12)
+        assert list(wrapped(text, len(indent) // 2)) == textwrap.wrap(
+            text,
+            80,
+            initial_indent=indent,
+            subsequent_indent=indent + "    ",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
 
 
 def test_json_of_several_derivations() -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Set
 
 import clingo
 
+from mars_asp import term
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.source import Span
 from mars_asp.trace.values import Given
@@ -24,31 +25,31 @@ class GivenFacts:
         """Return the names of the predicates that have a fact."""
         return self._facts.keys()
 
-    def leaf(self, atom: clingo.Symbol) -> Given | None:
+    def leaf(self, atom: term.Term) -> Given | None:
         """Return an atom with its place; `None` where no fact gives it."""
-        name = atom.name
+        written = term.text(atom)
+        name = written.partition("(")[0]
         if name not in self._facts:
             return None
         if name not in self._spans:
             self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
-        text = str(atom)
-        span = self._spans[name].get(text)
-        return None if span is None else Given(text, span)
+        span = self._spans[name].get(written)
+        return None if span is None else Given(written, span)
 
 
 def symbol_of(atom: Atom) -> clingo.Symbol:
     """Return an atom as clingo's symbol."""
-    return clingo.Function(atom.name, [_symbol(term) for term in atom.arguments])
+    return clingo.Function(atom.name, [_symbol(argument) for argument in atom.arguments])
 
 
-def _symbol(term: Term) -> clingo.Symbol:
-    match term:
+def _symbol(value: Term) -> clingo.Symbol:
+    match value:
         case int():
-            return clingo.Number(term)
+            return clingo.Number(value)
         case str():
-            return clingo.String(term)
+            return clingo.String(value)
         case Atom():
-            return symbol_of(term)
+            return symbol_of(value)
 
 
 def term_of(symbol: clingo.Symbol) -> Term:

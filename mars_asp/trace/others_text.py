@@ -1,5 +1,9 @@
 """What is said of an atom's several derivations to tell them apart."""
 
+from collections.abc import Mapping, Sequence
+
+import clingo
+
 from mars_asp.analysis import shown
 from mars_asp.trace.values import Derived
 
@@ -16,9 +20,10 @@ def numbered(step: Derived) -> dict[int, str]:
         alike.setdefault((id(one.rule), one.message), []).append(one)
     values: dict[int, str] = {}
     for group in alike.values():
-        names = [name for name in group[0].bindings if _differs(name, group)]
-        for one in group:
-            pairs = [f"{name} = {shown(one.bindings[name])}" for name in names]
+        bindings = [one.bindings for one in group]
+        names = [name for name in bindings[0] if _differs(name, bindings)]
+        for one, bound in zip(group, bindings, strict=True):
+            pairs = [f"{name} = {shown(bound[name])}" for name in names]
             values[id(one)] = f" for {', '.join(pairs)}" if pairs else ""
     return {
         id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
@@ -26,5 +31,5 @@ def numbered(step: Derived) -> dict[int, str]:
     }
 
 
-def _differs(name: str, group: list[Derived]) -> bool:
-    return len({one.bindings.get(name) for one in group}) > 1
+def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool:
+    return len({bound.get(name) for bound in bindings}) > 1

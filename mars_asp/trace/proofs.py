@@ -6,7 +6,7 @@ from functools import partial
 import clingo
 
 from mars_asp.rulebook import Rule
-from mars_asp.term import Term, as_symbol, as_term
+from mars_asp.term import Term, as_term, text
 from mars_asp.trace.counted import CountedBelow, CountedWithout, Support, support
 from mars_asp.trace.firings import Firing, firing_order, least_heights
 from mars_asp.trace.given import GivenFacts
@@ -31,7 +31,7 @@ class Proofs:
         self._unsupported = unsupported
         # What is given has no reasons, whatever else derives it.
         told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
-        firings = [f for f in firings if f.rule not in told or not given.leaf(as_symbol(f.head))]
+        firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
         self._best, self._heights = least_heights(firings)
         self._counted = CountedBelow(self._heights)
         self._traces: dict[Term, Trace] = {}
@@ -59,7 +59,7 @@ class Proofs:
             if head in traces:
                 continue
             if firing is None:
-                traces[head] = self._leaf(as_symbol(head))
+                traces[head] = self._leaf(head)
             elif below is None:
                 below = self._below_best(head)
                 stack.append((head, below))
@@ -116,19 +116,19 @@ class Proofs:
     def _absent(self, pattern: Term) -> Absent:
         known = self._absences.get(pattern)
         if known is None:
-            text = str(as_symbol(pattern)).replace("_any", "_")
-            if text.startswith("_not("):
-                text = f"not {text.removeprefix('_not(').removesuffix(')')}"
-            known = self._absences[pattern] = Absent(text)
+            atom = text(pattern).replace("_any", "_")
+            if atom.startswith("_not("):
+                atom = f"not {atom.removeprefix('_not(').removesuffix(')')}"
+            known = self._absences[pattern] = Absent(atom)
         return known
 
-    def _leaf(self, atom: clingo.Symbol) -> Trace:
+    def _leaf(self, atom: Term) -> Trace:
         given = self._given.leaf(atom)
         if given is not None:
             return given
         if self._unsupported:
-            return Unexplained(str(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
-        return Unexplained(str(atom), "no rule gives it without itself")
+            return Unexplained(text(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
+        return Unexplained(text(atom), "no rule gives it without itself")
 
 
 def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:

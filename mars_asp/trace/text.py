@@ -1,6 +1,7 @@
 """Traces as text of 80 columns and as JSON, without recursion."""
 
-import textwrap
+import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -12,6 +13,8 @@ from mars_asp.trace.values import Absent, Attempt, Derived, Given, Missing, Trac
 WIDTH = 80
 #: Deep enough for a reason, short enough to read.
 DEPTH = 4
+#: What `textwrap` counts as white space.
+_SPACE = re.compile(r"[\t\n\x0b\x0c\r]")
 #: Among so many steps below a premise it is looked for what need not be said beside it.
 NEAR = 200
 
@@ -29,27 +32,22 @@ def traces_text(
     """
     opened: set[int] = set()
     entries = [entry for topic in topics for entry in _entries(*topic, line_at, depth, opened)]
-    shown: set[int] = set()
-    again: set[int] = set()
-    for entry in entries:
-        if entry.step is not None and id(entry.step) in shown:
-            again.add(id(entry.step))
-        shown.add(id(entry.step))
+    times = Counter(id(entry.step) for entry in entries)
     numbers: dict[int, int] = {}
-    referred = 0
-    for entry in entries:
-        key = id(entry.step)
-        if entry.step is None:
-            yield from wrapped(entry.text, entry.level)
-        elif key in numbers and key in again:
-            yield from wrapped(f"{entry.text}, as in ({numbers[key]})", entry.level)
+    for level, text, step, remark in entries:
+        key = id(step)
+        if step is None:
+            yield from wrapped(text, level)
+        elif key in numbers:
+            yield from wrapped(f"{text}, as in ({numbers[key]})", level)
         else:
-            referred += key in again
-            numbers[key] = referred
-            mark = f"({numbers[key]}) " if key in again else ""
-            span = entry.step.rule.span
-            place = f"[{entry.step.rule.id}] {span.path}:{span.line}"
-            yield from wrapped(f"{mark}{entry.text}{entry.remark}  {place}", entry.level)
+            mark = ""
+            if times[key] > 1:
+                numbers[key] = len(numbers) + 1
+                mark = f"({numbers[key]}) "
+            span = step.rule.span
+            place = f"[{step.rule.id}] {span.path}:{span.line}"
+            yield from wrapped(f"{mark}{text}{remark}  {place}", level)
 
 
 class _Entry(NamedTuple):
@@ -90,6 +88,8 @@ def _entries(
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
                 yield _Entry(level, step.message or step.atom, step, remark)
+                if id(step) in opened:
+                    continue
                 below = _interesting(step.premises, level == 1 or depth is None)
                 if depth is not None and level >= depth:
                     below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
@@ -201,9 +201,9 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
     """Return the premises that say something of their own.
 
     Those without a message give way to their premises; what another premise leads to as well is
-    left to that one.
+    left to that one. Beside a message an absence says nothing that the message leaves out.
     """
-    found: dict[int, Trace] = {}
+    found: list[Trace] = []
     stack = list(reversed(premises))
     seen: set[int] = set()
     while stack:
@@ -214,29 +214,24 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
         if isinstance(premise, Derived) and premise.rule.because is None and not premise.others:
             stack += reversed(premise.premises)
         elif absences or not isinstance(premise, Absent):
-            found[id(premise)] = premise
+            found.append(premise)
+    steps = [premise for premise in found if isinstance(premise, Derived)]
+    if not steps or len(found) == 1:
+        return found
     told: set[int] = set()
-    places: set[Span | None] = {None}
-    for premise in found.values() if len(found) > 1 else ():
-        if isinstance(premise, Derived) and id(premise) not in told:
-            below = _below(premise, NEAR)
+    places: set[Span | None] = set()
+    for step in steps:
+        if id(step) not in told:
+            below = _below(step, NEAR)
             told.update(map(id, below[1:]))
             places.update([part.span for part in below if isinstance(part, Given)])
-    derived = any(isinstance(premise, Derived) for premise in found.values())
-
-    def speaks(premise: Trace) -> bool:
-        if id(premise) in told:
-            return False
-        match premise:
-            case Given(_, span):
-                return span not in places
-            case Absent():
-                # Beside a message an absence says nothing that the message leaves out.
-                return not derived
-            case _:
-                return True
-
-    return [premise for premise in found.values() if speaks(premise)]
+    return [
+        premise
+        for premise in found
+        if id(premise) not in told
+        and not isinstance(premise, Absent)
+        and not (isinstance(premise, Given) and premise.span in places)
+    ]
 
 
 def _below(step: Derived, most: int | None = None) -> list[Trace]:
@@ -277,23 +272,31 @@ def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
             return None
 
 
-def wrapped(text: str, level: int) -> Iterator[str]:
-    """Yield a text's lines, indented by its level, what goes on further."""
+def wrapped(text: str, level: int) -> Sequence[str]:
+    """Return a text's lines, indented by its level, what goes on further."""
     indent = "  " * min(level, 20)
-    if len(indent) + len(text) <= WIDTH and text.isprintable() and text.strip(" ") == text:
-        yield indent + text
-        return
+    if not text.isprintable():
+        text = _SPACE.sub(" ", text.expandtabs())
+    text = text.strip(" ")
+    if len(indent) + len(text) <= WIDTH:
+        return (indent + text,) if text else ()
+    return tuple(_lines(text, indent))
+
+
+def _lines(text: str, indent: str) -> Iterator[str]:
+    """Yield the lines of a text, as `textwrap` does at many times the cost."""
     further = indent + "    "
-    for line in textwrap.wrap(
-        text,
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=further,
-        break_long_words=False,
-        break_on_hyphens=False,
-    ):
+    while text:
+        end = len(text)
+        if len(indent) + end > WIDTH:
+            end = text.rfind(" ", 0, WIDTH - len(indent) + 1)
+            if end < 0:
+                # A word that is longer than a line has one of its own.
+                end = len(text.partition(" ")[0])
+        line = indent + text[:end].rstrip(" ")
         # An atom has no spaces; it goes on behind one of its commas.
-        while len(line) > WIDTH and (end := line.rfind(",", len(further), WIDTH) + 1):
-            yield line[:end]
-            line = further + line[end:]  # noqa: PLW2901 -- what is left of it
+        while len(line) > WIDTH and (comma := line.rfind(",", len(further), WIDTH) + 1):
+            yield line[:comma]
+            line = further + line[comma:]
         yield line
+        text, indent = text[end:].lstrip(" "), further

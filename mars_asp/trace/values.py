@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, lru_cache
 from typing import TypeAlias
 
 import clingo
@@ -10,7 +10,7 @@ import clingo
 from mars_asp.analysis import fill, shown
 from mars_asp.rulebook import Rule
 from mars_asp.source import Span
-from mars_asp.term import Term, arguments, as_symbol
+from mars_asp.term import Term, arguments, as_symbol, text
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Absent:
     atom: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Derived:
     """An atom that one firing of a rule gives.
 
@@ -49,17 +49,17 @@ class Derived:
     others: Sequence["Derived"] = ()
 
     # Written out when somebody asks: of many thousands of steps a reader sees few.
-    @cached_property
+    @property
     def atom(self) -> str:
         """Return the text of the atom."""
-        return str(as_symbol(self.head))
+        return text(self.head)
 
-    @cached_property
+    @property
     def bindings(self) -> Mapping[str, clingo.Symbol]:
         """Return what the variables stand for."""
         return bindings_of(self.values)
 
-    @cached_property
+    @property
     def message(self) -> str | None:
         """Return the rule's message, its holes filled; `None` where the rule has none."""
         return fill(self.rule.because, _terms_of(self.values), _shown)
