@@ -14,15 +14,15 @@ import clingo
 
 from mars_asp.analysis import Analysis, Consequence, analyse
 from mars_asp.atom import Fact
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import MarsError
 from mars_asp.model import node_kind
 from mars_asp.project import Project, project_facts, project_lookup
 from mars_asp.resolve import Synthesis, is_refuted, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.slicing import Slice, slice_for
 from mars_asp.solve import Resolution
-from mars_asp.source import point
 from mars_asp.spelling import nearest
+from mars_asp.subject import absent_subject, quoted, wrong_subject
 from mars_asp.synthesis import Node
 from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
@@ -215,8 +215,9 @@ def _asked_atom(
     Raises:
         MarsError: it names none.
     """
+    names = {name.text for name in project.configuration.modules}
     try:
-        symbol = clingo.parse_term(subject)
+        symbol = clingo.parse_term(quoted(subject, names), logger=lambda *_: None)
     except RuntimeError:
         symbol = None
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
@@ -226,7 +227,6 @@ def _asked_atom(
             raise _unrealised(subject, project)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol
-    names = {name.text for name in project.configuration.modules}
     if synthesis is None and _is_node(subject, project):
         raise _unrealised(subject, project)
     if subject in names:
@@ -235,18 +235,9 @@ def _asked_atom(
     known = [*names, *(c.kind for c in analysis.consequences)]
     if synthesis is not None:
         known += [node.name for node in synthesis.specification.nodes]
-    near = nearest(subject, known)
-    message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
-    help_text = f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
-    raise wrong_subject(project, message, help_text)
+    raise absent_subject(subject, project, rulebook, known)
 
 
 def _unrealised(subject: str, project: Project) -> MarsError:
     message = f"there is no `{subject}`, for no specification realises this configuration"
     return wrong_subject(project, message, "`mars-asp check` says what stands against it")
-
-
-def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
-    """Return the error that a question is about nothing that could be answered."""
-    place = point(project.configuration.path, 1, 1)
-    return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))

@@ -15,11 +15,11 @@ import clingo
 from mars_asp.analysis import Analysis, Consequence, analyse, fill, shown
 from mars_asp.diagnostic import MarsError
 from mars_asp.edits import Line, UnknownEditError, apply_edits
-from mars_asp.explain import wrong_subject
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import least_cost
 from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
 from mars_asp.spelling import nearest
+from mars_asp.subject import wrong_subject
 
 #: What the rulebook of a repair holds.
 STAGES = ("resolve", "repair")
@@ -133,6 +133,9 @@ def _check_subject(subject: str | None, project: Project, rulebook: Rulebook) ->
     if bracket and kind in kinds and about.removesuffix(")") in names:
         return
     near = nearest(subject, names | kinds)
+    if bracket and kind in kinds:
+        module = nearest(about.removesuffix(")"), names)
+        near = f"{kind}({module})" if module else None
     raise wrong_subject(
         project,
         f"`{subject}` is no module and no kind of consequence",

@@ -16,13 +16,14 @@ from clingo import ast
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.explain import explainer_for, wrong_subject
+from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES, node_kind
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_refuted, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
 from mars_asp.source import point
 from mars_asp.spelling import nearest
+from mars_asp.subject import wrong_subject
 from mars_asp.term import as_term
 from mars_asp.trace import absence
 from mars_asp.trace.given import symbol_of

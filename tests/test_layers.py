@@ -44,6 +44,7 @@ LAYERS = [
     "project",
     "verify",
     "link_modes",
+    "subject",
     "explain",
     "capability",
     "why_not",

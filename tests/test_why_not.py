@@ -199,3 +199,61 @@ def test_a_rule_of_any_kind_speaks_of_those_that_no_rule_names(tmp_path: Path) -
         attempts = found["traces"][0]["premises"]
         assert [attempt["rule"]["id"] for attempt in attempts] == [said]
     assert "yes, it holds" in mars(*words[:-1], "strange(Turn)").stdout
+
+
+def test_what_no_message_tells_is_gone_on_to() -> None:
+    found = run(f"mars-asp explain {LEVEL0} --why-not data_divergence(FeelForce)")
+    assert "`N > 1` fails for N = 1" in found
+    assert "goes on to why" not in found
+    assert "8: Runaway uses_data_from FeelForce" in found
+    found = run(f"mars-asp explain {LEVEL0} --why-not emergent_functionality(Sonar)")
+    assert "`--depth 2` goes on to why" in found
+    deeper = run(f"mars-asp explain {LEVEL0} --why-not emergent_functionality(Sonar) --depth 2")
+    assert "goes on to why" not in deeper
+    assert len(deeper) > len(found)
+
+
+@pytest.mark.parametrize(
+    ("subject", "message", "advice"),
+    [
+        (
+            "data_divergence(FeelForce)",
+            "there is no `data_divergence(FeelForce)` in this configuration",
+            "`--why-not 'data_divergence(FeelForce)'` says why",
+        ),
+        (
+            "service_dependency",
+            "there is no `service_dependency` in this configuration",
+            "`--why-not 'service_dependency(NAME)'` says why",
+        ),
+        (
+            "data_divergence(Felforce)",
+            "there is no module `Felforce`",
+            "did you mean `data_divergence(FeelForce)`?",
+        ),
+        (
+            "DataSplitter(Runaway)",
+            "`DataSplitter(Runaway)` is not the name of a node",
+            "`--why-not 'DataSplitter(Runaway)'` says why there is one or none",
+        ),
+        ("Trun", "`Trun` is no module, node", "did you mean `Turn`?"),
+    ],
+)
+def test_a_subject_that_is_not_there(subject: str, message: str, advice: str) -> None:
+    done = mars("explain", LEVEL0, subject)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert advice in done.stderr
+
+
+def test_names_of_modules_need_no_quotes_in_an_atom() -> None:
+    plain = run(f"mars-asp explain {LEVEL0} diverges(Runaway,2)").split("\n", 2)
+    quoted = run(f'mars-asp explain {LEVEL0} diverges("Runaway",2)').split("\n", 2)
+    assert plain[1] == "diverges(Runaway,2)"
+    assert plain[2] == quoted[2]
+
+
+def test_a_configuration_that_nothing_realises_says_so() -> None:
+    done = mars("explain", UNREALISED)
+    assert done.returncode == 1
+    assert done.stdout.rstrip().endswith("`mars-asp check` says why not")

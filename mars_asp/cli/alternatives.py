@@ -39,7 +39,8 @@ def _text(found: Alternatives) -> Iterator[str]:
         yield from wrapped(f"every realisation has {', '.join(found.forced)}", 0)
     for need in found.needs:
         ours = f"  ({', '.join(need.names)})" if need.names else ""
-        yield f"every realisation has at least one of these{ours}"
+        which = "at least one of these" if len(need.words) > 1 else "this"
+        yield f"every realisation has {which}{ours}"
         for words in need.words:
             yield from wrapped(words, 1)
     if found.open > len(found.needs):

@@ -13,8 +13,9 @@ from mars_asp.cli.style import paint
 from mars_asp.explain import Explanation, explain
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS
+from mars_asp.trace.absence_text import is_unspoken
 from mars_asp.trace.text import DEPTH, trace_json, traces_text
-from mars_asp.trace.values import Absent, Trace
+from mars_asp.trace.values import Absent, Missing, Trace
 from mars_asp.visible import visible
 
 if TYPE_CHECKING:
@@ -146,6 +147,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         print(line)
     if not answer.present and answer.choosable and not arguments.quiet:
         print(_price(answer))
+    if _goes_on(answer.trace) and depth == ABSENCE_DEPTH and not arguments.quiet:
+        print(f"`--depth {depth + 1}` goes on to why")
     return int(answer.analysis.has_errors)
 
 
@@ -161,6 +164,13 @@ def _obstacles(answer: "WhyNot", depth: int | None, arguments: argparse.Namespac
         yield f"and {left} more: see `mars-asp check`"
     if not arguments.quiet:
         yield "`mars-asp explain FILE --repair` looks for what would mend it"
+
+
+def _goes_on(trace: Trace) -> bool:
+    """Say whether what fails is itself absent by rules, which are not shown yet."""
+    attempts = trace.attempts if isinstance(trace, Missing) else ()
+    causes = (attempt.cause for attempt in attempts)
+    return any(isinstance(c, Missing) and c.attempts and not is_unspoken(c) for c in causes)
 
 
 def _cost(cost: Mapping[int, int]) -> dict[str, int]:
@@ -201,6 +211,8 @@ def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:
         yield _summary(answer)
+    elif answer.subject is None and arguments.only is None:
+        yield "no specification realises this configuration: `mars-asp check` says why not"
 
 
 def _lines(

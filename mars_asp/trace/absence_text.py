@@ -38,11 +38,19 @@ def attempt_text(attempt: Attempt) -> str:
 def failure(attempt: Attempt, go_on: bool) -> Sequence[Trace | Attempt | str]:
     """Return what stands below an attempt before what holds: the premise that fails and why."""
     cause = attempt.cause
-    if isinstance(cause, Missing) and cause.attempts and go_on:
+    if isinstance(cause, Missing) and cause.attempts and (go_on or is_unspoken(cause)):
         return nearest(cause)
     if cause is not None:
         return (cause,) if go_on or not isinstance(cause, Missing) else (f"no {cause.atom}",)
     return () if attempt.message is None else (_test(attempt),)
+
+
+def is_unspoken(missing: Missing) -> bool:
+    """Say whether no rule tells what is missing, and each fails by what is there to be seen."""
+    return all(
+        attempt.message is None and not isinstance(attempt.cause, Missing)
+        for attempt in missing.attempts
+    )
 
 
 def _short(attempt: Attempt) -> str:
