@@ -6,7 +6,7 @@ documented interface; otherwise they are counted here, more slowly.
 """
 
 import importlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, NewType, TypeAlias
 
 import clingo
@@ -93,10 +93,11 @@ def raw_reader() -> Reader | None:
         return Term(raw._rep)
 
     def text(term: Term) -> str:
-        check(measure(term, size))
-        count = size[0]
-        place = buffer if count <= room else ffi.new("char[]", count)
-        check(write(term, place, count))
+        place = buffer
+        if not write(term, buffer, room):
+            check(measure(term, size))
+            place = ffi.new("char[]", size[0])
+            check(write(term, place, size[0]))
         found: str = ffi.string(place).decode()
         return found
 
@@ -118,40 +119,44 @@ def _raw_atoms(
     Callable[[clingo.Control, str, int, bool], list[Term]],
     Callable[[clingo.Control, str, int, bool], list[Labelled]],
 ]:
-    def each(control: clingo.Control, name: str, arity: int, positive: bool) -> Iterator[Any]:
-        """Yield the place of each atom among all, which the next step moves."""
-        base: Any = control.symbolic_atoms
-        signature = ffi.new("clingo_signature_t*")
-        place = ffi.new("clingo_symbolic_atom_iterator_t*")
-        valid = ffi.new("bool*")
-        check(lib.clingo_signature_create(name.encode(), arity, positive, signature))
-        check(lib.clingo_symbolic_atoms_begin(base._rep, signature, place))
-        is_valid, following = lib.clingo_symbolic_atoms_is_valid, lib.clingo_symbolic_atoms_next
-        check(is_valid(base._rep, place[0], valid))
-        while valid[0]:
-            yield base._rep, place[0]
-            check(following(base._rep, place[0], place))
-            check(is_valid(base._rep, place[0], valid))
-
+    signature = ffi.new("clingo_signature_t*")
+    place = ffi.new("clingo_symbolic_atom_iterator_t*")
+    valid = ffi.new("bool*")
     symbol = ffi.new("clingo_symbol_t*")
     literal = ffi.new("clingo_literal_t*")
     is_fact = ffi.new("bool*")
     read_symbol, read_literal = lib.clingo_symbolic_atoms_symbol, lib.clingo_symbolic_atoms_literal
     read_is_fact = lib.clingo_symbolic_atoms_is_fact
+    following, is_valid = lib.clingo_symbolic_atoms_next, lib.clingo_symbolic_atoms_is_valid
 
+    def begin(control: clingo.Control, name: str, arity: int, positive: bool) -> Any:
+        """Go to the first atom, and return what holds them all."""
+        symbolic: Any = control.symbolic_atoms
+        base = symbolic._rep
+        check(lib.clingo_signature_create(name.encode(), arity, positive, signature))
+        check(lib.clingo_symbolic_atoms_begin(base, signature, place))
+        check(is_valid(base, place[0], valid))
+        return base
+
+    # A call of `check` for each of these would take as long as they do.
     def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Term]:
         found: list[Term] = []
-        for base, place in each(control, name, arity, positive):
-            check(read_symbol(base, place, symbol))
+        base = begin(control, name, arity, positive)
+        while valid[0]:
+            done = read_symbol(base, place[0], symbol) and following(base, place[0], place)
+            if not (done and is_valid(base, place[0], valid)):
+                check(False)
             found.append(symbol[0])
         return found
 
     def labelled(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Labelled]:
         found = []
-        for base, place in each(control, name, arity, positive):
-            check(read_symbol(base, place, symbol))
-            check(read_literal(base, place, literal))
-            check(read_is_fact(base, place, is_fact))
+        base = begin(control, name, arity, positive)
+        while valid[0]:
+            done = read_symbol(base, place[0], symbol) and read_literal(base, place[0], literal)
+            done = done and read_is_fact(base, place[0], is_fact)
+            if not (done and following(base, place[0], place) and is_valid(base, place[0], valid)):
+                check(False)
             found.append((symbol[0], literal[0], is_fact[0]))
         return found
 
@@ -172,11 +177,12 @@ def _raw_state(
         word = name.encode()
         with control.backend() as backend:
             base: Any = backend
+            held, none = base._rep, ffi.NULL
             for term in like:
-                check(read(term, inside, size))
-                check(create(word, inside[0], size[0], positive, symbol))
-                check(add(base._rep, symbol, atom))
-                check(rule(base._rep, False, atom, 1, ffi.NULL, 0))
+                done = read(term, inside, size)
+                done = done and create(word, inside[0], size[0], positive, symbol)
+                if not (done and add(held, symbol, atom) and rule(held, False, atom, 1, none, 0)):
+                    check(False)
 
     return state
 

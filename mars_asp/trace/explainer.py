@@ -51,8 +51,8 @@ class Explainer:
         One grounding finds all firings behind the atoms; traces share what they have in common.
         """
         asked = tuple(atoms)
-        firings = self._ask(asked)
-        proofs = Proofs(firings, self._given, self.rules, self.rewriter.unsupported, every)
+        unsupported = self.rewriter.unsupported
+        proofs = Proofs(self._ask(asked), self._given, self.rules, unsupported, every)
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:

@@ -37,10 +37,14 @@ class Proofs:
         self._traces: dict[Term, Trace] = {}
         self._absences: dict[Term, Absent] = {}
         self._needs = Needs(firings, self._heights) if every else None
-        #: The other derivations of each atom that has a trace; filled after all traces are made,
-        #: for they may lead back to each other.
-        self._others: dict[Term, list[Derived]] = {}
+        #: The other derivations of each derived atom; filled after all traces are made, for they
+        #: may lead back to each other.
+        self._others: dict[Term, list[Derived]] = {atom: [] for atom in self._best if every}
         self._filled: set[Term] = set()
+        # What has a lesser height comes first, so what an atom rests on has its trace already.
+        for atom, firing in self._best.items():
+            below = self._below_best(atom)
+            self._traces[atom] = self._step(firing, below, self._others.get(atom, ()))
 
     def of(self, atom: clingo.Symbol) -> Trace:
         """Return the trace of a true atom, of least height."""
@@ -50,26 +54,11 @@ class Proofs:
             self._add_others(root, self._needs)
         return trace
 
-    def _least(self, root: Term) -> Trace:
-        traces = self._traces
-        stack: list[tuple[Term, Support | None]] = [(root, None)]
-        while stack:
-            head, below = stack.pop()
-            firing = self._best.get(head)
-            if head in traces:
-                continue
-            if firing is None:
-                traces[head] = self._leaf(head)
-            elif below is None:
-                below = self._below_best(head)
-                stack.append((head, below))
-                stack += ((premise, None) for premise in below[0] if premise not in traces)
-            else:
-                others: Sequence[Derived] = ()
-                if self._needs is not None:
-                    others = self._others[head] = []
-                traces[head] = self._step(firing, below, others)
-        return traces[root]
+    def _least(self, atom: Term) -> Trace:
+        trace = self._traces.get(atom)
+        if trace is None:
+            trace = self._traces[atom] = self._leaf(atom)
+        return trace
 
     def _add_others(self, root: Term, needs: Needs) -> None:
         """Add the other derivations of an atom and of all that any of its derivations rests on.
@@ -99,13 +88,11 @@ class Proofs:
                     continue
                 told.add(_derivation(firing, below))
                 waiting += below[0]
-                for premise in below[0]:
-                    self._least(premise)
                 self._others[atom].append(self._step(firing, below))
 
     def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
         premises, absent = below
-        steps = (*(self._traces[premise] for premise in premises), *map(self._absent, absent))
+        steps = (*map(self._least, premises), *map(self._absent, absent))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
