@@ -22,7 +22,7 @@ from mars_asp.rulebook import Rulebook
 from mars_asp.slicing import Slice, slice_for
 from mars_asp.solve import Resolution
 from mars_asp.spelling import nearest
-from mars_asp.subject import absent_subject, quoted, wrong_subject
+from mars_asp.subject import absent_subject, quoted, unconcerned, wrong_subject
 from mars_asp.synthesis import Node
 from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
@@ -157,8 +157,8 @@ def _nothing_of(
 ) -> MarsError:
     """Return the error that a module has nothing of the sort that was asked for."""
     if not concerned:
-        message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
-    elif synthesis is None:
+        return unconcerned(subject, project)
+    if synthesis is None:
         message = f"no node resolves what concerns `{subject}`, for no specification realises it"
         help_text = "`mars-asp check` says what stands against it"
     else:
@@ -230,8 +230,7 @@ def _asked_atom(
     if synthesis is None and _is_node(subject, project):
         raise _unrealised(subject, project)
     if subject in names:
-        message, help_text = f"nothing concerns `{subject}`", "it takes part in no consequence"
-        raise wrong_subject(project, message, help_text)
+        raise unconcerned(subject, project)
     known = [*names, *(c.kind for c in analysis.consequences)]
     if synthesis is not None:
         known += [node.name for node in synthesis.specification.nodes]

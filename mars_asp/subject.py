@@ -52,6 +52,14 @@ def absent_subject(
     return wrong_subject(project, message, f"{asked} says why there is one or none")
 
 
+def unconcerned(subject: str, project: Project) -> MarsError:
+    """Return the error that a module takes part in nothing that could be explained."""
+    help_text = "it takes part in no consequence"
+    if project.configuration.kind == "specification":
+        help_text += ", for a specification resolves them: ask the configuration that it realises"
+    return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
+
+
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
     """Return the error that a question is about nothing that could be answered."""
     place = point(project.configuration.path, 1, 1)

@@ -242,6 +242,8 @@ class _Vocabulary:
         try:
             ast.parse_string(f"{subject}.", statements.append, logger=lambda *_: None)
             (rule,) = statements[1:]
+            if rule.body or rule.head.sign != ast.Sign.NoSign:
+                raise ValueError(subject)
             found = pattern_of(rule.head.atom.symbol)
         except (RuntimeError, ValueError, AttributeError):
             raise self._wrong(

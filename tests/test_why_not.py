@@ -92,6 +92,9 @@ def test_holes_of_one_name_are_one_value() -> None:
         ("DataSplitter9", "there is DataSplitter1, DataSplitter2"),
         ("InheritanceNode7", "`InheritanceNode(_)` for any"),
         ("a b", "is no atom"),
+        ('not module("Turn")', "is no atom"),
+        ("module(X) :- nothing", "is no atom"),
+        ('module("Turn"), module("Forward")', "is no atom"),
         ("p(1..3)", "there is no predicate"),
         ("priority(1..3,1)", "is no atom"),
         ("", "is no atom"),
@@ -244,6 +247,14 @@ def test_a_subject_that_is_not_there(subject: str, message: str, advice: str) ->
     assert done.returncode == 2
     assert message in done.stderr
     assert advice in done.stderr
+
+
+def test_nodes_of_a_specification_are_explained_by_its_configuration(tmp_path: Path) -> None:
+    made = tmp_path / "made.mars"
+    made.write_text(run(f"mars-asp synthesise {LEVEL0}"))
+    done = mars("explain", str(made), "DataSplitter1")
+    assert done.returncode == 2
+    assert "ask the configuration that it realises" in done.stderr
 
 
 def test_names_of_modules_need_no_quotes_in_an_atom() -> None:

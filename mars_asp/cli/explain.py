@@ -142,9 +142,10 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         return int(answer.analysis.has_errors)
     title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
     if isinstance(answer.trace, Absent):
-        title += ": no line says so, and no rule could give it"
-    for line in _lines([(title, answer.trace)], depth, arguments):
-        print(line)
+        print(f"{visible(title)}: no line says so, and no rule could give it")
+    else:
+        for line in _lines([(title, answer.trace)], depth, arguments):
+            print(line)
     if not answer.present and answer.choosable and not arguments.quiet:
         print(_price(answer))
     if _goes_on(answer.trace) and depth == ABSENCE_DEPTH and not arguments.quiet:
