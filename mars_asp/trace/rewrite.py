@@ -13,6 +13,10 @@ others share them: for `d(X) :- b(X,Y), 2 <= #count { Z : c(X,Z) }` with number 
     _g2_15(k(15,"...",X)) :- _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),_).
     _e2_15(k(15,"...",X),t(Z),p(c(X,Z)),o(),a()) :- _g2_15(k(15,"...",X)), c(X,Z).
 
+clingo counts anew for each instance of the rest of a body, of which anonymous variables make none.
+A firing names them, so with `b(X,_)` there the body is tested apart, `_b2_15("...",X) :- ...` as it
+is written, and only what is named is left to the rule that finds firings.
+
 A predicate that is decided only by solving, `open`, is read from copies `_t_h` of its true atoms.
 The terms of the firing atom are evaluated by clingo itself, so arithmetic needs no second reading.
 Each rule has predicates of its own: with one for all, every firing would be matched against what
@@ -25,13 +29,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
-import clingo
 from clingo import ast
 
 from mars_asp.kept import made_of
 from mars_asp.rulebook import Rule
 from mars_asp.trace import scope
-from mars_asp.trace.scope import AGGREGATES, OWN, atoms_of_head, bare, guards, variables_of
+from mars_asp.trace.scope import (
+    AGGREGATES,
+    OWN,
+    atoms_of_head,
+    bare,
+    global_variables,
+    guards,
+    variables_of,
+)
 
 Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
@@ -104,7 +115,7 @@ class Rewriter:
         tag: str,
         shown: str,
         asked: Iterable[str],
-        literals: Iterable[ast.AST],
+        literals: Sequence[ast.AST],
         terms: "Terms",
         names: Iterable[str],
         ask: bool = True,
@@ -116,24 +127,34 @@ class Rewriter:
         """
         rule = _NUMBER if ask else str(number)
         place = f"{QUESTION}_{rule}"
+        before, terms.equations = (*asked, *terms.equations), []
         premises: list[tuple[str, str]] = []
         absent: list[str] = []
         rest: list[str] = []
+        counting: list[str] = []
         groups: list[ast.AST] = []
         for literal in literals:
             if literal.ast_type == _TYPE.ConditionalLiteral:
-                rest.append(self.renamed(literal))
+                counting.append(self.renamed(literal))
                 groups.append(literal)
             elif literal.ast_type != _TYPE.Literal:
                 self.unsupported[number] = str(literal.ast_type)
             elif literal.atom.ast_type == _TYPE.SymbolicAtom:
                 self._symbolic(literal, terms, premises, absent, rest)
+            elif literal.atom.ast_type in AGGREGATES:
+                counting.append(self.renamed(literal))
+                if literal.sign == ast.Sign.NoSign:
+                    groups.append(literal.atom)
             else:
                 rest.append(self.renamed(literal))
-                if literal.atom.ast_type in AGGREGATES and literal.sign == ast.Sign.NoSign:
-                    groups.append(literal.atom)
-                elif literal.atom.ast_type == _TYPE.TheoryAtom:
+                if literal.atom.ast_type == _TYPE.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
+        if counting and any(_is_projected(literal) for literal in literals):
+            body = "; ".join((*before, *map(self.renamed, literals)))
+            shared = sorted(global_variables((), literals) | variables_of(before))
+            holds = f"_b{place}({','.join((_quoted(body), *shared))})"
+            yield f"{holds} :- {body}."
+            counting = [holds]
         told = (
             tag,
             shown,
@@ -146,7 +167,7 @@ class Rewriter:
             f"g({','.join(_needed(group, terms))},{key})"
             for group, key in zip(groups, keys, strict=True)
         ]
-        wanted = [*asked, *(text for text, _ in premises), *rest, *terms.equations]
+        wanted = [*before, *(text for text, _ in premises), *rest, *counting, *terms.equations]
         yield f"_s{place}({','.join((*told, *needed))}) :- {'; '.join(wanted)}."
         firing = f"_s{place}({','.join((*told, *('_' for _ in groups)))})"
         if ask:
@@ -348,8 +369,20 @@ def _group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
     """
     conditional = group.ast_type == _TYPE.ConditionalLiteral
     names = sorted(variables_of((group,) if conditional else group.elements) & outside)
-    text = str(clingo.String(f"{group} for {','.join(names)}"))
-    return f"k({','.join((rule, text, *names))})"
+    return f"k({','.join((rule, _quoted(f'{group} for {names}'), *names))})"
+
+
+def _is_projected(literal: ast.AST) -> bool:
+    """Say whether a premise has anonymous variables, which clingo leaves out where it counts."""
+    if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+        return False
+    symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
+    return symbolic and _ANONYMOUS.search(bare(literal)) is not None
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
 
 
 def _needed(group: ast.AST, terms: "Terms") -> tuple[str, str, str]:
