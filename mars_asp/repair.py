@@ -67,13 +67,14 @@ class Repair:
     """A finding and the smallest mends of it, best first.
 
     `tried` sets of edits were solved; `complete` is whether no smaller or equally small one was
-    left.
+    left; `late` is whether the time was over before that.
     """
 
     consequence: Consequence
     mends: tuple[Mend, ...]
     tried: int
     complete: bool
+    late: bool
 
 
 def repairs(
@@ -93,7 +94,8 @@ def repairs(
         MarsError: numbers that do not fit, rules that clingo refuses; the subject is no module,
             and no kind of consequence.
     """
-    deadline = None if seconds is None else time.monotonic() + seconds
+    began = time.monotonic()
+    deadline = None if seconds is None else began + seconds
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
     findings = _asked(analysis.consequences, subject)
@@ -106,6 +108,7 @@ def repairs(
     return search.repairs(
         [proposed.get(_key_of(finding.atom), []) for finding in findings],
         max(LEAST_TRIED, most),
+        time.monotonic() - began,
         progress,
     )
 
@@ -208,21 +211,25 @@ class _Search:
         self,
         proposed: Sequence[Sequence[Edit]],
         most: int,
+        longest: float,
         progress: Callable[[int, int], None] | None,
     ) -> tuple[Repair, ...]:
         """Look for mends by their size, and then by weight for each finding that they may mend.
 
-        `proposed` are the edits for each finding, least first; `most` is how many sets are tried.
+        `proposed` are the edits for each finding, least first; `most` is how many sets are tried;
+        `longest` is how many seconds a try may take, before one was made.
         """
         mends: list[list[Mend]] = [[] for _ in self._findings]
         tried = [0] * len(self._findings)
-        #: The findings for which a set was passed over.
+        #: The findings for which a set was passed over, and for which that was for want of time.
         left: set[int] = set()
+        hurried: set[int] = set()
         solved = 0
         for size in range(1, MOST_EDITS + 1):
             unmended = [number for number, found in enumerate(mends) if not found]
             for group in _shared({n: proposed[n] for n in unmended}, size):
-                late = self._deadline is not None and time.monotonic() > self._deadline
+                now = time.monotonic()
+                late = self._deadline is not None and now + longest > self._deadline
                 wanted = {
                     number: edits
                     for number, edits in group.items()
@@ -231,6 +238,7 @@ class _Search:
                 left |= group.keys() - wanted.keys()
                 if late or solved >= most:
                     left |= wanted.keys()
+                    hurried |= wanted.keys() if solved < most else set()
                     continue
                 if not wanted:
                     continue
@@ -238,12 +246,19 @@ class _Search:
                     progress(solved, most)
                 solved += 1
                 outcome = self._try(next(iter(wanted.values())))
+                longest = max(longest, time.monotonic() - now)
                 for number, edits in wanted.items():
                     tried[number] += 1
                     if outcome is not None and number in outcome.gone:
                         mends[number].append(_mend(edits, outcome))
         return tuple(
-            Repair(finding, _ranked(mends[number]), tried[number], number not in left)
+            Repair(
+                finding,
+                _ranked(mends[number]),
+                tried[number],
+                number not in left,
+                number in hurried,
+            )
             for number, finding in enumerate(self._findings)
         )
 

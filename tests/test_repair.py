@@ -154,6 +154,16 @@ def test_findings_that_no_try_is_left_for_say_so(
     assert "not tried beside so many others: ask for `class_mismatch(" in capsys.readouterr().out
 
 
+def test_a_time_limit_ends_the_search_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(ROOT / "tests/repair/roles/config.mars")
+    assert run_here(["explain", path, "--repair", "--time-limit", "0.001"]) == 3
+    told = capsys.readouterr()
+    assert told.out.count("no time was left: ask for `class_mismatch(") == 3
+    assert "the time limit ended the search" in told.err
+    assert run_here(["explain", path, "--repair", "--time-limit", "600"]) == 1
+    assert all(not found.late for found in repairs(load_project(path), RULEBOOK, seconds=600))
+
+
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     path = str(ROOT / "tests/repair/mode/config.mars")
     assert run_here(["explain", path, "--repair", "--format", "json"]) == 1

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.limits import begin_clock_anew
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
@@ -18,15 +19,19 @@ from mars_asp.visible import visible
 
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
-    """Print repairs; 1 where an error is left without one that is shown."""
+    """Print repairs; 1 where an error is there to repair, 3 where no time was left."""
     rulebook = rulebook_for(arguments, STAGES)
     with progress_bar(arguments, "sets of edits") as progress:
         found = repairs(project, rulebook, subject, arguments.time_limit, progress)
+    begin_clock_anew()
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [_repair_json(r) for r in found]}))
     else:
         for line in _text(found, colours(arguments, sys.stdout)):
             print(line)
+    if any(repair.late for repair in found):
+        print("mars-asp: the time limit ended the search", file=sys.stderr)
+        return 3
     return int(any(repair.consequence.severity == "error" for repair in found))
 
 
@@ -43,7 +48,8 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
             yield from _mend_text(number, mend)
         if not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
-            yield f"  not tried beside so many others: ask for `{alone}` alone"
+            why = "no time was left" if repair.late else "not tried beside so many others"
+            yield f"  {why}: ask for `{alone}` alone"
         elif not repair.mends:
             end = "" if repair.complete else ", and more were left"
             yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
