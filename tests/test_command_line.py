@@ -125,6 +125,16 @@ def test_all_syntax_errors_come_at_once() -> None:
     assert "`uses_data_from`" in problems[1]["help"]
 
 
+def test_a_file_of_another_language_does_not_fill_the_screen() -> None:
+    text = "@configuration\n@modules A\n" + "what else is there to be said\n" * 700
+    done = mars("check", "-", "--format", "json", text=text)
+    assert done.returncode == 2
+    problems = [json.loads(line) for line in done.stderr.splitlines()]
+    assert len(problems) == 501
+    assert problems[-1]["line"] == 503
+    assert problems[-1]["message"] == "500 errors before this: the rest of the file was not read"
+
+
 def test_json_keeps_what_execution_needs() -> None:
     found = json.loads(
         mars(

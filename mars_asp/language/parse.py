@@ -22,6 +22,8 @@ from mars_asp.source import point
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
+#: Behind so many wrong statements a file is read no further: who mends them reads no more.
+MOST_ERRORS = 500
 #: Stands for a converter where a transformer is the abstract one.
 ABSTRACT = "no converter declared"
 _CONVERSION = re.compile(
@@ -127,17 +129,31 @@ def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[in
         for raw in found:
             yield 0, raw
         return
-    base = 0
+    base = wrong = 0
     for piece in layout.grammatical.split("\n"):
+        if piece.strip() and wrong == MOST_ERRORS:
+            problems.append(_given_up(layout, base))
+            return
         if piece.strip():
             try:
                 found = cast("list[Raw]", _parser().parse(piece + "\n"))
             except UnexpectedInput as error:
                 problems.append(describe(layout, base, piece, error))
+                wrong += 1
             else:
                 for raw in found:
                     yield base, raw
         base += len(piece) + 1
+
+
+def _given_up(layout: Layout, base: int) -> Diagnostic:
+    return Diagnostic(
+        "syntax",
+        "error",
+        f"{MOST_ERRORS} errors before this: the rest of the file was not read",
+        layout.span(base, base + 1),
+        help="is this a `.mars` file? if so, mend those first",
+    )
 
 
 def _conversions(layout: Layout) -> tuple[Conversion, ...]:
