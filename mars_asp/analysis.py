@@ -94,7 +94,7 @@ def analyse(
     speakers = tuple(rule for rule in rulebook.rules if _speaks(rule))
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     text = facts_text(facts)
-    grounding = Grounding(f"{rulebook.text('base')}\n{said}", text)
+    grounding = Grounding(f"{rulebook.text('base')}\n{said}\n{text}")
     check_packs(grounding.control, rulebook, text)
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)

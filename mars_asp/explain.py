@@ -17,13 +17,13 @@ from mars_asp.atom import Fact
 from mars_asp.diagnostic import MarsError
 from mars_asp.model import node_kind
 from mars_asp.project import Project, project_facts, project_lookup
-from mars_asp.resolve import Synthesis, is_refuted, synthesise
+from mars_asp.resolve import Synthesis, introduced_with, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook
 from mars_asp.slicing import Slice, slice_for
 from mars_asp.solve import Resolution
 from mars_asp.spelling import nearest
 from mars_asp.subject import absent_subject, quoted, unconcerned, wrong_subject
-from mars_asp.synthesis import Node
+from mars_asp.synthesis import Introduced, Node
 from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
 from mars_asp.trace.given import GivenFacts
@@ -42,7 +42,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class Explanation:
-    """The answer to a question; `synthesis` is `None` where nothing was or could be resolved."""
+    """The answer to a question; `synthesis` is `None` where not all was or could be resolved."""
 
     subject: str | None
     topics: tuple[Topic, ...]
@@ -84,6 +84,10 @@ def explain(
                 return answer
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
+    if only != "consequences" and subject is not None and _is_node(subject, project):
+        found = _explain_node(project, rulebook, subject, analysis, seconds, every)
+        if found is not None:
+            return found
     # To read the consequences takes longer than to trace a node.
     unread = only == "nodes" if subject is None else _is_node(subject, project)
     chosen = () if unread else _consequences(analysis, project, subject)
@@ -94,7 +98,10 @@ def explain(
     asked: list[tuple[str, clingo.Symbol]] = []
     if only != "nodes":
         asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
-    asked += [(_node_title(node, synthesis), clingo.parse_term(node.term)) for node in nodes]
+    if synthesis is not None:
+        titles = [_node_title(node, synthesis.specification) for node in nodes]
+        terms = [clingo.parse_term(node.term) for node in nodes]
+        asked += zip(titles, terms, strict=True)
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
@@ -112,6 +119,28 @@ def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> E
         with contextlib.suppress(MarsError):
             asked = [_asked_atom(subject, project, analysis, part.rulebook, None)]
     explainer = explainer_for(part.rulebook, part.facts, analysis, None)
+    return Explanation(subject, _topics(explainer, asked, every), analysis, None)
+
+
+def _explain_node(
+    project: Project,
+    rulebook: Rulebook,
+    subject: str,
+    analysis: Analysis,
+    seconds: float | None,
+    every: bool,
+) -> Explanation | None:
+    """Explain a node from what precedes it in the file; `None` where none was found so."""
+    configuration, modules = project.configuration, project.modules
+    found = introduced_with(subject, configuration, modules, analysis, rulebook, seconds)
+    if found is None:
+        return None
+    introduced, resolution = found
+    node = next(node for node in introduced.nodes if node.name == subject)
+    # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
+    analysis.grounding.state(resolution.answer.grounding.decided_predicates())
+    asked = [(_node_title(node, introduced), clingo.parse_term(node.term))]
+    explainer = explainer_for(rulebook, analysis.facts, analysis, resolution)
     return Explanation(subject, _topics(explainer, asked, every), analysis, None)
 
 
@@ -198,8 +227,8 @@ def _nodes(
     return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
 
 
-def _node_title(node: Node, synthesis: Synthesis | None) -> str:
-    resolves = () if synthesis is None else synthesis.specification.resolves[node.name]
+def _node_title(node: Node, introduced: Introduced) -> str:
+    resolves = introduced.resolves[node.name]
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
 
 
@@ -223,7 +252,7 @@ def _asked_atom(
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
         atom = analysis.grounding.control.symbolic_atoms[symbol]
-        if synthesis is None and is_refuted(rulebook, symbol.name, len(symbol.arguments)):
+        if synthesis is None and is_resolved(rulebook, symbol.name, len(symbol.arguments)):
             raise _unrealised(subject, project)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
+from mars_asp.disjoint import DisjointSets
 from mars_asp.recorder import Recorded
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
@@ -61,11 +62,11 @@ def partition(program: Recorded, names: Mapping[int, str], asked: Iterable[int] 
     """
     facts = frozenset(program.facts)
     rules: list[Flat] = []
-    groups = _Groups()
+    groups: DisjointSets[int] = DisjointSets()
     for rule, atoms in _relevant(program, facts, asked):
         rules.append(rule)
         groups.join(atoms)
-    members = groups.members()
+    members = groups.members(sorted(groups.parent))
     root_of = {atom: root for root, atoms in members.items() for atom in atoms}
     constant: dict[int, int] = {}
     costs_of: dict[int, list[tuple[int, int, int]]] = {}
@@ -109,20 +110,25 @@ def _relevant(
 ) -> Iterator[tuple[Flat, Sequence[int]]]:
     """Yield the rules on which a choice, a constraint, a cost or an asked atom depends.
 
-    They are without facts. Each comes with the atoms that it names.
+    They are without atoms that are facts or that no rule gives. Each comes with the atoms that it
+    names.
     """
     numbers = program.rules
     by_head: defaultdict[int, list[int]] = defaultdict(list)
+    offered: set[int] = set()
     waiting = []
     at = 0
     while at < len(numbers):
         choice, heads, bodies, _ = numbers[at : at + _FIXED]
+        head = numbers[at + _FIXED : at + _FIXED + heads]
         if choice or not heads:
             waiting.append(at)
+            offered.update(head)
         else:
-            for atom in numbers[at + _FIXED : at + _FIXED + heads]:
+            for atom in head:
                 by_head[atom].append(at)
         at += _FIXED + heads + bodies
+    unsettled = (offered | by_head.keys()) - facts
     reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
     for atom in reached:
         waiting += by_head.pop(atom, ())
@@ -135,8 +141,8 @@ def _relevant(
         _, heads, bodies, _ = numbers[at : at + _FIXED]
         rule = numbers[at : at + _FIXED + heads + bodies]
         atoms = _atoms(rule)
-        if not facts.isdisjoint(atoms):
-            simplified = _simplified(rule, facts)
+        if not unsettled.issuperset(atoms):
+            simplified = _simplified(rule, facts, unsettled)
             if simplified is None:
                 continue
             rule, atoms = simplified, _atoms(simplified)
@@ -155,22 +161,34 @@ def _atoms(rule: Flat) -> list[int]:
     return [*map(abs, rule[_FIXED:])]
 
 
-def _simplified(rule: Flat, facts: Set[int]) -> "Flat | None":
-    """Return a rule without facts, or nothing where they settle it."""
+def _simplified(rule: Flat, facts: Set[int], unsettled: Set[int]) -> "Flat | None":
+    """Return a rule without what is settled, or nothing where that settles the rule.
+
+    What is neither a fact nor unsettled is false.
+    """
     choice, heads, _, bound = rule[:_FIXED]
     head, body = rule[_FIXED : _FIXED + heads], rule[_FIXED + heads :]
     head_left = [atom for atom in head if atom not in facts]
     if len(head_left) < heads and not (choice and head_left):
         return None
     if not bound:
-        if any(-literal in facts for literal in body):
+        left = [literal for literal in body if abs(literal) in unsettled]
+        if len(left) < len(body) and any(
+            abs(literal) not in unsettled and (abs(literal) in facts) == (literal < 0)
+            for literal in body
+        ):
             return None
-        left = [literal for literal in body if literal not in facts]
     else:
         weighted = list(zip(body[::2], body[1::2], strict=True))
-        bound -= sum(weight for literal, weight in weighted if literal in facts)
-        open_ones = [pair for pair in weighted if abs(pair[0]) not in facts] if bound > 0 else []
-        left = [number for pair in open_ones for number in pair]
+        open_ones = [pair for pair in weighted if abs(pair[0]) in unsettled]
+        bound -= sum(
+            weight
+            for literal, weight in weighted
+            if abs(literal) not in unsettled and (abs(literal) in facts) == (literal > 0)
+        )
+        if sum(weight for _, weight in open_ones) < bound:
+            return None
+        left = [number for pair in open_ones if bound > 0 for number in pair]
     return array("i", (choice, len(head_left), len(left), max(bound, 0), *head_left, *left))
 
 
@@ -184,32 +202,3 @@ def _renamed(rule: Flat, names: Mapping[int, int]) -> GroundRule:
     pairs = zip(body[::2], body[1::2], strict=True)
     weighted = tuple(sorted([(names[literal], weight) for literal, weight in pairs]))
     return GroundRule(choice > 0, head, (), bound, weighted)
-
-
-class _Groups:
-    """Disjoint sets with path halving (Tarjan and van Leeuwen 1984)."""
-
-    def __init__(self) -> None:
-        self.parent: dict[int, int] = {}
-
-    def find(self, atom: int) -> int:
-        parent = self.parent
-        while parent.setdefault(atom, atom) != atom:
-            parent[atom] = parent[parent[atom]]
-            atom = parent[atom]
-        return atom
-
-    def join(self, atoms: Sequence[int]) -> None:
-        if not atoms:
-            return
-        root, parent = self.find(atoms[0]), self.parent
-        for atom in atoms[1:]:
-            # Most are new or joined already.
-            if parent.setdefault(atom, root) != root:
-                parent[self.find(atom)] = root
-
-    def members(self) -> dict[int, list[int]]:
-        groups: defaultdict[int, list[int]] = defaultdict(list)
-        for atom in sorted(self.parent):
-            groups[self.find(atom)].append(atom)
-        return groups

@@ -60,7 +60,12 @@ KEYS: Mapping[tuple[str, int], Sequence[int]] = {
     **_SINGLY,
     **{(name, arity): range(arity) for name, arity in _TOGETHER.items()},
 }
-
+#: The positions of what a fact connects: modules, relationships and annotations of one part of a
+#: configuration. A converter is for whoever needs it.
+CONNECTED: Mapping[tuple[str, int], tuple[int, ...]] = {
+    signature: () if signature == ("converts", 5) else _SINGLY.get(signature, ())
+    for signature in KEYS
+}
 
 _Group: TypeAlias = dict[tuple[Term, ...], list[Fact]]
 

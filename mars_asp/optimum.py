@@ -150,11 +150,21 @@ def _core(
     control: clingo.Control, assumptions: Sequence[int], deadline: float | None
 ) -> list[int] | None:
     """Return assumptions that cannot hold together, or `None` where all can."""
-    with control.solve(assumptions=list(assumptions), yield_=True, async_=True) as handle:
+    with _solving(control, deadline, assumptions) as handle:
         if not handle.wait(None if deadline is None else max(0.0, deadline - time.monotonic())):
             handle.cancel()
             raise TimeoutError
         return None if handle.get().satisfiable else list(handle.core())
+
+
+def _solving(
+    control: clingo.Control, deadline: float | None, assumptions: Sequence[int] = ()
+) -> clingo.SolveHandle:
+    """Begin to solve, in a thread of its own only where that may have to end: it costs more."""
+    told = list(assumptions)
+    if deadline is None:
+        return control.solve(assumptions=told, yield_=True)
+    return control.solve(assumptions=told, yield_=True, async_=True)
 
 
 def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:
@@ -188,7 +198,7 @@ def _least(
 ) -> Optimum:
     true: frozenset[int] | None = None
     cost: list[int] = []
-    with control.solve(yield_=True, async_=True) as handle:
+    with _solving(control, deadline) as handle:
         while True:
             handle.resume()
             wait = None if deadline is None else max(0.0, deadline - time.monotonic())
@@ -248,7 +258,7 @@ def _count(component: Component, costs: dict[int, int], deadline: float | None) 
     limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
     control = _bounded(component, costs, ("--project=project", *limits))
     count = 0
-    with control.solve(yield_=True, async_=True) as handle:
+    with _solving(control, deadline) as handle:
         while True:
             handle.resume()
             wait = None if deadline is None else max(0.0, deadline - time.monotonic())

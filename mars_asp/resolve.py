@@ -5,10 +5,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from mars_asp.analysis import Analysis
-from mars_asp.model import Configuration, Module
+from mars_asp.apart import kept_apart
+from mars_asp.ground_program import Component
+from mars_asp.lookup import CONNECTED
+from mars_asp.model import Configuration, Module, node_kind
+from mars_asp.optimum import Optimum
 from mars_asp.rulebook import Rulebook
 from mars_asp.solve import Resolution
-from mars_asp.synthesis import Specification, specify
+from mars_asp.stretches import stretches
+from mars_asp.synthesis import NODE_PREDICATES, Draft, Introduced, Specification, introduce, specify
 
 #: The levels of the minimisation in `rules/resolve`.
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
@@ -76,19 +81,63 @@ def _resolve(
     progress: Callable[[int, int], None] | None = None,
 ) -> Resolution | None:
     deadline = None if seconds is None else time.monotonic() + seconds
-    grounding = analysis.grounding
-    resolution = grounding.resolve(rulebook.text("resolve"), deadline, progress)
-    return None if any(True for _ in grounding.symbols(*UNRESOLVABLE)) else resolution
+    resolution = analysis.grounding.resolve(rulebook.text("resolve"), deadline, progress)
+    return None if is_unresolvable(analysis) else resolution
+
+
+def introduced_with(
+    name: str,
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    analysis: Analysis,
+    rulebook: Rulebook,
+    seconds: float | None = None,
+) -> tuple[Introduced, Resolution] | None:
+    """Return the nodes of the stretch of a configuration that has a node, and its resolution.
+
+    They are those of the least specification; of those before, only how many there are is found
+    out, so only nodes of the same kind have their names. `None` where there is no such node, where
+    it is not sure that there is one least specification, or where rules may bring modules together
+    that nothing connects.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    kind, resolving = node_kind(name), rulebook.text("resolve")
+    apart = None if rulebook.packs else kept_apart(rulebook.text("base"), resolving, CONNECTED)
+    if kind is None or apart is None or is_unresolvable(analysis):
+        return None
+    deadline = None if seconds is None else time.monotonic() + seconds
+    predicate = NODE_PREDICATES[kind]
+    counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
+    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding)
+    draft = Draft(configuration, modules)
+    known: dict[Component, Optimum] = {}
+    for number, relationships in enumerate(cut.relationships, 1):
+        if number < len(cut.relationships):
+            grounding = cut.ground(number - 1, counting)
+            resolution = grounding.resolve(counting.text, deadline, known=known)
+            if resolution.count is None:
+                return None
+            if draft.pass_over(kind, resolution.answer.count(predicate), name):
+                continue
+        grounding = cut.ground(number - 1, apart.whole)
+        resolution = grounding.resolve(resolving, deadline, known=known)
+        introduced = introduce(draft, resolution.answer.shown, relationships)
+        named = any(node.name == name for node in introduced.nodes)
+        return (introduced, resolution) if named and resolution.proven else None
+    return None
+
+
+def is_unresolvable(analysis: Analysis) -> bool:
+    """Say whether something can never be resolved, so that there is no specification."""
+    return any(True for _ in analysis.grounding.symbols(*UNRESOLVABLE))
 
 
 def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:
-    """Say whether the rules of the resolution derive a predicate."""
-    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")
+    """Say whether the rules of the resolution derive a predicate.
 
-
-def is_refuted(rulebook: Rulebook, name: str, arity: int) -> bool:
-    """Say whether no atom of a predicate holds where nothing realises the configuration.
-
-    Some may be derived all the same, for what stands against a part does not stop the others.
+    Then no atom of it holds where nothing realises the configuration. Some may be derived all the
+    same, for what stands against a part does not stop the others.
     """
-    return (name, arity) != UNRESOLVABLE and is_resolved(rulebook, name, arity)
+    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import clingo
 
@@ -14,7 +15,7 @@ from mars_asp.ground_program import Component, partition
 from mars_asp.optimum import Optimum, UnsatisfiableError, least, least_with, optimise
 from mars_asp.recorder import Recorded, record
 from mars_asp.source import point
-from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled
+from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled, state
 
 # What is least is found component by component; the whole is never minimised.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
@@ -49,6 +50,12 @@ class Answer:
                 signature: [a for a, literal, is_fact in atoms if is_fact or model.is_true(literal)]
                 for signature, atoms in self.grounding.open_predicates()
             }
+
+    def count(self, predicate: tuple[str, int]) -> int:
+        """Return how many atoms of a predicate are true that costs something."""
+        true = self.grounding.facts.union(self.decided)
+        found = labelled(self.grounding.control, *predicate, True)
+        return sum(is_fact or literal in true for _, literal, is_fact in found)
 
     @cached_property
     def taken(self) -> frozenset[Term]:
@@ -110,8 +117,10 @@ class Part:
 class Grounding:
     """One clingo control with the consequences as facts, then the resolution rules."""
 
-    def __init__(self, base: str, facts: str) -> None:
-        """Ground the rules of the consequences over facts.
+    def __init__(
+        self, text: str, stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({})
+    ) -> None:
+        """Ground the rules of the consequences over facts, and state atoms that others derived.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -123,7 +132,8 @@ class Grounding:
         self._names: dict[int, str] = {}
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
-        self.add(f"{base}\n{facts}")
+        self.add(text)
+        self.state(stated)
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
@@ -185,11 +195,13 @@ class Grounding:
         rules: str,
         deadline: float | None = None,
         progress: Callable[[int, int], None] | None = None,
+        known: dict[Component, Optimum] | None = None,
     ) -> Resolution:
         """Ground the resolution rules and find their least answer.
 
         `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
-        `progress` is told components done and in all.
+        `progress` is told components done and in all; `known` are optima found before, to which
+        those found here are added.
 
         Raises:
             MarsError: the rules are refused, or have no answer.
@@ -207,7 +219,7 @@ class Grounding:
         bound = dict(parts.constant)
         count: int | None = 1
         proven = True
-        known: dict[Component, Optimum] = {}
+        known = {} if known is None else known
         decided: list[int] = []
         for done, (component, numbered) in enumerate(parts.components):
             if progress is not None:
@@ -226,13 +238,36 @@ class Grounding:
             count = None if count is None or best.count is None else count * best.count
         return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
 
+    def state(self, atoms: Mapping[Signature, Iterable[Term]]) -> None:
+        """State facts that another grounding found."""
+        stated: dict[tuple[str, bool], list[Term]] = {}
+        for (name, _, positive), terms in atoms.items():
+            stated.setdefault((name, positive), []).extend(terms)
+        state(self.control, stated)
+
+    @property
+    def facts(self) -> frozenset[int]:
+        """Return what the resolution rules decide at once, by its numbers in the ground program."""
+        return frozenset(self._program.facts)
+
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         """Yield the predicates that the rules leave open, at least in part, and their atoms."""
+        for signature, found in self._resolved():
+            if not all(is_fact for _, _, is_fact in found):
+                yield signature, found
+
+    def decided_predicates(self) -> dict[Signature, Sequence[Term]]:
+        """Return the predicates that the resolution rules decide, and their atoms."""
+        return {
+            signature: [atom for atom, _, _ in found]
+            for signature, found in self._resolved()
+            if all(is_fact for _, _, is_fact in found)
+        }
+
+    def _resolved(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
-                found = labelled(self.control, *signature)
-                if not all(is_fact for _, _, is_fact in found):
-                    yield signature, found
+                yield signature, labelled(self.control, *signature)
 
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None

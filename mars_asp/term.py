@@ -6,7 +6,7 @@ documented interface; otherwise they are counted here, more slowly.
 """
 
 import importlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, NewType, TypeAlias
 
 import clingo
@@ -22,6 +22,10 @@ Signature: TypeAlias = tuple[str, int, bool]
 Labelled: TypeAlias = tuple[Term, int, bool]
 
 
+#: What is stated of a predicate, its name and sign: the arguments of these atoms of any.
+Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[Term]]
+
+
 class Reader(NamedTuple):
     """How terms are read: each function is documented where it is defined for all."""
 
@@ -31,7 +35,7 @@ class Reader(NamedTuple):
     arguments: Callable[[Term], Sequence[Term]]
     atoms: Callable[[clingo.Control, str, int, bool], list[Term]]
     labelled: Callable[[clingo.Control, str, int, bool], list[Labelled]]
-    state: Callable[[clingo.Control, str, bool, Iterable[Term]], None]
+    state: Callable[[clingo.Control, Stated], None]
 
 
 def plain_reader() -> Reader:
@@ -57,11 +61,12 @@ def plain_reader() -> Reader:
         found = control.symbolic_atoms.by_signature(name, arity, positive)
         return [(as_term(atom.symbol), atom.literal, atom.is_fact) for atom in found]
 
-    def state(control: clingo.Control, name: str, positive: bool, like: Iterable[Term]) -> None:
+    def state(control: clingo.Control, stated: Stated) -> None:
         with control.backend() as backend:
-            for term in like:
-                fact = clingo.Function(name, symbols[term].arguments, positive)
-                backend.add_rule([backend.add_atom(fact)])
+            for (name, positive), like in stated.items():
+                for term in like:
+                    fact = clingo.Function(name, symbols[term].arguments, positive)
+                    backend.add_rule([backend.add_atom(fact)])
 
     def text(term: Term) -> str:
         return str(symbols[term])
@@ -163,9 +168,7 @@ def _raw_atoms(
     return atoms, labelled
 
 
-def _raw_state(
-    ffi: Any, lib: Any, check: Any
-) -> Callable[[clingo.Control, str, bool, Iterable[Term]], None]:
+def _raw_state(ffi: Any, lib: Any, check: Any) -> Callable[[clingo.Control, Stated], None]:
     inside = ffi.new("clingo_symbol_t**")
     size = ffi.new("size_t*")
     symbol = ffi.new("clingo_symbol_t*")
@@ -173,16 +176,18 @@ def _raw_state(
     read, create = lib.clingo_symbol_arguments, lib.clingo_symbol_create_function
     add, rule = lib.clingo_backend_add_atom, lib.clingo_backend_rule
 
-    def state(control: clingo.Control, name: str, positive: bool, like: Iterable[Term]) -> None:
-        word = name.encode()
+    def state(control: clingo.Control, stated: Stated) -> None:
         with control.backend() as backend:
             base: Any = backend
             held, none = base._rep, ffi.NULL
-            for term in like:
-                done = read(term, inside, size)
-                done = done and create(word, inside[0], size[0], positive, symbol)
-                if not (done and add(held, symbol, atom) and rule(held, False, atom, 1, none, 0)):
-                    check(False)
+            for (name, positive), like in stated.items():
+                word = name.encode()
+                for term in like:
+                    done = read(term, inside, size)
+                    done = done and create(word, inside[0], size[0], positive, symbol)
+                    done = done and add(held, symbol, atom)
+                    if not (done and rule(held, False, atom, 1, none, 0)):
+                        check(False)
 
     return state
 
@@ -200,5 +205,5 @@ arguments = _READER.arguments
 atoms = _READER.atoms
 #: The same with their literals.
 labelled = _READER.labelled
-#: State facts of a predicate, its name and sign, with the arguments that other atoms have.
+#: State facts of predicates with the arguments that other atoms have. To begin takes a millisecond.
 state = _READER.state

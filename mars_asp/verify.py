@@ -68,7 +68,7 @@ def judge_specification(
     text = f"{rulebook.text('verify')}\n{said}\n{facts}"
     if grounding is None:
         base = f"{rulebook.text('base')}\n{text}"
-        grounding = Grounding(base, facts_text(project_facts(project)))
+        grounding = Grounding(f"{base}\n{facts_text(project_facts(project))}")
     else:
         grounding.derive(text)
     found: dict[tuple[int, str], Violation] = {}

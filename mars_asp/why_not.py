@@ -19,7 +19,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES, node_kind
 from mars_asp.project import Project, project_facts
-from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_refuted, is_resolved, synthesise
+from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
 from mars_asp.source import point
 from mars_asp.spelling import nearest
@@ -95,7 +95,7 @@ def why_not(
     choosable = pattern is None or is_resolved(rulebook, *signature)
     if choosable:
         synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
-        if synthesis is None and (pattern is None or is_refuted(rulebook, *signature)):
+        if synthesis is None:
             explainer = explainer_for(rulebook, facts, analysis, None)
             against = sorted(analysis.grounding.symbols(*UNRESOLVABLE))
             obstacles = tuple(explainer.why(against).values())

@@ -50,7 +50,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     base = rulebook.text("base")
     if stage not in (*CHOOSING, "base"):
         base += "\n" + rulebook.text(stage)
-    grounding = Grounding(base, text)
+    grounding = Grounding(f"{base}\n{text}")
     opened: Mapping[Signature, Sequence[Term]] = {}
     if stage in CHOOSING:
         opened = grounding.resolve(rulebook.text(stage)).answer.true

@@ -47,7 +47,7 @@ def test_both_readers_state_the_same_facts() -> None:
         control.add("base", [], 'p(1,f("a")). p((),-g). q.')
         control.ground()
         terms = [*reader.atoms(control, "p", 2, True), *reader.atoms(control, "q", 0, True)]
-        reader.state(control, "copy", False, terms)
+        reader.state(control, {("copy", False): terms})
         control.add("more", [], "seen(X) :- -copy(X,_). none :- not -copy.")
         control.ground([("more", [])])
         true = {str(atom.symbol) for atom in control.symbolic_atoms if atom.is_fact}

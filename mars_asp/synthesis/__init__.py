@@ -1,6 +1,14 @@
 """Answer sets of the resolution rules turned into specifications."""
 
-from mars_asp.synthesis.draft import Node
-from mars_asp.synthesis.specify import Specification, specify
+from mars_asp.synthesis.draft import NODE_PREDICATES, Draft, Node
+from mars_asp.synthesis.specify import Introduced, Specification, introduce, specify
 
-__all__ = ["Node", "Specification", "specify"]
+__all__ = [
+    "NODE_PREDICATES",
+    "Draft",
+    "Introduced",
+    "Node",
+    "Specification",
+    "introduce",
+    "specify",
+]

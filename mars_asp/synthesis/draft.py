@@ -16,6 +16,15 @@ from mars_asp.model import (
     Service,
 )
 
+#: The predicate of `rules/resolve` that has one atom for each node of a kind.
+NODE_PREDICATES: Mapping[NodeKind, tuple[str, int]] = {
+    "data_splitter": ("splitter", 2),
+    "data_transformer": ("transformer", 2),
+    "arbitration_node": ("arbiter", 1),
+    "control_splitter": ("control_splitter", 1),
+    "inheritance_node": ("inheritance_node", 1),
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
@@ -30,10 +39,8 @@ class Node:
 class Draft:
     """Collects nodes and lines in the order in which they are printed."""
 
-    def __init__(
-        self, configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
-    ) -> None:
-        """Index what the answer set and the configuration say."""
+    def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
+        """Index what the configuration says."""
         self.span = configuration.span
         self.relationships = dict(numbered(configuration.relationships))
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
@@ -49,10 +56,14 @@ class Draft:
         self.nodes: dict[str, Node] = {}
         self.lines: list[Relationship] = []
         self._atoms: dict[str, list[Symbol]] = {}
-        for atom in atoms:
-            self._atoms.setdefault(atom.name, []).append(atom)
         self._names = {name.text for name in configuration.modules} | set(described)
         self._next: dict[NodeKind, int] = {}
+
+    def tell(self, atoms: Iterable[Symbol]) -> None:
+        """Index the true atoms of an answer set, for what is written from now on."""
+        self._atoms = {}
+        for atom in atoms:
+            self._atoms.setdefault(atom.name, []).append(atom)
 
     def atoms(self, name: str) -> tuple[Symbol, ...]:
         """Return the true atoms with a name."""
@@ -71,6 +82,14 @@ class Draft:
                 conversion = replace(conversion, transformer=name)
             self.nodes[term] = Node(name, kind, term, conversion)
         return self.nodes[term].name
+
+    def pass_over(self, kind: NodeKind, count: int, name: str) -> bool:
+        """Count nodes that are not written here, unless one of them would have a name."""
+        before = self._next.get(kind, 1)
+        if name not in [self._free_name(kind) for _ in range(count)]:
+            return True
+        self._next[kind] = before
+        return False
 
     def _free_name(self, kind: NodeKind) -> str:
         """Return the next name of a kind that no module has."""

@@ -10,20 +10,16 @@ from functools import cached_property
 
 from clingo import Symbol
 
-from mars_asp.model import Configuration, Control, Data, Module, Mount, Name
+from mars_asp.model import Configuration, Control, Data, Module, Mount, Name, Relationship
 from mars_asp.synthesis.control_lines import ControlLines
 from mars_asp.synthesis.data_lines import DataLines
 from mars_asp.synthesis.draft import Draft, Node
 
 
 @dataclass(frozen=True)
-class Specification:
-    """A configuration's resolution: what is printed, and the nodes.
+class Introduced:
+    """Nodes that were introduced; `purposes` are atoms resolves(Node, Kind, Subject)."""
 
-    `purposes` are atoms resolves(Node, Kind, Subject).
-    """
-
-    configuration: Configuration
     nodes: tuple[Node, ...]
     purposes: tuple[Symbol, ...]
 
@@ -37,13 +33,21 @@ class Specification:
         return {node.name: tuple(sorted(found.get(node.term, ()))) for node in self.nodes}
 
 
-def specify(
-    configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
-) -> Specification:
-    """Build the specification that the true atoms of `rules/resolve` describe."""
-    draft = Draft(configuration, modules, atoms)
+@dataclass(frozen=True)
+class Specification(Introduced):
+    """A configuration's resolution: what is printed, and the nodes."""
+
+    configuration: Configuration
+
+
+def introduce(
+    draft: Draft, atoms: Iterable[Symbol], relationships: Iterable[Relationship]
+) -> Introduced:
+    """Write relationships as the true atoms of `rules/resolve` describe; return the new nodes."""
+    before = len(draft.nodes)
+    draft.tell(atoms)
     data, control = DataLines(draft), ControlLines(draft)
-    for relationship in configuration.relationships:
+    for relationship in relationships:
         match relationship:
             case Data():
                 data.write(relationship)
@@ -51,22 +55,31 @@ def specify(
                 control.write(relationship)
             case Mount():
                 draft.lines.append(relationship)
-    nodes = tuple(draft.nodes.values())
+    return Introduced(tuple(draft.nodes.values())[before:], draft.atoms("resolves"))
+
+
+def specify(
+    configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
+) -> Specification:
+    """Build the specification that the true atoms of `rules/resolve` describe."""
+    draft = Draft(configuration, modules)
+    introduced = introduce(draft, atoms, configuration.relationships)
+    nodes = introduced.nodes
     # A specification that needs no more nodes stays in the order in which it is written.
     stays = configuration.kind == "specification" and not nodes
-    introduced = tuple(Name(node.name, configuration.span) for node in nodes)
+    names = tuple(Name(node.name, configuration.span) for node in nodes)
     conversions = tuple(node.conversion for node in nodes if node.conversion is not None)
     printed = replace(
         configuration,
         kind="specification",
         stated=_states_architecture(configuration, nodes),
         sources=(),
-        modules=(*configuration.modules, *introduced),
+        modules=(*configuration.modules, *names),
         relationships=configuration.relationships if stays else tuple(draft.lines),
         declared=(),
         conversions=(*configuration.conversions, *conversions),
     )
-    return Specification(printed, nodes, draft.atoms("resolves"))
+    return Specification(nodes, introduced.purposes, printed)
 
 
 def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:

@@ -81,15 +81,15 @@ class Explainer:
         question = str(self._question)
         part = f"_explain{question}"
         self._control.add(part, [], text.replace(QUESTION, question))
-        for name, terms in asked.items():
-            state(self._control, name.replace(QUESTION, question), True, terms)
+        numbered = {name.replace(QUESTION, question): terms for name, terms in asked.items()}
+        state(self._control, {(name, True): terms for name, terms in numbered.items()})
         self._control.ground([(part, [])])
         return read_firings(self._control, self._question)
 
     def _present(self) -> frozenset[str]:
         """Return the names of the predicates that have an atom."""
         atoms = self._control.symbolic_atoms
-        return frozenset(
+        return frozenset(name for (name, _, _), true in self._opened.items() if true) | frozenset(
             name
             for name, arity, positive in atoms.signatures
             if any(True for _ in atoms.by_signature(name, arity, positive))
@@ -98,14 +98,16 @@ class Explainer:
     def _copy_open(self, text: str) -> None:
         """Copy the true atoms of the open predicates that rules read, once."""
         named = set(_COPIED.findall(text))
-        for name, arity in sorted(self.rewriter.open - self._copied):
-            if name in named:
-                self._copied.add((name, arity))
-                for positive in (True, False):
-                    true = self._opened.get((name, arity, positive))
-                    if true is None:
-                        true = atoms(self._control, name, arity, positive)
-                    state(self._control, f"_t_{name}", positive, true)
+        copied = {(name, arity) for name, arity in self.rewriter.open if name in named}
+        stated: dict[tuple[str, bool], list[Term]] = {}
+        for name, arity in sorted(copied - self._copied):
+            for positive in (True, False):
+                true = self._opened.get((name, arity, positive))
+                if true is None:
+                    true = atoms(self._control, name, arity, positive)
+                stated.setdefault((f"_t_{name}", positive), []).extend(true)
+        state(self._control, stated)
+        self._copied |= copied
 
 
 def _text(term: Term | None) -> str:
