@@ -158,6 +158,8 @@ def fill(
     if text is None:
         return None
     form, holes = _form(text)
+    if not holes:
+        return text
     return form % tuple([show(values[h]) if h in values else f"{{{h}}}" for h in holes])
 
 

@@ -52,7 +52,8 @@ class Explainer:
         """
         asked = tuple(atoms)
         unsupported = self.rewriter.unsupported
-        proofs = Proofs(self._ask(asked), self._given, self.rules, unsupported, every)
+        # An iterator lets go of them when they are read.
+        proofs = Proofs(iter(self._ask(asked)), self._given, self.rules, unsupported, every)
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:

@@ -241,6 +241,9 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
 
     for firing in firings:
         inside = [atom for atom in firing.premises if atom in heads]
+        if not inside and not firing.groups:
+            level.append(firing)
+            continue
         waiting = _Waiting(firing, len(inside))
         for premise in inside:
             users[premise].append(waiting)
@@ -256,18 +259,17 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
     height = 0
     while level:
         height += 1
-        new: dict[Term, Firing] = {}
+        new: list[Term] = []
         for firing in level:
-            if firing.head in best:
-                continue
-            rival = new.get(firing.head)
-            if rival is None or firing_order(firing) < firing_order(rival):
-                new[firing.head] = firing
-        best |= new
-        heights |= dict.fromkeys(new, height)
+            atom = firing.head
+            if atom not in best:
+                new.append(atom)
+                best[atom], heights[atom] = firing, height
+            elif heights[atom] == height and firing_order(firing) < firing_order(best[atom]):
+                best[atom] = firing
         level = []
         for atom in new:
-            for user in users.get(atom, ()):
+            for user in users.pop(atom, ()):
                 user.open -= 1
                 if user.open:
                     continue

@@ -1,6 +1,6 @@
 """Traces of least height, built from firings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 import clingo
@@ -19,7 +19,7 @@ class Proofs:
 
     def __init__(
         self,
-        firings: Sequence[Firing],
+        firings: Iterable[Firing],
         given: GivenFacts,
         rules: Sequence[Rule],
         unsupported: Mapping[int, str],
@@ -32,18 +32,22 @@ class Proofs:
         # What is given has no reasons, whatever else derives it.
         told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
         firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
-        self._best, self._heights = least_heights(firings)
-        self._counted = CountedBelow(self._heights)
+        self._best, heights = least_heights(firings)
+        self._counted = CountedBelow(heights)
         self._traces: dict[Term, Trace] = {}
         self._absences: dict[Term, Absent] = {}
-        self._needs = Needs(firings, self._heights) if every else None
+        self._needs = Needs(firings, heights) if every else None
+        del firings
+        self._heights = heights
         #: The other derivations of each derived atom; filled after all traces are made, for they
         #: may lead back to each other.
         self._others: dict[Term, list[Derived]] = {atom: [] for atom in self._best if every}
         self._filled: set[Term] = set()
         # What has a lesser height comes first, so what an atom rests on has its trace already.
-        for atom, firing in self._best.items():
-            below = self._below_best(atom)
+        for atom, height in heights.items():
+            # There are many firings, and only other derivations are compared with them again.
+            firing = self._best[atom] if every else self._best.pop(atom)
+            below = support(firing, partial(self._counted.of, height))
             self._traces[atom] = self._step(firing, below, self._others.get(atom, ()))
 
     def of(self, atom: clingo.Symbol) -> Trace:
@@ -71,13 +75,14 @@ class Proofs:
             if atom in self._filled or atom not in self._best:
                 continue
             self._filled.add(atom)
-            best = self._below_best(atom)
-            waiting += best[0]
-            told = {_derivation(self._best[atom], best)}
+            best = self._best[atom]
+            below = support(best, partial(self._counted.of, self._heights[atom]))
+            waiting += below[0]
+            told = {_derivation(best, below)}
             counted = CountedWithout(partial(needs.stands_without, atom))
             alike: set[tuple[object, ...]] = set()
             for firing in sorted(needs.firings_of(atom), key=firing_order):
-                if firing is self._best[atom]:
+                if firing is best:
                     continue
                 own = _beside_groups(firing, counted)
                 if own in alike:
@@ -95,10 +100,6 @@ class Proofs:
         steps = (*map(self._least, premises), *map(self._absent, absent))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
-
-    def _below_best(self, atom: Term) -> Support:
-        """Return what supports the firing of least height: what has a lesser one."""
-        return support(self._best[atom], partial(self._counted.of, self._heights[atom]))
 
     def _absent(self, pattern: Term) -> Absent:
         known = self._absences.get(pattern)

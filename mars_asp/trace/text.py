@@ -1,7 +1,6 @@
 """Traces as text of 80 columns and as JSON, without recursion."""
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -31,18 +30,21 @@ def traces_text(
     the other, each with its number.
     """
     opened: set[int] = set()
-    entries = [entry for topic in topics for entry in _entries(*topic, line_at, depth, opened)]
-    times = Counter(id(entry.step) for entry in entries)
+    again: set[int] = set()
+    entries = [
+        entry for topic in topics for entry in _entries(*topic, line_at, depth, opened, again)
+    ]
     numbers: dict[int, int] = {}
-    for level, text, step, remark in entries:
-        key = id(step)
+    for level, line, step, remark in entries:
         if step is None:
-            yield from wrapped(text, level)
-        elif key in numbers:
+            yield from wrapped(line, level)
+            continue
+        key, text = id(step), _said(step)
+        if key in numbers:
             yield from wrapped(f"{text}, as in ({numbers[key]})", level)
         else:
             mark = ""
-            if times[key] > 1:
+            if key in again:
                 numbers[key] = len(numbers) + 1
                 mark = f"({numbers[key]}) "
             span = step.rule.span
@@ -51,12 +53,17 @@ def traces_text(
 
 
 class _Entry(NamedTuple):
-    """One line to be: a title or leaf has no step."""
+    """One line to be: a title or leaf, or what a step says, which is written when it is printed."""
 
     level: int
-    text: str
-    step: Derived | Attempt | None
+    line: str
+    step: Derived | Attempt | None = None
+    #: What is added to what a step says.
     remark: str = ""
+
+
+def _said(step: Derived | Attempt) -> str:
+    return attempt_text(step) if isinstance(step, Attempt) else step.message or step.atom
 
 
 def _entries(
@@ -65,37 +72,44 @@ def _entries(
     line_at: Callable[[Span], str],
     depth: int | None,
     opened: set[int],
+    again: set[int],
 ) -> Iterator[_Entry]:
-    """Yield the lines of one trace; what is below a step in `opened` was told before."""
-    yield _Entry(0, title, None)
+    """Yield the lines of one trace.
+
+    What a step in `opened` rests on was told before; one that comes once more is put in `again`.
+    """
+    yield _Entry(0, title)
     stack: list[tuple[Trace | Attempt | str, int]] = [(trace, 1)]
     said_of: dict[int, str] = {}
     #: The leaves told at each level since the last step above it.
     said: list[set[str]] = []
     while stack:
         step, level = stack.pop()
+        if isinstance(step, Derived | Attempt):
+            del said[level + 1 :]
+            if id(step) in opened:
+                again.add(id(step))
+                yield _Entry(level, "", step)
+                continue
+            opened.add(id(step))
         below: Sequence[Trace | Attempt | str]
         match step:
             case Missing() if step.attempts:
                 stack += [(attempt, level) for attempt in reversed(nearest(step))]
                 continue
             case Derived():
-                del said[level + 1 :]
                 remark = ", chosen as the cheapest" if step.chosen else ""
-                if step.others and id(step) not in opened:
+                if step.others:
                     said_of |= numbered(step)
                     stack += [(other, level) for other in reversed(step.others)]
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
-                yield _Entry(level, step.message or step.atom, step, remark)
-                if id(step) in opened:
-                    continue
+                yield _Entry(level, "", step, remark)
                 below = _interesting(step.premises, level == 1 or depth is None)
                 if depth is not None and level >= depth:
                     below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
             case Attempt():
-                del said[level + 1 :]
-                yield _Entry(level, attempt_text(step), step)
+                yield _Entry(level, "", step)
                 below = failure(step, depth is None or level < depth)
                 below = (*below, *_interesting(step.held, absences=False))
             case _:
@@ -103,11 +117,9 @@ def _entries(
                 said += (set[str]() for _ in range(len(said), level + 1))
                 if line is not None and line not in said[level]:
                     said[level].add(line)
-                    yield _Entry(level, line, None)
+                    yield _Entry(level, line)
                 continue
-        if id(step) not in opened:
-            opened.add(id(step))
-            stack += [(premise, level + 1) for premise in reversed(below)]
+        stack += [(premise, level + 1) for premise in reversed(below)]
 
 
 def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
