@@ -79,7 +79,7 @@ def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
         return (lack.arguments[0],)
     if lack.name == "no":
         return ()
-    elements = [element for group in firing.groups for element in group.elements]
+    elements = [element for group in firing.groups for element in group.counted.elements]
     counted = {as_symbol(p) for e in elements for p in (*e.premises, *e.conditions)}
     premises = () if lack.name == "value" and counted else map(as_symbol, firing.premises)
     return tuple(dict.fromkeys((*premises, *sorted(counted))))

@@ -5,7 +5,7 @@ from itertools import takewhile
 from typing import TypeAlias
 
 from mars_asp.term import Term, as_symbol
-from mars_asp.trace.firings import Element, Firing, Group, Terms
+from mars_asp.trace.firings import Counted, Element, Firing, Group, Terms
 
 #: Premises, and what a step rests on the absence of.
 Support: TypeAlias = tuple[Terms, Terms]
@@ -18,12 +18,12 @@ class CountedBelow:
         """Prepare for the groups of firings over which the heights were found."""
         self._heights = heights
         #: The elements of each group with their heights, the lowest first.
-        self._ordered: dict[Term, list[tuple[int, Element]]] = {}
-        self._known: dict[tuple[Term, int], Support] = {}
+        self._ordered: dict[Counted, list[tuple[int, Element]]] = {}
+        self._known: dict[tuple[Counted, int], Support] = {}
 
     def of(self, height: int, group: Group) -> Support:
         """Return what the elements of a group add that have less than a height."""
-        key = (group.key, height)
+        key = (group.counted, height)
         if key not in self._known:
             low = takewhile(lambda pair: pair[0] < height, self._in_order(group))
             elements = [element for _, element in low]
@@ -31,11 +31,13 @@ class CountedBelow:
         return self._known[key]
 
     def _in_order(self, group: Group) -> list[tuple[int, Element]]:
-        if group.key not in self._ordered:
-            heights = [max(map(self._height, e.premises), default=0) for e in group.elements]
-            pairs = list(zip(heights, group.elements, strict=True))
-            self._ordered[group.key] = sorted(pairs, key=lambda pair: pair[0])
-        return self._ordered[group.key]
+        if group.counted not in self._ordered:
+            heights = [
+                max(map(self._height, e.premises), default=0) for e in group.counted.elements
+            ]
+            pairs = list(zip(heights, group.counted.elements, strict=True))
+            self._ordered[group.counted] = sorted(pairs, key=lambda pair: pair[0])
+        return self._ordered[group.counted]
 
     def _height(self, atom: Term) -> int:
         return self._heights.get(atom, 0)
@@ -47,14 +49,14 @@ class CountedWithout:
     def __init__(self, stands: Callable[[Term], bool]) -> None:
         """Prepare; `stands` says whether an atom can be derived without that one."""
         self._stands = stands
-        self._known: dict[Term, Support] = {}
+        self._known: dict[Counted, Support] = {}
         self._held: dict[tuple[Group, ...], tuple[frozenset[Term], frozenset[Term]]] = {}
 
     def of(self, group: Group) -> Support:
         """Return what the elements of a group add that stand."""
-        if group.key not in self._known:
-            self._known[group.key] = support_of(group.elements, self._stands)
-        return self._known[group.key]
+        if group.counted not in self._known:
+            self._known[group.counted] = support_of(group.counted.elements, self._stands)
+        return self._known[group.counted]
 
     def of_all(self, groups: tuple[Group, ...]) -> tuple[frozenset[Term], frozenset[Term]]:
         """Return what several groups add together."""

@@ -7,7 +7,7 @@ bound, as of `#count` and `#sum` from below.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -32,19 +32,26 @@ class Element(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Group:
-    """The elements of one aggregate, and how many of them a firing needs.
+class Counted:
+    """The elements that hold of an aggregate or conditional literal, for all that count them.
 
-    `function` is `all`, `none`, or the aggregate's, of which the value must reach `bound`. Firings
-    that need the same share the group; groups that differ in their bounds alone share the elements,
-    which `key` stands for.
+    `function` is the aggregate's, `all` where all elements are needed, or `none`.
     """
 
     function: str
+    elements: Sequence[Element]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """How many elements a firing needs: their function must reach `bound`.
+
+    Firings that need the same share the group.
+    """
+
+    counted: Counted
     strict: bool
     bound: clingo.Symbol
-    key: Term
-    elements: Sequence[Element]
 
 
 class Firing(NamedTuple):
@@ -78,6 +85,7 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
         key, told_apart, *parts = term.arguments(atom)
         inside = elements.setdefault(key, [])
         inside.append(Element(told_apart, *(tuple(term.arguments(part)) for part in parts)))
+    counted: dict[Term, Counted] = {}
     groups: dict[Term, Group] = {}
     found = []
     rules: dict[Term, tuple[int, clingo.Symbol | None]] = {}
@@ -88,7 +96,11 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
         rule, lacks = rules[tag]
         for need in needed:
             if need not in groups:
-                groups[need] = _group_of(need, elements)
+                function, relation, bound, key = term.arguments(need)
+                if key not in counted:
+                    counted[key] = _counted(as_symbol(function).name, elements.get(key, ()))
+                strict = as_symbol(relation).name in ("gt", "lt")
+                groups[need] = Group(counted[key], strict, as_symbol(bound))
         found.append(
             Firing(
                 rule,
@@ -107,11 +119,11 @@ def _distinct(terms: Sequence[Term]) -> Terms:
     return tuple(dict.fromkeys(terms) if len(terms) > 1 else terms)
 
 
-def _group_of(need: Term, elements: Mapping[Term, Sequence[Element]]) -> Group:
-    function, relation, bound, key = term.arguments(need)
-    strict = as_symbol(relation).name in ("gt", "lt")
-    found = elements.get(key, ())
-    return Group(as_symbol(function).name, strict, as_symbol(bound), key, found)
+def _counted(function: str, elements: Sequence[Element]) -> Counted:
+    # With a negative weight more elements can mean a lesser sum.
+    if function == "sum" and any(_number(_weight(element.tuple)) < 0 for element in elements):
+        function = "all"
+    return Counted(function, elements)
 
 
 def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
@@ -130,16 +142,13 @@ def _atoms(control: clingo.Control, prefix: str) -> Iterator[Term]:
 class _Tally:
     """What has been counted of some elements, and the firings that wait for more of them."""
 
-    def __init__(self, function: str, elements: Iterable[Element]) -> None:
-        self._function = function
+    def __init__(self, counted: Counted) -> None:
+        self._function = counted.function
         self._counted: set[Term] = set()
         self._total = 0
         self._end: clingo.Symbol | None = None
-        tuples = {element.tuple for element in elements}
-        self._needs_all = function == "all" or (
-            function == "sum" and any(_number(_weight(t)) < 0 for t in tuples)
-        )
-        self._missing = len(tuples)
+        needs_all = counted.function == "all"
+        self._every = len({e.tuple for e in counted.elements}) if needs_all else 0
         self._waiting: dict[Group, list[_Waiting]] = {}
         #: The groups that wait, those that need least last.
         self._order: list[Group] = []
@@ -149,7 +158,6 @@ class _Tally:
         if element.tuple in self._counted:
             return
         self._counted.add(element.tuple)
-        self._missing -= 1
         if self._function in ("all", "none", "count"):
             self._total += 1
             return
@@ -163,8 +171,8 @@ class _Tally:
         bound, strict = group.bound, group.strict
         if self._function == "none":
             return True
-        if self._needs_all:
-            return not self._missing
+        if self._function == "all":
+            return len(self._counted) == self._every
         if self._function == "min":
             end = clingo.Supremum if self._end is None else self._end
             return end < bound or (end == bound and not strict)
@@ -190,7 +198,7 @@ class _Tally:
 
 def _difficulty(group: Group) -> tuple[clingo.Symbol, bool]:
     """Return a sort key: of `min` the least bound is hard to reach, otherwise the greatest."""
-    return group.bound, group.strict != (group.function == "min")
+    return group.bound, group.strict != (group.counted.function == "min")
 
 
 class _Waiting:
@@ -224,20 +232,20 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
     """
     heads = {firing.head for firing in firings}
     users: defaultdict[Term, list[_Waiting | _Part]] = defaultdict(list)
-    tallies: dict[Term, _Tally] = {}
+    tallies: dict[Counted, _Tally] = {}
     level: list[Firing] = []
 
-    def tally_of(group: Group) -> _Tally:
-        if group.key not in tallies:
-            tally = tallies[group.key] = _Tally(group.function, group.elements)
-            for element in group.elements:
+    def tally_of(counted: Counted) -> _Tally:
+        if counted not in tallies:
+            tally = tallies[counted] = _Tally(counted)
+            for element in counted.elements:
                 inside = [atom for atom in element.premises if atom in heads]
                 part = _Part(tally, element, len(inside))
                 for premise in inside:
                     users[premise].append(part)
                 if not inside:
                     tally.add(element)
-        return tallies[group.key]
+        return tallies[counted]
 
     for firing in firings:
         inside = [atom for atom in firing.premises if atom in heads]
@@ -248,7 +256,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
         for premise in inside:
             users[premise].append(waiting)
         for group in firing.groups:
-            tally = tally_of(group)
+            tally = tally_of(group.counted)
             if not tally.reaches(group):
                 tally.wait(group, waiting)
                 waiting.open += 1
@@ -285,10 +293,16 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
 
 
 def is_reached(group: Group, elements: Iterable[Element]) -> bool:
-    """Say whether some of its elements are enough for a group."""
-    tally = _Tally(group.function, group.elements)
-    for element in elements:
+    """Say whether some of its elements are enough for a group; no more of them are read."""
+    tally = _Tally(group.counted)
+    look = 1
+    for number, element in enumerate(elements, 1):
         tally.add(element)
+        # To look is as much work as to count.
+        if number == look:
+            if tally.reaches(group):
+                return True
+            look *= 2
     return tally.reaches(group)
 
 

@@ -3,7 +3,8 @@
 An atom needs itself, and what all of its firings need: the greatest solution of
 
     needs(a) = {a} + the atoms in needs(f) for every firing f of a
-    needs(f) = the atoms in needs(p) for some premise p of f
+    needs(f) = the atoms in needs(p) for some premise p of f, or in needs(g) for some group g
+    needs(g) = the atoms without which not enough elements of g are left
 
 It is how dominators of a flow graph are found from their equations (Allen and Cocke 1972), for
 firings instead of edges. Only atoms that lead to each other matter, and only where a firing has a
@@ -12,11 +13,15 @@ numbers, one bit for each atom of a component.
 """
 
 import heapq
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import TypeAlias
 
 from mars_asp.term import Term
-from mars_asp.trace.firings import Firing, Group, is_reached
+from mars_asp.trace.firings import Counted, Element, Firing, Group, is_reached
+
+#: An atom, or a group that firings of several atoms share.
+_Node: TypeAlias = Term | Group
 
 #: What is not known yet needs everything.
 _EVERYTHING = -1
@@ -34,22 +39,29 @@ class Needs:
         self._firings: dict[Term, list[Firing]] = {}
         for firing in firings:
             self._firings.setdefault(firing.head, []).append(firing)
-        self._bits: dict[Term, int] = {}
-        self._needed: dict[Term, int] = {}
-        for component in self._components():
-            self._solve(component)
+        self._component_of: dict[Term, _Component] = {}
+        for atoms in self._components():
+            component = _Component(atoms, self._firings, heights)
+            self._component_of |= dict.fromkeys(atoms, component)
 
     def firings_of(self, atom: Term) -> list[Firing]:
         """Return the firings of a derived atom of which the premises stand without it."""
+        firings = self._firings[atom]
+        if len(firings) == 1:
+            return firings
         stands = partial(self.stands_without, atom)
+        groups = dict.fromkeys(group for firing in firings for group in firing.groups)
+        reached = {
+            group
+            for group in groups
+            if is_reached(
+                group, (e for e in group.counted.elements if all(map(stands, e.premises)))
+            )
+        }
         return [
             firing
-            for firing in self._firings[atom]
-            if all(map(stands, firing.premises))
-            and all(
-                is_reached(group, (e for e in group.elements if all(map(stands, e.premises))))
-                for group in firing.groups
-            )
+            for firing in firings
+            if all(map(stands, firing.premises)) and reached.issuperset(firing.groups)
         ]
 
     def stands_without(self, atom: Term, premise: Term) -> bool:
@@ -58,58 +70,110 @@ class Needs:
             return premise not in self._firings
         if self._heights[premise] <= self._heights[atom]:
             return premise != atom
-        return not self._needed.get(premise, 0) & self._bits.get(atom, 0)
+        component = self._component_of.get(atom)
+        return component is None or not component.needs(premise, atom)
 
     def _components(self) -> Iterator[list[Term]]:
         """Yield the atoms that lead to each other, by height, where that can matter."""
-        edges = [
-            (head, premise)
-            for head in self._heights
-            for firing in self._firings[head]
-            for premise in _premises(firing)
-            if premise in self._heights
-        ]
-        rising = [(a, b) for a, b in edges if self._heights[b] > self._heights[a]]
+        edges: list[tuple[Hashable, Hashable]] = []
+        rising: set[Term] = set()
+        highest: dict[Counted, int] = {}
+
+        def lead(source: Hashable, premises: Iterable[Term]) -> int:
+            derived = [premise for premise in premises if premise in self._heights]
+            edges.extend((source, premise) for premise in derived)
+            return max((self._heights[premise] for premise in derived), default=0)
+
+        for head, height in self._heights.items():
+            for firing in self._firings[head]:
+                most = lead(head, firing.premises)
+                for group in firing.groups:
+                    counted = group.counted
+                    edges.append((head, counted))
+                    if counted not in highest:
+                        highest[counted] = max(
+                            (lead(counted, element.premises) for element in counted.elements),
+                            default=0,
+                        )
+                    most = max(most, highest[counted])
+                if most > height:
+                    rising.add(head)
         if not rising:
             return
         import networkx  # noqa: PLC0415 -- slow to import, and only derivations that circle need it
 
-        graph = networkx.DiGraph(edges)
-        heads = {head for head, _ in rising}
-        for component in networkx.strongly_connected_components(graph):
-            if len(component) > 1 and heads & component:
-                yield sorted(component, key=self._heights.__getitem__)
+        for component in networkx.strongly_connected_components(networkx.DiGraph(edges)):
+            atoms = [node for node in component if not isinstance(node, Counted)]
+            if len(atoms) > 1 and not rising.isdisjoint(atoms):
+                yield sorted(atoms, key=self._heights.__getitem__)
 
-    def _solve(self, component: Sequence[Term]) -> None:
-        self._bits |= {atom: 1 << place for place, atom in enumerate(component)}
-        self._needed |= dict.fromkeys(component, _EVERYTHING)
-        places = {atom: place for place, atom in enumerate(component)}
-        users: dict[Term, set[int]] = {atom: set() for atom in component}
-        for atom in component:
-            for firing in self._firings[atom]:
-                for premise in users.keys() & set(_premises(firing)):
-                    users[premise].add(places[atom])
-        # From the lowest up, so that mostly what a firing rests on is known when its turn comes.
-        waiting = list(range(len(component)))
-        queued = set(waiting)
+
+class _Component:
+    """Atoms that lead to each other, and what of them each needs."""
+
+    def __init__(
+        self,
+        atoms: Sequence[Term],
+        firings: Mapping[Term, Sequence[Firing]],
+        heights: Mapping[Term, int],
+    ) -> None:
+        """Find what atoms need; they stand by height."""
+        self._firings = firings
+        self._heights = heights
+        self._bits = {atom: 1 << place for place, atom in enumerate(atoms)}
+        self._needed: dict[_Node, int] = dict.fromkeys(atoms, _EVERYTHING)
+        users: dict[_Node, set[_Node]] = {atom: set() for atom in atoms}
+        nodes: list[_Node] = []
+        for atom in atoms:
+            for firing in firings[atom]:
+                for group in firing.groups:
+                    if group not in users:
+                        users[group] = set()
+                        nodes.append(group)
+                        for premise in self._bits.keys() & _premises(group):
+                            users[premise].add(group)
+                    users[group].add(atom)
+                for premise in self._bits.keys() & set(firing.premises):
+                    users[premise].add(atom)
+            nodes.append(atom)
+        self._solve(nodes, users)
+
+    def needs(self, premise: Term, atom: Term) -> bool:
+        """Say whether no derivation of an atom is without another one, which is one of these."""
+        return bool(self._needed.get(premise, 0) & self._bits[atom])
+
+    def _solve(self, nodes: Sequence[_Node], users: Mapping[_Node, Iterable[_Node]]) -> None:
+        """Go round until nothing changes.
+
+        From the lowest up, so that mostly what a firing rests on is known when its turn comes. Of
+        what changes behind a node's turn all has changed when its turn comes again.
+        """
+        places = {node: place for place, node in enumerate(nodes)}
+        waiting = [(0, place) for place in range(len(nodes))]
+        queued = set(nodes)
         while waiting:
-            place = heapq.heappop(waiting)
-            queued.discard(place)
-            atom = component[place]
-            needed = self._bits[atom] | self._common(self._firings[atom])
-            if needed == self._needed[atom]:
+            turn, place = heapq.heappop(waiting)
+            node = nodes[place]
+            queued.discard(node)
+            needed = self._of_group(node) if isinstance(node, Group) else self._of_atom(node)
+            if needed == self._needed.get(node):
                 continue
-            self._needed[atom] = needed
-            for user in users[atom] - queued:
-                queued.add(user)
-                heapq.heappush(waiting, user)
+            self._needed[node] = needed
+            for user in users[node]:
+                if user not in queued:
+                    queued.add(user)
+                    behind = places[user] <= place
+                    heapq.heappush(waiting, (turn + behind, places[user]))
 
-    def _common(self, firings: Iterable[Firing]) -> int:
-        """Return what all of some firings need."""
+    def _of_atom(self, atom: Term) -> int:
+        """Return what an atom needs: itself, and what all of its firings need."""
         common = _EVERYTHING
-        for firing in firings:
-            common &= self._any(firing.premises) | self._grouped(firing.groups)
-        return common
+        for firing in self._firings[atom]:
+            needed = self._any(firing.premises)
+            for group in firing.groups:
+                needed |= self._needed[group]
+            common &= needed
+        return self._bits[atom] | common
 
     def _any(self, premises: Iterable[Term]) -> int:
         """Return what one of some premises needs."""
@@ -119,27 +183,31 @@ class Needs:
             found |= self._needed.get(premise, 0) if known else _EVERYTHING
         return found
 
-    def _grouped(self, groups: Iterable[Group]) -> int:
-        """Return what groups need: without which not enough of their elements are left."""
+    def _of_group(self, group: Group) -> int:
+        """Return what a group needs: without which not enough of its elements are left."""
+        parts = [(e, self._any(e.premises)) for e in group.counted.elements]
+        if is_reached(group, (element for element, needed in parts if not needed)):
+            return 0
+        known = [(element, needed) for element, needed in parts if needed != _EVERYTHING]
+        # What is needed is needed by one of any elements that are enough.
+        enough: list[int] = []
+
+        def noted() -> Iterator[Element]:
+            for element, needed in known:
+                enough.append(needed)
+                yield element
+
+        if not is_reached(group, noted()):
+            return _EVERYTHING
         found = 0
-        for group in groups:
-            parts = [(element, self._any(element.premises)) for element in group.elements]
-            if is_reached(group, (element for element, needed in parts if not needed)):
-                continue
-            known = [(element, needed) for element, needed in parts if needed != _EVERYTHING]
-            if not is_reached(group, (element for element, _ in known)):
-                return _EVERYTHING
-            for bit in _bits_of(needed for _, needed in known):
-                if not is_reached(group, (e for e, needed in known if not needed & bit)):
-                    found |= bit
+        for bit in _bits_of(enough):
+            if not is_reached(group, (e for e, needed in known if not needed & bit)):
+                found |= bit
         return found
 
 
-def _premises(firing: Firing) -> Iterator[Term]:
-    yield from firing.premises
-    for group in firing.groups:
-        for element in group.elements:
-            yield from element.premises
+def _premises(group: Group) -> set[Term]:
+    return {premise for element in group.counted.elements for premise in element.premises}
 
 
 def _bits_of(numbers: Iterable[int]) -> Iterator[int]:
