@@ -102,6 +102,7 @@ def main() -> None:
             ("one consequence", ("explain", path, ASKED)),
             ("synthesise", ("synthesise", path)),
             *((f"{node}", ("explain", path, node)) for node in first_middle_last(path)),
+            ("all consequences", ("explain", path, "--only", "consequences")),
             ("everything", ("explain", path)),
             ("every way to it", ("explain", path, "--all")),
         ):

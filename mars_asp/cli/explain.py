@@ -98,8 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
         traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
         print(encoded({"subject": subject, "traces": traces}))
     else:
-        for line in _text(answer, arguments):
-            print(line)
+        sys.stdout.writelines(f"{line}\n" for line in _text(answer, arguments))
     return int(answer.analysis.has_errors)
 
 
@@ -224,7 +223,7 @@ def _lines(
         title = not line.startswith(" ")
         if title:
             yield ""
-        yield paint(visible(line), "strong", coloured and title)
+        yield paint(visible(line), "strong", coloured) if title else visible(line)
     yield ""
 
 

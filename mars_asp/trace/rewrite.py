@@ -51,6 +51,8 @@ _HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction
 #: hold them.
 _NUMBER = "\0r"
 QUESTION = "\0q"
+_ASKING = re.compile(rf"_ask{QUESTION}_\w+")
+_ANSWERING = re.compile(rf"(?<= :- )_ask{QUESTION}_\w+")
 #: A rule's text and those of its predicates that are open.
 _Key: TypeAlias = tuple[str, frozenset[Signature]]
 #: Explanation rules, and the name of what cannot be traced.
@@ -81,7 +83,7 @@ class Rewriter:
             parts.append(text.replace(_NUMBER, str(number)))
             if unsupported is not None:
                 self.unsupported[number] = unsupported
-        return "\n".join(parts)
+        return _answered("\n".join(parts))
 
     def _key(self, rule: Rule) -> "_Key":
         return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
@@ -235,6 +237,13 @@ class Rewriter:
     def renamed(self, literal: ast.AST) -> str:
         """Return a literal's text with open predicates read from their copies."""
         return str(_Renaming(self.open)(literal)) if self.open else str(literal)
+
+
+def _answered(text: str) -> str:
+    """Return explanation rules without those that ask for what no rule of theirs gives."""
+    answered = set(_ANSWERING.findall(text))
+    lines = ((_ASKING.match(line), line) for line in text.split("\n"))
+    return "\n".join(line for asks, line in lines if asks is None or asks[0] in answered)
 
 
 class _Renaming(ast.Transformer):

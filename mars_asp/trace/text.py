@@ -35,7 +35,7 @@ def traces_text(
         entry for topic in topics for entry in _entries(*topic, line_at, depth, opened, again)
     ]
     numbers: dict[int, int] = {}
-    for level, line, step, remark in entries:
+    for level, line, step in entries:
         if step is None:
             yield from wrapped(line, level)
             continue
@@ -49,17 +49,18 @@ def traces_text(
                 mark = f"({numbers[key]}) "
             span = step.rule.span
             place = f"[{step.rule.id}] {span.path}:{span.line}"
-            yield from wrapped(f"{mark}{text}{remark}  {place}", level)
+            yield from wrapped(f"{mark}{text}{line}  {place}", level)
 
 
 class _Entry(NamedTuple):
-    """One line to be: a title or leaf, or what a step says, which is written when it is printed."""
+    """One line to be: a title or leaf, or what a step says and what is added to that.
+
+    What a step says is written when it is printed, for there are many.
+    """
 
     level: int
     line: str
     step: Derived | Attempt | None = None
-    #: What is added to what a step says.
-    remark: str = ""
 
 
 def _said(step: Derived | Attempt) -> str:
@@ -104,7 +105,7 @@ def _entries(
                     stack += [(other, level) for other in reversed(step.others)]
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
-                yield _Entry(level, "", step, remark)
+                yield _Entry(level, remark, step)
                 below = _interesting(step.premises, level == 1 or depth is None)
                 if depth is not None and level >= depth:
                     below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
