@@ -19,7 +19,7 @@ from mars_asp.model import node_kind
 from mars_asp.project import Project, project_facts, project_lookup
 from mars_asp.resolve import Synthesis, introduced_with, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook
-from mars_asp.slicing import Slice, slice_for
+from mars_asp.slicing import Slice, slice_for, slice_for_resolution
 from mars_asp.solve import Resolution
 from mars_asp.spelling import nearest
 from mars_asp.subject import absent_subject, quoted, unconcerned, wrong_subject
@@ -82,12 +82,11 @@ def explain(
             answer = None if part is None else _explain_part(project, part, subject, every)
             if answer is not None and answer.topics:
                 return answer
+            answer = _explain_node(project, rulebook, subject, seconds, every)
+            if answer is not None:
+                return answer
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
-    if only != "consequences" and subject is not None and _is_node(subject, project):
-        found = _explain_node(project, rulebook, subject, analysis, seconds, every)
-        if found is not None:
-            return found
     # To read the consequences takes longer than to trace a node.
     unread = only == "nodes" if subject is None else _is_node(subject, project)
     chosen = () if unread else _consequences(analysis, project, subject)
@@ -123,16 +122,17 @@ def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> E
 
 
 def _explain_node(
-    project: Project,
-    rulebook: Rulebook,
-    subject: str,
-    analysis: Analysis,
-    seconds: float | None,
-    every: bool,
+    project: Project, rulebook: Rulebook, subject: str, seconds: float | None, every: bool
 ) -> Explanation | None:
     """Explain a node from what precedes it in the file; `None` where none was found so."""
+    if not _is_node(subject, project):
+        return None
+    part = slice_for_resolution(rulebook, lambda names: project_facts(project, wanted=names))
+    if part is None:
+        return None
     configuration, modules = project.configuration, project.modules
-    found = introduced_with(subject, configuration, modules, analysis, rulebook, seconds)
+    analysis = analyse(part.facts, part.rulebook, configuration.span)
+    found = introduced_with(subject, configuration, modules, analysis, part.rulebook, seconds)
     if found is None:
         return None
     introduced, resolution = found
@@ -140,7 +140,7 @@ def _explain_node(
     # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
     analysis.grounding.state(resolution.answer.grounding.decided_predicates())
     asked = [(_node_title(node, introduced), clingo.parse_term(node.term))]
-    explainer = explainer_for(rulebook, analysis.facts, analysis, resolution)
+    explainer = explainer_for(part.rulebook, part.facts, analysis, resolution)
     return Explanation(subject, _topics(explainer, asked, every), analysis, None)
 
 

@@ -5,6 +5,7 @@ grounded without the others, give it as all of them together do. Of their instan
 facts, `mars_asp.magic` says which the question can need.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
@@ -15,9 +16,13 @@ from mars_asp.literals import plain_rules
 from mars_asp.lookup import KEYS, Lookup
 from mars_asp.magic import Asked, Demand, demand_of, negates_itself
 from mars_asp.pack import has_rules_alone
-from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.resolve import UNRESOLVABLE
+from mars_asp.rulebook import Rule, Rulebook, kinds_of
 from mars_asp.trace.demand import names_read, reachable_rules
 from mars_asp.trace.given import symbol_of, term_of
+
+_CONSEQUENCE = ("consequence", 4)
+_NAMED = re.compile(r"\bconsequence\(\s*([a-z]\w*)\s*,")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +69,60 @@ def slice_for(
     if text is None:
         text = "\n".join(rule.text for rule in rules)
     return Slice(Rulebook(rules, (("base", text),)), needed)
+
+
+def slice_for_resolution(
+    rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
+) -> Slice | None:
+    """Return what the resolution needs; `None` with rule packs, which could leave no answer.
+
+    That is what its rules read, and what no specification can resolve, which is not theirs to say.
+    """
+    if rulebook.packs:
+        return None
+    base = [rule for rule in rulebook.rules if rule.stage == "base"]
+    resolving = tuple(rule for rule in rulebook.rules if rule.stage == "resolve")
+    kinds = _kinds_read((*base, *resolving))
+    read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
+    behind: dict[str, Rule] = {}
+    while True:
+        new = [
+            rule
+            for rule in base
+            if rule.text not in behind
+            and not read.isdisjoint(rule.heads)
+            and (kinds is None or _is_read(rule, kinds))
+        ]
+        if not new:
+            break
+        behind.update((rule.text, rule) for rule in new)
+        read = read.union(*(rule.reads for rule in new))
+    rules = tuple(rule for rule in base if rule.text in behind)
+    texts = (
+        ("base", "\n".join(rule.text for rule in rules)),
+        ("resolve", rulebook.text("resolve")),
+    )
+    facts = tuple(facts_of({name for name, _ in read}))
+    return Slice(Rulebook((*rules, *resolving), texts), facts)
+
+
+def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
+    """Return the kinds of consequence that rules read by name; `None` where they read any."""
+    kinds: set[str] = set()
+    for rule in rules:
+        if _CONSEQUENCE in rule.reads:
+            _, _, body = rule.text.partition(":-")
+            named = _NAMED.findall(body)
+            if len(named) < body.count(_CONSEQUENCE[0]):
+                return None
+            kinds.update(named)
+    return frozenset(kinds)
+
+
+def _is_read(rule: Rule, kinds: Set[str]) -> bool:
+    """Say whether a rule derives anything besides consequences of other kinds."""
+    named = kinds_of(rule)
+    return named is None or not named or not named.isdisjoint(kinds)
 
 
 def _has_one_answer(base: Sequence[Rule], rulebook: Rulebook) -> bool:

@@ -13,8 +13,8 @@ from mars_asp.explain import explain, explainer_for
 from mars_asp.facts import ANNOTATIONS, WIRING
 from mars_asp.lookup import KEYS
 from mars_asp.project import Project, load_project, project_facts, project_lookup
-from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.slicing import Slice, slice_for
+from mars_asp.rulebook import Rulebook, kinds_of, load_rulebook
+from mars_asp.slicing import Slice, slice_for, slice_for_resolution
 from mars_asp.trace.text import trace_json
 from tests.documents import ROOT
 from tests.random_configurations import random_configuration
@@ -54,6 +54,22 @@ def test_a_slice_is_smaller_and_what_is_chosen_has_none() -> None:
     assert sliced(project, 'splitter("Runaway",origin)', RULEBOOK) is None
     assert sliced(project, "DataSplitter1", RULEBOOK) is None
     assert sliced(project, "nothing(", RULEBOOK) is None
+
+
+def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
+    project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
+    part = slice_for_resolution(RULEBOOK, lambda names: project_facts(project, wanted=names))
+    assert part is not None
+    kinds = {kind for rule in part.rulebook.rules for kind in kinds_of(rule) or ()}
+    assert kinds == {"simple_inheritance", "similar_inheritance", "emergent_functionality"}
+    assert len(part.facts) < len(project_facts(project)) * 0.7
+    # A rule that reads consequences of any kind needs all of them.
+    reader = RULEBOOK.by_id["data/splitter-copies"]
+    text = "splitter(S, origin) :- consequence(K, _, S, _), data_kind(K)."
+    rules = (*RULEBOOK.rules, replace(reader, text=text))
+    part = slice_for_resolution(Rulebook(rules, RULEBOOK.texts), lambda _: ())
+    assert part is not None
+    assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rulebook.rules)
 
 
 #: What the configurations of the project leave out.
