@@ -82,19 +82,18 @@ def slice_for_resolution(
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
     resolving = tuple(rule for rule in rulebook.rules if rule.stage == "resolve")
-    kinds = _kinds_read((*base, *resolving))
     read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
     behind: dict[str, Rule] = {}
-    while True:
-        new = [
+    new = resolving
+    while new:
+        kinds = _kinds_read((*behind.values(), *resolving))
+        new = tuple(
             rule
             for rule in base
             if rule.text not in behind
             and not read.isdisjoint(rule.heads)
             and (kinds is None or _is_read(rule, kinds))
-        ]
-        if not new:
-            break
+        )
         behind.update((rule.text, rule) for rule in new)
         read = read.union(*(rule.reads for rule in new))
     rules = tuple(rule for rule in base if rule.text in behind)
