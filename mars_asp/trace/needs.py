@@ -18,7 +18,8 @@ from functools import partial
 from typing import TypeAlias
 
 from mars_asp.term import Term
-from mars_asp.trace.firings import Counted, Element, Firing, Group, is_reached
+from mars_asp.trace.firings import Counted, Element, Firing, Group
+from mars_asp.trace.heights import is_reached
 
 #: An atom, or a group that firings of several atoms share.
 _Node: TypeAlias = Term | Group

@@ -8,8 +8,9 @@ import clingo
 from mars_asp.rulebook import Rule
 from mars_asp.term import Term, as_term, text
 from mars_asp.trace.counted import CountedBelow, CountedWithout, Support, support
-from mars_asp.trace.firings import Firing, firing_order, least_heights
+from mars_asp.trace.firings import Firing, firing_order
 from mars_asp.trace.given import GivenFacts
+from mars_asp.trace.heights import least_heights
 from mars_asp.trace.needs import Needs
 from mars_asp.trace.values import Absent, Derived, Trace, Unexplained
 

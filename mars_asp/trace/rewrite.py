@@ -33,7 +33,8 @@ from clingo import ast
 
 from mars_asp.kept import made_of
 from mars_asp.rulebook import Rule
-from mars_asp.trace import scope
+from mars_asp.trace import groups, scope
+from mars_asp.trace.groups import elements_of, group_key, needed_of, quoted
 from mars_asp.trace.scope import (
     AGGREGATES,
     OWN,
@@ -75,7 +76,7 @@ class Rewriter:
         """
         keys = {number: self._key(rules[number]) for number in numbers}
         first = {key: number for number, key in reversed(keys.items())}
-        files = map(Path, (__file__, scope.__file__, ast.__file__))
+        files = map(Path, (__file__, groups.__file__, scope.__file__, ast.__file__))
         made = made_of("firings", files, first, lambda key: self._written(first[key], rules))
         parts: list[str] = []
         for number, key in keys.items():
@@ -134,11 +135,11 @@ class Rewriter:
         absent: list[str] = []
         rest: list[str] = []
         counting: list[str] = []
-        groups: list[ast.AST] = []
+        counted: list[ast.AST] = []
         for literal in literals:
             if literal.ast_type == _TYPE.ConditionalLiteral:
                 counting.append(self.renamed(literal))
-                groups.append(literal)
+                counted.append(literal)
             elif literal.ast_type != _TYPE.Literal:
                 self.unsupported[number] = str(literal.ast_type)
             elif literal.atom.ast_type == _TYPE.SymbolicAtom:
@@ -146,7 +147,7 @@ class Rewriter:
             elif literal.atom.ast_type in AGGREGATES:
                 counting.append(self.renamed(literal))
                 if literal.sign == ast.Sign.NoSign:
-                    groups.append(literal.atom)
+                    counted.append(literal.atom)
             else:
                 rest.append(self.renamed(literal))
                 if literal.atom.ast_type == _TYPE.TheoryAtom:
@@ -154,7 +155,7 @@ class Rewriter:
         if counting and any(_is_projected(literal) for literal in literals):
             body = "; ".join((*before, *map(self.renamed, literals)))
             shared = sorted(global_variables((), literals) | variables_of(before))
-            holds = f"_b{place}({','.join((_quoted(body), *shared))})"
+            holds = f"_b{place}({','.join((quoted(body), *shared))})"
             yield f"{holds} :- {body}."
             counting = [holds]
         told = (
@@ -164,19 +165,19 @@ class Rewriter:
             f"a({','.join(absent)})",
             _values(sorted(names)),
         )
-        keys = [_group_key(rule, group, variables_of(told)) for group in groups]
+        keys = [group_key(rule, group, variables_of(told)) for group in counted]
         needed = [
-            f"g({','.join(_needed(group, terms))},{key})"
-            for group, key in zip(groups, keys, strict=True)
+            f"g({','.join(needed_of(group, terms.named))},{key})"
+            for group, key in zip(counted, keys, strict=True)
         ]
         wanted = [*before, *(text for text, _ in premises), *rest, *counting, *terms.equations]
         yield f"_s{place}({','.join((*told, *needed))}) :- {'; '.join(wanted)}."
-        firing = f"_s{place}({','.join((*told, *('_' for _ in groups)))})"
+        firing = f"_s{place}({','.join((*told, *('_' for _ in counted)))})"
         if ask:
             yield from (f"{asking(term)} :- {firing}." for _, term in premises)
-        for group, key in zip(groups, keys, strict=True):
+        for group, key in zip(counted, keys, strict=True):
             yield f"_g{place}({key}) :- {firing}."
-            for element in _elements(group):
+            for element in elements_of(group):
                 yield from self._element(place, key, ask, *element)
 
     def _symbolic(
@@ -356,86 +357,6 @@ def _values(names: Sequence[str]) -> str:
     return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
 
 
-_SWAPPED = {
-    ast.ComparisonOperator.LessEqual: "ge",
-    ast.ComparisonOperator.LessThan: "gt",
-    ast.ComparisonOperator.GreaterEqual: "le",
-    ast.ComparisonOperator.GreaterThan: "lt",
-}
-_STRAIGHT = {
-    ast.ComparisonOperator.LessEqual: "le",
-    ast.ComparisonOperator.LessThan: "lt",
-    ast.ComparisonOperator.GreaterEqual: "ge",
-    ast.ComparisonOperator.GreaterThan: "gt",
-}
-
-
-def _group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
-    """Return a term for the elements of a group: whose they are, and their global variables.
-
-    The same text can mean another thing where a pool gives a variant of the rule other global
-    variables, so their names are told too.
-    """
-    conditional = group.ast_type == _TYPE.ConditionalLiteral
-    names = sorted(variables_of((group,) if conditional else group.elements) & outside)
-    return f"k({','.join((rule, _quoted(f'{group} for {names}'), *names))})"
-
-
-def _is_projected(literal: ast.AST) -> bool:
-    """Say whether a premise has anonymous variables, which clingo leaves out where it counts."""
-    if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
-        return False
-    symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
-    return symbolic and _ANONYMOUS.search(bare(literal)) is not None
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
-
-
-def _needed(group: ast.AST, terms: "Terms") -> tuple[str, str, str]:
-    """Return how many elements of a group a firing rests on: (function, relation, bound).
-
-    All of them, none (an upper bound is no support), or enough to reach a bound.
-    """
-    if group.ast_type == _TYPE.ConditionalLiteral:
-        return "all", "all", "0"
-    function = "count"
-    if group.ast_type == _TYPE.BodyAggregate:
-        function = ast.AggregateFunction(group.function).name.lower()
-    supporting = ("le", "lt") if function == "min" else ("ge", "gt")
-    relations = [
-        (table.get(guard.comparison), guard.term)
-        for guard, table in ((group.left_guard, _SWAPPED), (group.right_guard, _STRAIGHT))
-        if guard is not None
-    ]
-    for relation, bound in relations:
-        if relation in supporting:
-            return function, relation, str(terms.named(bound))
-    if relations and all(relation is not None for relation, _ in relations):
-        return "none", "none", "0"
-    return "all", "all", "0"
-
-
-def _elements(
-    group: ast.AST,
-) -> Iterator[tuple[str, Sequence[ast.AST], Sequence[ast.AST]]]:
-    """Yield what tells an element apart, the literals that support it, and its mere conditions.
-
-    Without a tuple, the first literal tells elements apart.
-    """
-    if group.ast_type == _TYPE.ConditionalLiteral:
-        yield "", (group.literal,), tuple(group.condition)
-        return
-    for element in group.elements:
-        if group.ast_type == _TYPE.BodyAggregate:
-            terms = ",".join(map(str, element.terms))
-            yield f"t({terms})", tuple(element.condition), ()
-        else:
-            yield "", (element.literal, *element.condition), ()
-
-
 _ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 _OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
 
@@ -449,3 +370,11 @@ def _anonymous(term: ast.AST) -> str:
         comma = "," if not term.name and len(inner) == 1 else ""
         return f"{term.name}({','.join(inner)}{comma})"
     return str(term)
+
+
+def _is_projected(literal: ast.AST) -> bool:
+    """Say whether a premise has anonymous variables, which clingo leaves out where it counts."""
+    if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+        return False
+    symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
+    return symbolic and _ANONYMOUS.search(bare(literal)) is not None
