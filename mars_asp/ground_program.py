@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.disjoint import DisjointSets
 from mars_asp.recorder import Recorded
+from mars_asp.term import Term, text
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
 
@@ -53,7 +54,7 @@ class Partition:
     constant: Mapping[int, int]
 
 
-def partition(program: Recorded, names: Mapping[int, str], asked: Iterable[int] = ()) -> Partition:
+def partition(program: Recorded, names: Mapping[int, Term], asked: Iterable[int] = ()) -> Partition:
     """Cut a program into components.
 
     Equal components come out equal: the atoms that tell answers apart are numbered first, in the
@@ -98,10 +99,11 @@ def partition(program: Recorded, names: Mapping[int, str], asked: Iterable[int] 
 
 
 def _ordered(
-    members: Sequence[int], projected: set[int], names: Mapping[int, str]
+    members: Sequence[int], projected: set[int], names: Mapping[int, Term]
 ) -> tuple[int, ...]:
     """Return atoms, given in clingo's order, as a component numbers them."""
-    told = sorted((atom for atom in members if atom in projected), key=names.__getitem__)
+    told = [atom for atom in members if atom in projected]
+    told.sort(key=lambda atom: text(names[atom]))
     return (*told, *(atom for atom in members if atom not in projected))
 
 

@@ -129,7 +129,7 @@ class Grounding:
         #: The components that were solved.
         self.parts: list[Part] = []
         self._program = Recorded()
-        self._names: dict[int, str] = {}
+        self._names: dict[int, Term] = {}
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
         self.add(text)
@@ -208,11 +208,10 @@ class Grounding:
         """
         self._program = record(self.control)
         self.add(rules)
-        atoms = self.control.symbolic_atoms
         self._names = {
-            atom.literal: str(atom.symbol)
+            literal: atom
             for name, arity in _PROJECTED.findall(rules)
-            for atom in atoms.by_signature(name, int(arity))
+            for atom, literal, _ in labelled(self.control, name, int(arity), True)
         }
         parts = partition(self._program, self._names)
         cost = dict(parts.constant)
