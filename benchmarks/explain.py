@@ -8,6 +8,7 @@ clingo than ours, so it is installed by `pip install --no-deps xclingo`.
 
 import json
 import random
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,8 @@ from mars_asp.rulebook import load_rulebook
 from mars_asp.slicing import slice_for
 
 ASKED = "data_divergence(M7_0)"
+#: How often each command is measured, beside `analyse` each time.
+TURNS = 3
 
 
 def measure(*words: str) -> tuple[float, float]:
@@ -80,8 +83,8 @@ def for_xclingo(path: str, folder: Path) -> str:
 
 def first_middle_last(path: str) -> list[str]:
     """Return nodes of a configuration: what precedes a node in the file is what it costs."""
-    words = (sys.executable, "-m", "mars_asp", "synthesise", path, "--format", "json")
-    written = subprocess.run(words, stdout=subprocess.PIPE, check=False).stdout
+    words = (sys.executable, "-m", "mars_asp", "synthesise", path, "--format", "json", "--quiet")
+    written = subprocess.run(words, capture_output=True, check=False).stdout
     names = [module["name"] for module in json.loads(written)["modules"]]
     splitters = [name for name in names if name.startswith("DataSplitter")]
     return [splitters[0], splitters[len(splitters) // 2], splitters[-1]]
@@ -93,11 +96,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         path = written(modules, folder)
-        base, memory = mars("analyse", path)
-        print(
-            f"{modules} modules: analyse {base:.2f} s, {memory:.0f} MB; as ratios to that:",
-            flush=True,
-        )
+        print(f"{modules} modules: ratios to analyse, medians of {TURNS} turns with it", flush=True)
         for title, words in (
             ("one consequence", ("explain", path, ASKED)),
             ("synthesise", ("synthesise", path)),
@@ -106,8 +105,10 @@ def main() -> None:
             ("everything", ("explain", path)),
             ("every way to it", ("explain", path, "--all")),
         ):
-            taken, kept = mars(*words)
-            print(f"{title:<18} {taken / base:6.2f}  memory {kept / memory:5.2f}", flush=True)
+            turns = [(mars("analyse", path), mars(*words)) for _ in range(TURNS)]
+            time = statistics.median(taken / base for (base, _), (taken, _) in turns)
+            memory = statistics.median(kept / base for (_, base), (_, kept) in turns)
+            print(f"{title:<18} {time:6.2f}  memory {memory:5.2f}", flush=True)
         path = written(small, folder)
         ours, _ = mars("explain", path, ASKED)
         xclingo = str(Path(sys.executable).with_name("xclingo"))

@@ -63,7 +63,7 @@ class Analysis:
     @cached_property
     def consequences(self) -> tuple[Consequence, ...]:
         """Return the consequences, sorted by place."""
-        return _consequences(self)
+        return read_consequences(self)
 
     @cached_property
     def unchecked(self) -> tuple[str, ...]:
@@ -102,14 +102,16 @@ def analyse(
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
-def _consequences(analysis: Analysis) -> tuple[Consequence, ...]:
+def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Consequence, ...]:
+    """Return the consequences, sorted by place, without keeping them; or without participants."""
     control, subject = analysis.grounding.control, analysis.subject
     first = _first_said(control)
     if subject is not None:
         first = {head: told for head, told in first.items() if _is_named(head, subject)}
     keys = {head: _key(arguments(head)) for head in first}
-    participants = _collect(control, ("participant", 5), set(keys.values()))
-    concerned = _collect(control, ("concerns", 4), set(keys.values()))
+    wanted = set(keys.values())
+    part_of = _collect(control, ("participant", 5), wanted) if participants else {}
+    concerned = _collect(control, ("concerns", 4), wanted)
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     span_of = _places(analysis.facts, identifiers)
     # Few terms stand in very many consequences.
@@ -126,7 +128,7 @@ def _consequences(analysis: Analysis) -> tuple[Consequence, ...]:
                 write(kind),
                 severity_of(severity),
                 show(about),
-                _in_order(participants.get(key, ()), show),
+                _in_order(part_of.get(key, ()), show),
                 fill(rule.because, named, show) or str(as_symbol(head)),
                 fill(rule.help, named, show),
                 rule,

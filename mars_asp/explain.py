@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 
 import clingo
 
-from mars_asp.analysis import Analysis, Consequence, analyse
+from mars_asp.analysis import Analysis, Consequence, analyse, read_consequences
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import MarsError
 from mars_asp.model import node_kind
@@ -105,6 +105,8 @@ def explain(
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
         asked = [_asked_atom(subject, project, analysis, rulebook, synthesis)]
+    # Of thousands of consequences no more is needed, and their traces take as much memory.
+    del chosen
     resolution = None if synthesis is None else synthesis.resolution
     explainer = explainer_for(rulebook, facts, analysis, resolution)
     return Explanation(subject, _topics(explainer, asked, every), analysis, synthesis)
@@ -204,10 +206,10 @@ def _consequences(
     analysis: Analysis, project: Project, subject: str | None
 ) -> tuple[Consequence, ...]:
     if subject is None:
-        return analysis.consequences
+        return read_consequences(analysis, participants=False)
     return tuple(
         c
-        for c in analysis.consequences
+        for c in read_consequences(analysis)
         if subject in (c.kind, f"{c.kind}({c.subject})", c.subject, *c.participants, str(c.atom))
     )
 

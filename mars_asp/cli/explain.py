@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.encode import encoded
@@ -94,12 +95,19 @@ def run(arguments: argparse.Namespace) -> int:
     answer = explain(
         project, rulebook, subject, arguments.time_limit, arguments.every, arguments.only
     )
+    topics, status = answer.topics, int(answer.analysis.has_errors)
+    closing = () if arguments.quiet else tuple(_closing(answer, arguments))
+    # The traces stand without what was grounded, which takes as much memory.
+    del answer
     if arguments.format == "json":
-        traces = [{"title": t.title, **trace_json(t.trace)} for t in answer.topics]
+        traces = [{"title": t.title, **trace_json(t.trace)} for t in topics]
         print(encoded({"subject": subject, "traces": traces}))
     else:
-        sys.stdout.writelines(f"{line}\n" for line in _text(answer, arguments))
-    return int(answer.analysis.has_errors)
+        told = [(topic.title, topic.trace) for topic in topics]
+        depth = getattr(arguments, "depth", DEPTH)
+        lines = chain(_lines(told, depth, arguments), closing)
+        sys.stdout.writelines(f"{line}\n" for line in lines)
+    return status
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:
@@ -200,11 +208,8 @@ def _depth(text: str) -> int | None:
     raise argparse.ArgumentTypeError(f"`{text}` is no depth: write a number from 1, or `all`")
 
 
-def _text(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
-    topics = [(topic.title, topic.trace) for topic in answer.topics]
-    yield from _lines(topics, getattr(arguments, "depth", DEPTH), arguments)
-    if arguments.quiet:
-        return
+def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield what is said below the traces."""
     if arguments.only == "nodes" and answer.synthesis is None:
         yield "no specification realises this configuration, so there is no node to explain"
     elif not answer.topics and arguments.only != "nodes":
