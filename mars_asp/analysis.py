@@ -103,7 +103,10 @@ def analyse(
 
 
 def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Consequence, ...]:
-    """Return the consequences, sorted by place, without keeping them; or without participants."""
+    """Return the consequences, sorted by place, without keeping them.
+
+    Without `participants` nobody reads who takes part in each.
+    """
     control, subject = analysis.grounding.control, analysis.subject
     first = _first_said(control)
     if subject is not None:

@@ -11,7 +11,9 @@ from typing import NamedTuple, TypeAlias
 
 from clingo import ast
 
+from mars_asp import pack
 from mars_asp.kept import made_of
+from mars_asp.pack import unsigned
 from mars_asp.rulebook import Rule
 from mars_asp.trace import pattern, scope
 from mars_asp.trace.pattern import pattern_is_open
@@ -72,7 +74,7 @@ class Plain:
 def plain_rules(rules: Iterable[Rule]) -> tuple[Plain, ...] | None:
     """Return rules without their pools; `None` where one has a choice or what is not known here."""
     rule_of = {rule.text: rule for rule in rules}
-    files = map(Path, (__file__, pattern.__file__, scope.__file__, ast.__file__))
+    files = map(Path, (__file__, pack.__file__, pattern.__file__, scope.__file__, ast.__file__))
     found: list[Plain] = []
     for each in made_of("literals", files, rule_of, lambda text: _plain(rule_of[text])).values():
         if each is None:
@@ -137,9 +139,7 @@ def _is_symbolic(literal: ast.AST) -> bool:
 
 
 def _literal(literal: ast.AST) -> Literal:
-    symbol, sign = literal.atom.symbol, ""
-    if symbol.ast_type == _TYPE.UnaryOperation:
-        symbol, sign = symbol.argument, "-"
+    sign, symbol = unsigned(literal.atom.symbol)
     terms = tuple(map(_term, symbol.arguments))
     return Literal((sign + symbol.name, len(terms)), terms, literal.sign == ast.Sign.NoSign)
 

@@ -150,6 +150,13 @@ def predicates(node: ast.AST) -> Iterator[tuple[str, int, ast.AST]]:
         yield from predicates(child)
 
 
+def unsigned(symbol: ast.AST) -> tuple[str, ast.AST]:
+    """Return the sign of classical negation, or nothing, and an atom without it."""
+    if symbol.ast_type == ast.ASTType.UnaryOperation:
+        return "-", symbol.argument
+    return "", symbol
+
+
 def children(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
     for key in node.child_keys:

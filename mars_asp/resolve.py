@@ -113,15 +113,16 @@ def introduced_with(
     cut = stretches(configuration.relationships, analysis.facts, analysis.grounding)
     draft = Draft(configuration, modules)
     known: dict[Component, Optimum] = {}
-    for number, relationships in enumerate(cut.relationships, 1):
-        if number < len(cut.relationships):
-            grounding = cut.ground(number - 1, counting)
+    last = len(cut.relationships) - 1
+    for number, relationships in enumerate(cut.relationships):
+        if number < last:
+            grounding = cut.ground(number, counting)
             resolution = grounding.resolve(counting.text, deadline, known=known)
             if resolution.count is None:
                 return None
             if draft.pass_over(kind, resolution.answer.count(predicate), name):
                 continue
-        grounding = cut.ground(number - 1, apart.whole)
+        grounding = cut.ground(number, apart.whole)
         resolution = grounding.resolve(resolving, deadline, known=known)
         introduced = introduce(draft, resolution.answer.shown, relationships)
         named = any(node.name == name for node in introduced.nodes)

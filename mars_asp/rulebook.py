@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from clingo import ast
 
-from mars_asp import gate
+from mars_asp import gate, pack
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
 from mars_asp.pack import (
@@ -165,7 +165,7 @@ def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -
         for path in sorted(folder.glob("*.lp"))
     ]
     name = "-".join(("rules", *stages))
-    makers = (Path(__file__), Path(gate.__file__))
+    makers = map(Path, (__file__, gate.__file__, pack.__file__))
     version = version_of((*makers, *(path for path, _ in found)))
     kept: _BuiltIn | None = None if strict else recall(name, version)
     if kept is not None:
@@ -183,27 +183,18 @@ def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -
 def _head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
     head = statement.head
     if head.ast_type == ast.ASTType.Literal:
-        yield from _signature(head)
+        yield from _named(head)
     for element in getattr(head, "elements", ()):
         condition = getattr(element, "condition", element)
         literal = getattr(condition, "literal", getattr(element, "literal", None))
         if literal is not None and literal.ast_type == ast.ASTType.ConditionalLiteral:
             literal = literal.literal
         if literal is not None:
-            yield from _signature(literal)
+            yield from _named(literal)
 
 
-def _signature(literal: ast.AST) -> Iterator[tuple[str, int]]:
-    if literal.atom.ast_type != ast.ASTType.SymbolicAtom:
-        return
-    symbol = literal.atom.symbol
-    while symbol.ast_type == ast.ASTType.UnaryOperation:
-        symbol = symbol.argument
-    for variant in (
-        getattr(symbol, "arguments", ()) if symbol.ast_type == ast.ASTType.Pool else (symbol,)
-    ):
-        if variant.ast_type == ast.ASTType.Function:
-            yield variant.name, len(variant.arguments)
+def _named(literal: ast.AST) -> Iterator[tuple[str, int]]:
+    return ((name, arity) for name, arity, _ in predicates(literal.atom))
 
 
 def _load_file(

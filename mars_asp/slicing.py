@@ -18,8 +18,8 @@ from mars_asp.magic import Asked, Demand, demand_of, negates_itself
 from mars_asp.pack import has_rules_alone
 from mars_asp.resolve import UNRESOLVABLE
 from mars_asp.rulebook import Rule, Rulebook, kinds_of
+from mars_asp.symbols import symbol_of, term_of
 from mars_asp.trace.demand import names_read, reachable_rules
-from mars_asp.trace.given import symbol_of, term_of
 
 _CONSEQUENCE = ("consequence", 4)
 _NAMED = re.compile(r"\bconsequence\(\s*([a-z]\w*)\s*,")

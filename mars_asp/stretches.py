@@ -7,14 +7,13 @@ whole parts only, so what is named in it has no number that depends on later str
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-import clingo
-
 from mars_asp.apart import Portion
 from mars_asp.atom import Atom, Fact
 from mars_asp.disjoint import DisjointSets
 from mars_asp.lookup import CONNECTED
 from mars_asp.model import Relationship, ends_of
 from mars_asp.solve import Grounding
+from mars_asp.symbols import symbol_of
 from mars_asp.term import Signature, Term, arguments, as_term, atoms
 
 #: A stretch has at least this share of all relationships, for each takes time of its own.
@@ -73,7 +72,7 @@ def stretches(
     each = (number for number, stretch in enumerate(cut) for _ in stretch)
     number_of_root = dict(zip(roots, each, strict=True))
     number_of = {
-        as_term(_symbol(member)): number_of_root[root]
+        as_term(symbol_of(member)): number_of_root[root]
         for member in parts.parent
         if (root := parts.find(member)) in number_of_root
     }
@@ -94,7 +93,3 @@ def _ends(roots: Sequence[int | str]) -> Iterator[int]:
 def _signature(predicate: tuple[str, int]) -> Signature:
     name, arity = predicate
     return name.removeprefix("-"), arity, not name.startswith("-")
-
-
-def _symbol(constant: int | str) -> clingo.Symbol:
-    return clingo.Number(constant) if isinstance(constant, int) else clingo.String(constant)

@@ -24,9 +24,9 @@ from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
 from mars_asp.source import point
 from mars_asp.spelling import nearest
 from mars_asp.subject import wrong_subject
+from mars_asp.symbols import symbol_of
 from mars_asp.term import as_term
 from mars_asp.trace import absence
-from mars_asp.trace.given import symbol_of
 from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
 from mars_asp.trace.values import Absent, Missing, Trace
 

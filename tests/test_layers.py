@@ -30,6 +30,7 @@ LAYERS = [
     "apart",
     "rulebook",
     "rule_cases",
+    "symbols",
     "term",
     "recorder",
     "ground_program",

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from clingo import ast
 
+from mars_asp import pack
 from mars_asp.apart import groups, shapes, statements
 from mars_asp.apart.groups import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
 from mars_asp.apart.shapes import OWN
@@ -41,7 +42,8 @@ def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
     `base` and `resolution` are the texts of the rules; `given` says of given predicates which
     arguments are names or identifiers of what a fact connects.
     """
-    makers = (__file__, groups.__file__, shapes.__file__, statements.__file__, ast.__file__)
+    own = (__file__, groups.__file__, shapes.__file__, statements.__file__)
+    makers = (*own, pack.__file__, ast.__file__)
     key = (base, resolution, tuple(sorted(given.items())))
     made = made_of("apart", map(Path, makers), [key], lambda _: _apart(base, resolution, given))
     return made[key]

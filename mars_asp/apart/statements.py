@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 from clingo import ast
 
 from mars_asp.apart.shapes import Function, Pattern, pattern_of
+from mars_asp.pack import unsigned
 
 #: A predicate: its name, with `-` before if it is classically negated, and its arity.
 Signature: TypeAlias = tuple[str, int]
@@ -199,8 +200,6 @@ def _is_atom(literal: ast.AST) -> bool:
 
 
 def _literal(literal: ast.AST) -> Literal:
-    symbol, sign = literal.atom.symbol, ""
-    if symbol.ast_type == _TYPE.UnaryOperation:
-        symbol, sign = symbol.argument, "-"
+    sign, symbol = unsigned(literal.atom.symbol)
     terms = tuple(map(pattern_of, symbol.arguments))
     return Literal((f"{sign}{symbol.name}", len(terms)), terms)

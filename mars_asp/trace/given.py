@@ -2,10 +2,8 @@
 
 from collections.abc import Iterable, Set
 
-import clingo
-
 from mars_asp import term
-from mars_asp.atom import Atom, Fact, Term
+from mars_asp.atom import Fact
 from mars_asp.source import Span
 from mars_asp.trace.values import Given
 
@@ -35,30 +33,3 @@ class GivenFacts:
             self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
         span = self._spans[name].get(written)
         return None if span is None else Given(written, span)
-
-
-def symbol_of(atom: Atom) -> clingo.Symbol:
-    """Return an atom as clingo's symbol."""
-    return clingo.Function(atom.name, [_symbol(argument) for argument in atom.arguments])
-
-
-def _symbol(value: Term) -> clingo.Symbol:
-    match value:
-        case int():
-            return clingo.Number(value)
-        case str():
-            return clingo.String(value)
-        case Atom():
-            return symbol_of(value)
-
-
-def term_of(symbol: clingo.Symbol) -> Term:
-    """Return a symbol of clingo as a term of a fact."""
-    kinds = clingo.SymbolType
-    if symbol.type == kinds.Number:
-        return symbol.number
-    if symbol.type == kinds.String:
-        return symbol.string
-    if symbol.type == kinds.Function and symbol.positive:
-        return Atom(symbol.name, tuple(map(term_of, symbol.arguments)))
-    return Atom(str(symbol))

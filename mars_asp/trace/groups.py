@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence, Set
 
 from clingo import ast
 
+from mars_asp.atom import term_text
 from mars_asp.trace.scope import variables_of
 
 _TYPE = ast.ASTType
@@ -30,13 +31,7 @@ def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
     """
     conditional = group.ast_type == _TYPE.ConditionalLiteral
     names = sorted(variables_of((group,) if conditional else group.elements) & outside)
-    return f"k({','.join((rule, quoted(f'{group} for {names}'), *names))})"
-
-
-def quoted(text: str) -> str:
-    """Return a text as a string of clingo's."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
+    return f"k({','.join((rule, term_text(f'{group} for {names}'), *names))})"
 
 
 def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str, str, str]:

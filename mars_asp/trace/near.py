@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import clingo
 from clingo import ast
 
+from mars_asp.pack import unsigned
 from mars_asp.rulebook import Rule
 from mars_asp.trace.order import in_order, needs, provided
 from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
-from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms, unsigned
+from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms
 from mars_asp.trace.scope import (
     AGGREGATES,
     Renamed,

@@ -31,10 +31,13 @@ from typing import TypeAlias
 
 from clingo import ast
 
+from mars_asp import pack
+from mars_asp.atom import term_text
 from mars_asp.kept import made_of
+from mars_asp.pack import unsigned
 from mars_asp.rulebook import Rule
 from mars_asp.trace import groups, scope
-from mars_asp.trace.groups import elements_of, group_key, needed_of, quoted
+from mars_asp.trace.groups import elements_of, group_key, needed_of
 from mars_asp.trace.scope import (
     AGGREGATES,
     OWN,
@@ -76,8 +79,10 @@ class Rewriter:
         """
         keys = {number: self._key(rules[number]) for number in numbers}
         first = {key: number for number, key in reversed(keys.items())}
-        files = map(Path, (__file__, groups.__file__, scope.__file__, ast.__file__))
-        made = made_of("firings", files, first, lambda key: self._written(first[key], rules))
+        makers = (__file__, groups.__file__, pack.__file__, scope.__file__, ast.__file__)
+        made = made_of(
+            "firings", map(Path, makers), first, lambda key: self._written(first[key], rules)
+        )
         parts: list[str] = []
         for number, key in keys.items():
             text, unsupported = made[key]
@@ -155,7 +160,7 @@ class Rewriter:
         if counting and any(_is_projected(literal) for literal in literals):
             body = "; ".join((*before, *map(self.renamed, literals)))
             shared = sorted(global_variables((), literals) | variables_of(before))
-            holds = f"_b{place}({','.join((quoted(body), *shared))})"
+            holds = f"_b{place}({','.join((term_text(body), *shared))})"
             yield f"{holds} :- {body}."
             counting = [holds]
         told = (
@@ -326,13 +331,6 @@ class Terms:
 def _signature(symbol: ast.AST) -> Signature:
     _, symbol = unsigned(symbol)
     return symbol.name, len(symbol.arguments)
-
-
-def unsigned(symbol: ast.AST) -> tuple[str, ast.AST]:
-    """Return the sign of classical negation, or nothing, and an atom without it."""
-    if symbol.ast_type == _TYPE.UnaryOperation:
-        return "-", symbol.argument
-    return "", symbol
 
 
 def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
