@@ -38,7 +38,14 @@ _PATTERNS = {
         r"|\"(?:\"\"|[^\"\n])*+\"?"
     ),
 }
-_NEST = re.compile(r"(/\*)|\*/")
+#: What opens a block comment in which others nest, and the marks of those.
+_NEST = {
+    "rust": (re.compile(r"/\*"), re.compile(r"(/\*)|\*/")),
+    "matlab": (
+        re.compile(r"(?m)^[ \t]*+%\{[ \t]*+\n"),
+        re.compile(r"(?m)^[ \t]*+(?:(%\{)|%\})[ \t]*+$"),
+    ),
+}
 _INK = re.compile(r"[^\n]")
 
 
@@ -57,8 +64,8 @@ def tokens(language: str, text: str) -> Iterator[tuple[int, int, str | None]]:
     at = 0
     while match := search(text, at):
         begin, end = match.span()
-        if language == "rust" and text.startswith("/*", begin):
-            end = nested_end(_NEST.finditer(text, begin), len(text))
+        if language in _NEST and _NEST[language][0].match(text, begin):
+            end = nested_end(_NEST[language][1].finditer(text, begin), len(text))
         yield begin, end, match.lastgroup
         at = max(end, begin + 1)
 

@@ -89,12 +89,15 @@ _LINES = {
     "matlab": rb"%(?!\{[ \t]*+\n)[^\n]*+",
 }
 _RAW_C = re.compile(rb'"([^()\\\s"]{0,16}+)\(')
-_NEST = re.compile(rb"(/\*)|\*/")
+#: The marks of block comments in which others nest; those that open have a group.
+_NEST = {
+    "rust": re.compile(rb"(/\*)|\*/"),
+    "matlab": re.compile(rb"(?m)^[ \t]*+(?:(%\{)|%\})[ \t]*+$"),
+}
 _STRING_HERE = re.compile(_STRING)
 _LINE_HERE = re.compile(_SLASHES)
 _ANNOTATION_HERE = re.compile(rb"(?:[^\n/#]++|/(?!/))*+")
 _MATLAB_OPENING = re.compile(rb"%\{[ \t]*+(?=\n)")
-_MATLAB_CLOSING = re.compile(rb"\n[ \t]*+%\}[ \t]*+(?=\n|\Z)")
 
 
 @cache
@@ -154,14 +157,14 @@ def comment_end(language: str, data: bytes, at: int) -> int:
         return found.end() if found else at + 2
     if data.startswith(b"/*", at):
         if language == "rust":
-            return nested_end(_NEST.finditer(data, at), len(data))
+            return nested_end(_NEST["rust"].finditer(data, at), len(data))
         end = data.find(b"*/", at + 2)
         return len(data) if end < 0 else end + 2
     if data.startswith(b"@", at):
         return annotation_end(data, at)
     if data.startswith(b"%", at) and _is_block(data, at):
-        found = _MATLAB_CLOSING.search(data, at)
-        return found.end() if found else len(data)
+        marks = _NEST["matlab"].finditer(data, data.rfind(b"\n", 0, at) + 1)
+        return nested_end(marks, len(data))
     return _line_end(data, at)
 
 
@@ -177,7 +180,7 @@ def _is_block(data: bytes, at: int) -> bool:
 
 
 def nested_end(marks: Iterable[re.Match[AnyStr]], last: int) -> int:
-    """Return where a block comment of Rust, in which others nest, ends.
+    """Return where a block comment of Rust or MATLAB, in which others nest, ends.
 
     Args:
         marks: The marks of block comments from its own on; those that open have a group.
@@ -189,6 +192,22 @@ def nested_end(marks: Iterable[re.Match[AnyStr]], last: int) -> int:
         if not depth:
             return mark.end()
     return last
+
+
+def inner_comments(language: str, data: bytes, begin: int, end: int) -> Iterator[tuple[int, int]]:
+    """Yield where each comment begins and ends that stands in a block comment, in its order."""
+    if language not in _NEST:
+        return
+    depth = opened = 0
+    line = begin if language == "rust" else data.rfind(b"\n", 0, begin) + 1
+    for mark in _NEST[language].finditer(data, line, end):
+        depth += 1 if mark.lastindex else -1
+        if depth == 2 and mark.lastindex:
+            opened = mark.start()
+        elif depth == 1 and not mark.lastindex:
+            yield opened, mark.end()
+    if depth > 1:
+        yield opened, end
 
 
 def _string_end(language: str, data: bytes, at: int) -> int:

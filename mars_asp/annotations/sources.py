@@ -5,27 +5,38 @@ Offsets are those of bytes; text is decoded only where something is read.
 
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
 from typing import NamedTuple
 
 from mars_asp.annotations.comments import blanked, tokens
-from mars_asp.annotations.skim import annotated_comments, annotation_end, comment_end
+from mars_asp.annotations.skim import (
+    annotated_comments,
+    annotation_end,
+    comment_end,
+    inner_comments,
+)
 
-_LEADING = {
-    "c": rb"[ \t]*+(?:/\*[*!]?|//[/!]?|\*(?!/))?[ \t]*+",
-    "python": rb"[ \t]*+#*+[ \t]*+",
-    "matlab": rb"[ \t]*+%*+\{?[ \t]*+",
+#: What may stand before the first word of a comment, and of a further line of one, by the sort of
+#: comment. A mark that is not the line's own begins code that was commented out.
+_OPENING = {
+    "c": rb"(?:/\*[*!]?|//[/!]?)?[ \t]*+",
+    "python": rb"#*+[ \t]*+",
+    "matlab": rb"%*+[ \t]*+",
 }
-_PREFIX = {language: re.compile(pattern) for language, pattern in _LEADING.items()}
-_ANNOTATED = {
-    language: re.compile(pattern + rb"@([A-Za-z][\w\x80-\xff]*+)")
-    for language, pattern in _LEADING.items()
+_BELOW = {
+    b"/*": rb"[ \t]*+(?:\*(?!/))?[ \t]*+",
+    b"//": rb"[ \t]*+(?://[/!]?)?[ \t]*+",
+    b"%{": rb"[ \t]*+",
 }
+_ANNOTATION = rb"@([A-Za-z][\w\x80-\xff]*+)"
+_OPENING_HERE = {language: re.compile(pattern) for language, pattern in _OPENING.items()}
+_BELOW_HERE = {mark: re.compile(pattern) for mark, pattern in _BELOW.items()}
+_ANNOTATED = {language: re.compile(pattern + _ANNOTATION) for language, pattern in _OPENING.items()}
 _ANNOTATED_BELOW = {
-    language: re.compile(rb"\n" + pattern.pattern) for language, pattern in _ANNOTATED.items()
+    mark: re.compile(rb"\n" + pattern + _ANNOTATION) for mark, pattern in _BELOW.items()
 }
 _WORD = re.compile(r"\w+")
 _DEAD = rb"if[ \t]++(?:0|false)[ \t]*+(?://[^\n]*+)?(?=\n|\Z)"
@@ -45,14 +56,14 @@ class CommentLine(NamedTuple):
     """One line of a comment.
 
     `offset` is where its text begins behind the marks, `end` where the line does, `until` where the
-    comment does; `block` is whether it ends with marks too.
+    comment does; `mark` are the first two bytes of the comment.
     """
 
     offset: int
     text: str
     end: int
     until: int
-    block: bool
+    mark: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +89,7 @@ class Source:
         self._lexicon = language
         self._encoding = encoding
         self._wide = encoding == "utf-8" and not data.isascii()
-        self._kind = language if language in _LEADING else "c"
+        self._kind = language if language in _OPENING else "c"
         # Places that were asked for: offset, line, column and where the line begins.
         self._places: list[tuple[int, int, int, int]] = [(0, 1, 1, 0)]
 
@@ -89,15 +100,19 @@ class Source:
             known: Says it of a word and the offset of the first `@` before it.
         """
         data, dead = self.data, self._dead
-        first, below = _ANNOTATED[self._kind].match, _ANNOTATED_BELOW[self._kind].finditer
+        first = _ANNOTATED[self._kind].match
         ours: dict[bytes, bool] = {}
         for begin, end in annotated_comments(self._lexicon, data):
             if dead and self._in_dead(begin):
                 continue
+            mark = data[begin : begin + 2]
             match = first(data, begin, end)
             found: Iterable[re.Match[bytes]] = [] if match is None else [match]
-            if data.find(b"\n", begin, end) >= 0:
-                found = chain(found, below(data, begin, end))
+            if mark in _ANNOTATED_BELOW and data.find(b"\n", begin, end) >= 0:
+                found = chain(found, _ANNOTATED_BELOW[mark].finditer(data, begin, end))
+                if mark != b"//":
+                    inner = tuple(inner_comments(self._lexicon, data, begin, end))
+                    found = (match for match in found if not _is_within(inner, match.start(1)))
             for match in found:
                 word = match[1]
                 at = match.start(1) - 1
@@ -105,7 +120,7 @@ class Source:
                     text = _WORD.match(word.decode(self._encoding, "replace"))
                     ours[word] = text is not None and known(text[0], at)
                 if ours[word]:
-                    yield self._line(at, end, data.startswith(b"/*", begin))
+                    yield self._line(at, end, mark)
 
     def following(self, line: CommentLine) -> CommentLine | None:
         """Return the comment line on the line below, if there is one without an annotation.
@@ -113,7 +128,8 @@ class Source:
         In a configuration, which has annotations without comment marks, that is the line below
         unless it ends a declaration.
         """
-        begin, until, block = line.end + 1, line.until, line.block
+        begin, until, mark = line.end + 1, line.until, line.mark
+        opening = _BELOW_HERE.get(mark)
         if self._lexicon == "mars":
             begin = self.data.find(b"\n", line.end) + 1
             until = annotation_end(self.data, begin) if begin else 0
@@ -124,21 +140,21 @@ class Source:
             if found is None:
                 return None
             begin, until = found
-            block = self.data.startswith(b"/*", begin)
+            mark, opening = self.data[begin : begin + 2], None
         elif begin == until:
             return None
-        match = _PREFIX[self._kind].match(self.data, begin, until)
-        below = self._line(match.end() if match else begin, until, block)
+        match = (opening or _OPENING_HERE[self._kind]).match(self.data, begin, until)
+        below = self._line(match.end() if match else begin, until, mark)
         return None if below.text.startswith("@") else below
 
-    def _line(self, offset: int, until: int, block: bool) -> CommentLine:
+    def _line(self, offset: int, until: int, mark: bytes) -> CommentLine:
         """Read the comment line whose text begins at a place, of a comment that goes on `until`."""
         end = self.data.find(b"\n", offset, until)
         end = until if end < 0 else end
         text = self._decode(offset, end).rstrip()
-        if block:
+        if mark == b"/*":
             text = text.removesuffix("*/").rstrip()
-        return CommentLine(offset, text, end, until, block)
+        return CommentLine(offset, text, end, until, mark)
 
     def _comment_below(self, end: int) -> tuple[int, int] | None:
         """Return the first comment behind a comment that ends a line, if on the line below."""
@@ -206,12 +222,17 @@ class Source:
         return self.data[begin:end].decode(self._encoding, "ignore")
 
     def _in_dead(self, offset: int) -> bool:
-        index = bisect_right(self._dead, (offset, len(self.data)))
-        return index > 0 and offset < self._dead[index - 1][1]
+        return _is_within(self._dead, offset)
 
     @cached_property
     def _dead(self) -> tuple[tuple[int, int], ...]:
         return tuple(_dead_stretches(self.data)) if self._lexicon == "c" else ()
+
+
+def _is_within(spans: Sequence[tuple[int, int]], offset: int) -> bool:
+    """Whether an offset is in one of some spans, which stand in order."""
+    index = bisect_right(spans, offset, key=lambda span: span[0])
+    return index > 0 and offset < spans[index - 1][1]
 
 
 def _dead_stretches(data: bytes) -> Iterator[tuple[int, int]]:
