@@ -1,9 +1,9 @@
 """Regression tests on answer sets: facts and what the rules make of them, in one file.
 
-A line `%= atom atom ...` is one expected answer set, restricted to the predicates that the case's
-own `#show` lines name, else to `consequence/4`; no such line means that there is none. A case in a
-folder named after a stage (`resolve`) has the rules of that stage, too; of its answer sets the
-least count.
+A line `%= atom atom ...` is one expected answer set, which lines `%+ atom ...` below it continue,
+restricted to the predicates that the case's own `#show` lines name, else to `consequence/4`; no
+such line means that there is none. A case in a folder named after a stage (`resolve`) has the
+rules of that stage, too; of its answer sets the least count.
 """
 
 import re
@@ -19,7 +19,8 @@ from mars_asp.pack import refused_rules
 from mars_asp.rulebook import Rulebook
 
 STAGES = ("resolve", "verify", "cost", "run", "can")
-_EXPECTED = re.compile(r"^%=(.*)$", re.MULTILINE)
+_EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
+_CONTINUED = re.compile(r"\r?\n%\+")
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 _BY_DEFAULT = (("consequence", 4),)
 _MOST_ANSWERS = 100
@@ -79,11 +80,24 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     refused = tuple(refused_rules(text, str(path)))
     if refused:
         raise MarsError(refused)
-    expected = tuple(sorted(tuple(sorted(_atoms(match[1]))) for match in _EXPECTED.finditer(text)))
-    shown = [(name, int(arity)) for name, arity in _SHOW.findall(text)] or list(_BY_DEFAULT)
+    expected = tuple(sorted(map(_expected, _EXPECTED.findall(text))))
+    shown = _shown(text) or _BY_DEFAULT
     stages = ["base", *(stage for stage in STAGES if stage in path.parts)]
     program = "\n".join([_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)])
     return Outcome(path, expected, _answers(program, shown))
+
+
+def shown_by(path: Path) -> tuple[tuple[str, int], ...]:
+    """Return the predicates that a case names in `#show` lines, none where it has no such line.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    return _shown(gate_text(path, str(path)))
+
+
+def _shown(text: str) -> tuple[tuple[str, int], ...]:
+    return tuple((name, int(arity)) for name, arity in _SHOW.findall(text))
 
 
 def case_facts(path: Path) -> str:
@@ -110,6 +124,10 @@ def _answers(program: str, shown: Sequence[tuple[str, int]]) -> tuple[tuple[str,
 
     control.solve(on_model=keep)
     return tuple(sorted(found))
+
+
+def _expected(text: str) -> tuple[str, ...]:
+    return tuple(sorted(_atoms(_CONTINUED.sub(" ", text))))
 
 
 def _atoms(text: str) -> Iterator[str]:

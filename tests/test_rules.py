@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case
+from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case, shown_by
 from mars_asp.rulebook import Rulebook, load_rulebook
 from tests.documents import ROOT
 from tests.rule_coverage import covered, places
@@ -21,6 +21,29 @@ def rulebook() -> Rulebook:
 def test_case(case: Path, rulebook: Rulebook) -> None:
     outcome = run_case(case, rulebook)
     assert outcome.passed, "\n".join(outcome.difference())
+
+
+#: What makes a consequence visible: what it is, who takes part, and where it points.
+SHOWN = (("consequence", 4), ("participant", 5), ("concerns", 4))
+
+
+@pytest.mark.parametrize(
+    "case",
+    [case for case in CASES if case.parent.name not in (*STAGES, "repair")],
+    ids=lambda path: f"{path.parent.name}/{path.stem}",
+)
+def test_a_case_of_the_base_pins_participants_and_places(case: Path) -> None:
+    """What a case does not show may be wrong without anybody noticing it."""
+    missing = [f"#show {name}/{n}." for name, n in SHOWN if (name, n) not in shown_by(case)]
+    assert not missing, f"{case} lacks {' '.join(missing)}"
+
+
+def test_lines_continue_an_expected_answer_set(tmp_path: Path, rulebook: Rulebook) -> None:
+    case = tmp_path / "case.lp"
+    case.write_text('module("M"). q(1).\n#show module/1.\n#show q/1.\n%= module("M")\n%+ q(1)\n')
+    assert run_case(case, rulebook).passed
+    case.write_text('module("M"). q(1).\n#show module/1.\n#show q/1.\n%= module("M")\n%= q(1)\n')
+    assert not run_case(case, rulebook).passed
 
 
 def test_a_wrong_case_is_shown_as_a_difference() -> None:
