@@ -2,21 +2,24 @@
 
 Nothing here uses clingo or reads `rules/`: every tree of DataSplitters and DataTransformers and
 every choice of shared ArbitrationNodes is built, and the cheapest are kept. It is exponential, so
-it is for small configurations. Mounts are not looked at.
+it is for small configurations. What InheritanceNodes hear and feed follows from mounts.
 
 `python -m tests.test_exhaustive HOW_MANY` compares it with `synthesise` on random configurations.
 """
 
 import itertools
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TypeAlias
 
-from mars_asp.model import Configuration, Control, Data, Mode, Module
+from mars_asp.model import Configuration, Control, Data, Mode, Module, Mount
+from tests.least_supports import least_supports
 
 #: (nodes, conversion cost, relationships).
 Cost: TypeAlias = tuple[int, int, int]
+#: What an InheritanceNode is called here, before the name of the module that it stands for.
+STANDS_FOR = "what stands for "
 #: Each cheapest wiring, up to the names of nodes, with what all of them cost.
 Answers: TypeAlias = tuple[Cost, frozenset[Hashable]]
 NOTHING: Cost = (0, 0, 0)
@@ -38,7 +41,11 @@ def cheapest(every: Iterable[tuple[Cost, Hashable]]) -> Answers | None:
 
 
 def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tuple[Cost, int] | None:
-    """Return the least cost and the number of optima; `None` where nothing realises it."""
+    """Return the least cost and the number of optima; `None` where nothing realises it.
+
+    Raises:
+        UnclearError: floating point does not tell who provides a function.
+    """
     known = {**modules, **{module.name: module for module in configuration.declared}}
     parts: list[Answers | None] = []
     data: dict[str, list[Data]] = {}
@@ -49,9 +56,10 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
                 mine.append(line)
     parts += [resolve_data(source, lines, known) for source, lines in data.items()]
     hierarchical = configuration.architecture == "hierarchical"
-    control = [line for line in configuration.relationships if isinstance(line, Control)]
-    parts += [resolve_control(group, hierarchical) for group in groups(control)]
-    total, count = NOTHING, 1
+    nodes = inheritance(configuration, known)
+    heard = hearing(configuration, nodes)
+    parts += [resolve_control(group, hierarchical) for group in groups(heard)]
+    total, count = (len(nodes), 0, 0), 1
     for part in parts:
         if part is None:
             return None
@@ -236,6 +244,86 @@ def partitions(clients: tuple[Client, ...]) -> Iterator[list[tuple[Client, ...]]
                 yield [(first, *others), *blocks]
 
 
+# ---- Control: InheritanceNodes -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Inheriting:
+    """What stands for a module that is commanded in functions which it only inherits.
+
+    `lines` are the relationships that it stands for; of them, `direct` command the module in its
+    own functions, too.
+    """
+
+    lines: tuple[Control, ...]
+    direct: tuple[Control, ...]
+    providers: frozenset[str]
+
+    @property
+    def rank(self) -> int:
+        return max(line.priority or 0 for line in self.lines)
+
+
+def inheritance(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> dict[str, Inheriting]:
+    """Return what stands for each module that is commanded in inherited functions.
+
+    Raises:
+        UnclearError: floating point does not tell who provides a function.
+    """
+    mounts = {m.mounting: m for m in configuration.relationships if isinstance(m, Mount)}
+    found: dict[str, Inheriting] = {}
+    control = [line for line in configuration.relationships if isinstance(line, Control)]
+    for name in dict.fromkeys(line.controlled for line in control if line.controlled in mounts):
+        supports = least_supports(name, mounts, modules)
+        own = {f.name for f in modules[name].functions} if name in modules else set()
+        inherited = supports.keys() - own
+        lines, direct = [], []
+        providers: set[str] = set()
+        for line in control:
+            if line.controlled != name:
+                continue
+            wanted = commands(modules.get(line.controller)) or own or set(inherited)
+            if wanted & inherited:
+                lines.append(line)
+                providers.update(*(supports[function] for function in wanted & inherited))
+                if wanted & own:
+                    direct.append(line)
+        if lines:
+            found[name] = Inheriting(tuple(lines), tuple(direct), frozenset(providers))
+    return found
+
+
+def commands(controller: Module | None) -> set[str]:
+    """Return the functions that a controller says it commands."""
+    return {f for s in (controller.services if controller else ()) for f in s.commands}
+
+
+def hearing(configuration: Configuration, nodes: Mapping[str, Inheriting]) -> list[Control]:
+    """Return who hears whom: modules and InheritanceNodes, each as controlled and as controller.
+
+    A hold moves with its input: behind the node where the node has a single controller.
+    """
+    heard: list[Control] = []
+    for line in configuration.relationships:
+        if not isinstance(line, Control):
+            continue
+        node = nodes.get(line.controlled)
+        if node is None or line not in node.lines or line in node.direct:
+            heard.append(line)
+    for name, node in nodes.items():
+        controller = STANDS_FOR + name
+        heard += [replace(line, controlled=controller) for line in node.lines]
+        hold = node.lines[0].hold_ms if len(node.lines) == 1 else None
+        heard += [
+            Control(provider, controller, line.span, node.rank, hold)
+            for provider in sorted(node.providers)
+            for line in node.lines[:1]
+        ]
+    return heard
+
+
 # ---- Control: every choice of arbiters -----------------------------------------------------------
 
 #: A controller and its hold.
@@ -339,7 +427,11 @@ def wire(
             for heard in (*taken, *singles):
                 receivers[heard] = receivers.get(heard, 0) + 1
                 lines += 1
-        splitters = sum(1 for count in receivers.values() if count > 1)
+        splitters = sum(
+            1
+            for signal, count in receivers.items()
+            if count > 1 and not (isinstance(signal, str) and signal.startswith(STANDS_FOR))
+        )
         unused = any(order not in receivers for order in arbiters)
         if not unused:
             wiring = frozenset(zip(arbiters, map(frozenset, nesting), strict=True))

@@ -1,7 +1,13 @@
-"""Random small configurations: data with converters and services, control, or both."""
+"""Random small configurations: data with converters and services, control, both, mounts, twins."""
 
 import random
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+
+from mars_asp.language import parse_text
+from mars_asp.model import GRASP, Mount
+from tests.least_supports import FUNCTIONS, UnclearError, least_supports
 
 REPRESENTATIONS = ("P", "Q", "R", "S", "T")
 SERVICES = (
@@ -84,3 +90,125 @@ def _control(rng: random.Random, names: list[str], lines: list[str], modules: in
         for place, driver in enumerate(chosen):
             rank = ranked[place % len(ranked)] if rng.random() < 0.8 else rng.randint(0, 3)
             lines.append(f"{wheel} is_controlled_by {driver} {rank}{rng.choice(held)}")
+
+
+def random_twins(seed: int) -> str:
+    """Return a random configuration twice over, where all conversions cost the same.
+
+    What a converter costs then counts for each transformer that applies it, for many converters
+    and for both twins. Some modules hold several converters.
+    """
+    text = re.sub(r"@Converts \d", f"@Converts {seed % 3 + 1}", random_configuration(seed))
+    head, modules, *rest = re.split(r"\n(?=[@A-Z])", text)
+    parts: dict[str, list[str]] = {"lines": [], "blocks": [], "converters": []}
+    for part in re.split(r"\n(?=@module_start|\w+ (?:is|uses)_)", "\n".join(["", *rest]))[1:]:
+        kind = "converters" if "@Converts" in part else "blocks" if "@" in part else "lines"
+        parts[kind].append(part)
+    bodies = ["\n".join(block.split("\n")[2:-1]) for block in parts["converters"]]
+    half = len(bodies) // 2
+    converters = [
+        _block(f"K{index}", *some)
+        for index, some in enumerate((bodies[:half], bodies[half:]))
+        if some
+    ]
+    once = [*parts["lines"], *parts["blocks"]]
+    twice = [*map(_renamed, parts["lines"]), *map(_renamed, parts["blocks"])]
+    lines = [each for each in (*once, *twice) if not each.startswith("@")]
+    blocks = [each for each in (*once, *twice) if each.startswith("@")]
+    names = f"{modules}, {_renamed(modules.removeprefix('@modules '))}"
+    return "\n".join([head, names, *lines, *blocks, *converters])
+
+
+def _renamed(text: str) -> str:
+    return re.sub(r"\b(Eye|C|D|W)(\d)\b", r"Twin\1\2", text)
+
+
+def random_mounts(seed: int) -> str:
+    """Return a random configuration in which modules are commanded in inherited functions."""
+    rng = random.Random(seed)
+    bodies = [f"B{index}" for index in range(rng.randint(2, 5))]
+    # Names in another order than mounts, so that ties by name are no ties by place.
+    rng.shuffle(bodies)
+    declared = {name: _body(rng, last=index > 1) for index, name in enumerate(bodies)}
+    mounts = _mounts(rng, bodies)
+    text = "\n".join(["@configuration", f"@modules {', '.join(bodies)}", *mounts])
+    blocks = [_block(name, *lines) for name, lines in declared.items()]
+    offered = _offered("\n".join([text, *blocks]), bodies)
+    lines = [*mounts]
+    ranked = rng.choice([(0, 1, 2, 3), (0, 1, 1, 2), (2, 0, 1, 0)])
+    held = rng.choice([("",), ("", "", " hold 50")])
+    drivers = []
+    commanded = [name for name in bodies if offered[name]]
+    some = rng.sample(commanded, min(len(commanded), rng.randint(1, 3)))
+    for driver in ("D0", "D1", "D2", "D3")[: rng.randint(1, 4)]:
+        led = [name for name in some if rng.random() < 0.6]
+        common = {*FUNCTIONS, GRASP}.intersection(*(offered[name] for name in led))
+        if any(GRASP in offered[name] for name in led):
+            # What a silent controller commands of a gripper that stands on motors is not tried.
+            said = rng.sample(sorted(common), min(len(common), rng.randint(1, 2)))
+            led = [name for name in led if said or GRASP not in offered[name]]
+        else:
+            said = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
+        for name in led:
+            rank = rng.choice(ranked)
+            lines.append(f"{name} is_controlled_by {driver} {rank}{rng.choice(held)}")
+        drivers.append(driver)
+        blocks.append(_block(driver, f"@ControlOut {', '.join(said)}", "Command lead();"))
+    rng.shuffle(lines)
+    kind = rng.choice(["", " hierarchical", " hierarchical"])
+    names = ", ".join([*bodies, *drivers])
+    return "\n".join([f"@configuration{kind}", f"@modules {names}", *lines, *blocks])
+
+
+def _body(rng: random.Random, *, last: bool) -> list[str]:
+    """Return what a mounted module declares: motions, a grasp or a sense, vertices."""
+    some = rng.choice([("Rotn_Y", "Rotn_Z"), ("Trans_X", "Trans_Z"), FUNCTIONS, FUNCTIONS])
+    motions = rng.sample(some, rng.choice([0, 1, 1] if last else [1, 1, 2]))
+    lines = [f"@{name}" for name in motions]
+    if not motions:
+        lines += rng.choice([["@Grasp"], ["@Sense NotifyWhenReady", "Image look();"]])
+    for number in (0, 1, 2):
+        if rng.random() < 0.25:
+            lines.append(f"@Vertex {number} {_tuple(rng)}")
+    return lines
+
+
+def _tuple(rng: random.Random) -> str:
+    turns = ["_", "_", "_", "_"]
+    for slot in (0, 2):
+        if rng.random() < 0.35:
+            degrees = rng.choice([90, -90, 180, 90, 270, 45, 30, -60])
+            turns[slot : slot + 2] = [rng.choice("xyz"), str(degrees)]
+    shifts = [str(rng.choice(["_", "_", 100, -50, 80])) for _ in range(3)]
+    return f"({','.join([*turns, *shifts])})"
+
+
+def _mounts(rng: random.Random, bodies: Sequence[str]) -> list[str]:
+    """Mount each body on the one before it, or on another before it."""
+    free = {name: [0, 1, 2] for name in bodies}
+    lines = []
+    for index, name in enumerate(bodies[1:], 1):
+        carrier = bodies[index - 1] if rng.random() < 0.8 else rng.choice(bodies[:index])
+        on = rng.choice(free[carrier])
+        if on:
+            free[carrier].remove(on)
+        at = rng.choice(free[name])
+        if at:
+            free[name].remove(at)
+        where = _tuple(rng) if rng.random() < 0.7 else ""
+        lines.append(f"{name} {at or ''} is_mounted_on {carrier} {on or ''} {where}".rstrip())
+    return lines
+
+
+def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
+    """Return the functions that each body has or inherits."""
+    configuration = parse_text(text, "mounts.mars").configuration
+    modules = {module.name: module for module in configuration.declared}
+    mounts = {m.mounting: m for m in configuration.relationships if isinstance(m, Mount)}
+    found = {}
+    for name in bodies:
+        found[name] = {f.name for f in modules[name].functions}
+        # Where floating point does not tell, the oracle says so later.
+        with suppress(UnclearError):
+            found[name] |= least_supports(name, mounts, modules).keys()
+    return found
