@@ -86,7 +86,7 @@ def diff(
     """Compare the consequences and nodes of two projects.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses.
+        MarsError: rules that clingo refuses.
         TimeoutError: no specification was found in the seconds given, for each of the two.
     """
     before, after = _Side(old, rulebook, seconds), _Side(new, rulebook, seconds)

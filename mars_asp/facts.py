@@ -10,7 +10,6 @@ from clingo import Symbol
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.atom import Atom, Fact, Term
-from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model import (
     Configuration,
     Control,
@@ -30,7 +29,6 @@ from mars_asp.source import Span
 from mars_asp.spelling import resemblances
 from mars_asp.walks import shortest_closed_walks
 
-MOST = 2**31 - 1
 ANY = Atom("any")
 NONE = Atom("none")
 PERIODIC = "NotifyAtFrequency"
@@ -47,9 +45,6 @@ def configuration_facts(
     configuration names, and converters, are told. Relationships are identified as `numbered`
     says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
     made.
-
-    Raises:
-        MarsError: a number does not fit clingo's 32 bit integers.
     """
     return Compiler(configuration, modules or {}, wanted).compile()
 
@@ -112,6 +107,11 @@ def mode_of(term: Symbol) -> Mode:
     return mode
 
 
+def millihertz(hz: Decimal) -> int:
+    """Return a frequency in whole millihertz, which those that were read are."""
+    return int(hz * 1000)
+
+
 def plain(number: Decimal) -> str:
     """Return a number without exponent and without trailing zeros."""
     text = format(number, "f")
@@ -135,7 +135,7 @@ FRAMES = frozenset("rooted appears appears_in_part lever_arm own_rank chain_rank
 
 
 class Compiler:
-    """Collects facts and what does not fit."""
+    """Collects facts."""
 
     def __init__(
         self,
@@ -147,7 +147,6 @@ class Compiler:
         self.wanted = wanted
         self.modules = modules
         self.facts: list[Fact] = []
-        self.problems: list[Diagnostic] = []
 
     @cached_property
     def known(self) -> Mapping[str, Module]:
@@ -170,14 +169,8 @@ class Compiler:
         return numbered(self.configuration.relationships)
 
     def compile(self) -> tuple[Fact, ...]:
-        """Return all facts that are wanted.
-
-        Raises:
-            MarsError: a number does not fit.
-        """
+        """Return all facts that are wanted."""
         self.tell()
-        if self.problems:
-            raise MarsError(self.problems)
         return tuple(self.facts)
 
     def tell(self) -> None:
@@ -200,8 +193,7 @@ class Compiler:
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         if configuration.period_ms is not None:
-            period = self.whole(configuration.period_ms, "ms", configuration.span)
-            self.add(configuration.span, "period", period)
+            self.add(configuration.span, "period", configuration.period_ms)
 
     def each_module(self) -> None:
         """Tell the modules that the configuration names."""
@@ -253,22 +245,6 @@ class Compiler:
         """Tell where something stands."""
         self.add(span, "place", identifier, span.path, span.line, span.column)
 
-    def whole(self, number: Decimal | int, unit: str, span: Span) -> int:
-        """Return a number as a whole one that clingo can hold; note it where it does not fit."""
-        value = Decimal(number)
-        if value != value.to_integral_value() or not -MOST <= value <= MOST:
-            problem = Diagnostic(
-                "number-range",
-                "error",
-                f"`{plain(value)}` {unit} is no whole number of at most {MOST}",
-                span,
-                help="rules reason with whole 32 bit numbers; state a smaller or coarser one",
-            )
-            if problem not in self.problems:
-                self.problems.append(problem)
-            return 0
-        return int(value)
-
     def relationship(self, number: int, relationship: Relationship) -> None:
         """Tell one relationship."""
         span = relationship.span
@@ -279,10 +255,9 @@ class Compiler:
             case Control(controlled, controller):
                 self.add(span, "is_controlled_by", number, controlled, controller)
                 if relationship.priority is not None:
-                    priority = self.whole(relationship.priority, "(a priority)", span)
-                    self.add(span, "priority", number, priority)
+                    self.add(span, "priority", number, relationship.priority)
                 if relationship.hold_ms is not None:
-                    self.add(span, "hold", number, self.whole(relationship.hold_ms, "ms", span))
+                    self.add(span, "hold", number, relationship.hold_ms)
                 if relationship.allocation is not None:
                     self.add(span, "allocation", number, Atom(relationship.allocation))
             case Mount(mounting, mounted):
@@ -298,8 +273,7 @@ class Compiler:
         self.add(data.span, "required_mode", number, mode)
         if data.hz is None:
             return
-        rate = self.whole(data.hz * 1000, "mHz", data.span)
-        self.add(data.span, "required_rate", number, rate)
+        self.add(data.span, "required_rate", number, millihertz(data.hz))
 
     def words(self) -> None:
         """Say once how each mode with its rate is written."""
@@ -311,7 +285,7 @@ class Compiler:
                 continue
             known.add((mode, mode.text, hz, otherwise))
             term = mode_term(mode)
-            rate = otherwise if hz is None else self.whole(hz * 1000, "mHz", span)
+            rate = otherwise if hz is None else millihertz(hz)
             if (str(term), rate) not in told:
                 told.add((str(term), rate))
                 text = mode.text or mode.name
@@ -361,8 +335,7 @@ class Compiler:
             term = mode_term(mode)
             self.add(span, "offered_mode", number, index, term)
             if mode.name == PERIODIC and service.hz is not None:
-                rate = self.whole(service.hz * 1000, "mHz", span)
-                self.add(span, "offered_rate", number, rate)
+                self.add(span, "offered_rate", number, millihertz(service.hz))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
         """Tell what an ambiguous representation could mean."""

@@ -10,7 +10,6 @@ from itertools import accumulate
 from typing import TypeAlias
 
 from mars_asp.atom import Fact, Term
-from mars_asp.diagnostic import MarsError
 from mars_asp.facts import ANNOTATIONS, FRAMES, RELATIONSHIPS, Compiler, annotations_of
 from mars_asp.model import Configuration, Module, Name, ends_of
 
@@ -93,13 +92,7 @@ class Lookup:
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """Return all facts that were made.
-
-        Raises:
-            MarsError: a number does not fit.
-        """
-        if self._compiler.problems:
-            raise MarsError(self._compiler.problems)
+        """Return all facts that were made."""
         return tuple(self._compiler.facts)
 
     def find(

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from mars_asp.model import DELIVERY_MODES, MODE_ARGUMENTS, Mode
+from mars_asp.ranges import ARGUMENT, NumberProblem
 from mars_asp.spelling import nearest
 
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
 _MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
-_MOST_DIGITS = 18
+#: Those arguments, by their positions, that are a distance, which has no sign.
+_DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a least difference"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,16 +20,6 @@ class ModeProblem:
     offset: int
     message: str
     help: str
-
-
-def parse_number(text: str) -> Decimal | None:
-    """Return a plain decimal number (no exponent, no unit), or `None` where it is none.
-
-    Signs and leading zeros do not count among its digits, so what is read can be printed.
-    """
-    if len(text.lstrip("+-0")) > _MOST_DIGITS or not _NUMBER.fullmatch(text) or not text.isascii():
-        return None
-    return Decimal(text)
 
 
 def parse_mode(text: str) -> Mode | ModeProblem:
@@ -50,17 +41,32 @@ def parse_mode(text: str) -> Mode | ModeProblem:
         stripped = part.strip()
         at = offset + len(part) - len(part.lstrip())
         named = re.fullmatch(r"of\s*=\s*([A-Za-z_][\w.]*)", stripped)
-        number = parse_number(stripped)
         if most and named and of is None:
             of = named[1]
-        elif number is not None and len(arguments) < most and of is None:
+        elif len(arguments) < most and of is None:
+            number = _argument(stripped, name, len(arguments))
+            if isinstance(number, NumberProblem):
+                return ModeProblem(at, number.message, number.help)
             arguments.append(number)
         else:
-            return ModeProblem(
-                at, f"`{stripped}` is no argument of `{name}`", _arguments_help(name, most)
-            )
+            return ModeProblem(at, f"`{stripped}` is no argument of `{name}`", _takes(name, most))
         offset += len(part) + 1
     return Mode(name, tuple(arguments), of, written)
+
+
+def _argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
+    """Return an argument of a mode, or what is wrong with it."""
+    number = ARGUMENT.read(text)
+    if isinstance(number, NumberProblem):
+        if not re.match(r"[-+]?\.?[0-9]", text):
+            return NumberProblem(
+                f"`{text}` is no argument of `{name}`", _takes(name, MODE_ARGUMENTS[name])
+            )
+        return NumberProblem(f"{number.message} of `{name}`", number.help)
+    if number < 0 and (name, position) in _DISTANCES:
+        what = _DISTANCES[name, position]
+        return NumberProblem(f"`{text}` is below 0, which no {what[2:]} is", "write its magnitude")
+    return number
 
 
 def _expected(name: str) -> str:
@@ -70,7 +76,7 @@ def _expected(name: str) -> str:
     return f"write one of {', '.join(DELIVERY_MODES)}"
 
 
-def _arguments_help(name: str, most: int) -> str:
+def _takes(name: str, most: int) -> str:
     if not most:
         return f"`{name}` takes no arguments"
     return f"`{name}` takes at most {most} number(s), then `of=FIELD`"

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from mars_asp.atom import Atom, Fact, Term
-from mars_asp.facts import MOST, described_modules, module_classes, numbered
+from mars_asp.facts import described_modules, module_classes, numbered
 from mars_asp.frames import (
     TOLERANCE,
     Matrix,
@@ -22,6 +22,7 @@ from mars_asp.frames import (
     take_posture,
 )
 from mars_asp.model import MOTION_FUNCTIONS, Configuration, Control, Module, Mount
+from mars_asp.ranges import MOST
 
 _SEEDS = (1, 2, 3)
 _ZERO, _GENERIC = Atom("zero"), Atom("generic")

@@ -73,9 +73,6 @@ def project_facts(
     """Return the facts of a project, with `wanted` those of these predicates.
 
     How carriers move a module is told of sensors, end-effectors, what is controlled, and `moved`.
-
-    Raises:
-        MarsError: numbers that do not fit.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
     if wanted is not None and not wanted & FRAMES:

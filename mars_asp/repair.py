@@ -91,7 +91,7 @@ def repairs(
     sets of edits were tried, and how many will be at most.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses; the subject is no module,
+        MarsError: rules that clingo refuses; the subject is no module,
             and no kind of consequence.
     """
     began = time.monotonic()

@@ -2,28 +2,37 @@
 
 from collections.abc import Sequence
 from decimal import Decimal
+from typing import NamedTuple
 
 from mars_asp.model import Transformation
-from mars_asp.modes import parse_number
+from mars_asp.ranges import ANGLE, LENGTH, NumberProblem, Range
 
 AXES = ("x", "y", "z")
 NONE = "_"
 _MOST_SLOTS = 7
-#: Rules reason with micrometres in whole 32 bit numbers.
-_FARTHEST = 2_147_483
 
 
-def read_transformation(slots: Sequence[str]) -> Transformation | tuple[int, str, str]:
-    """Read the slots of a tuple, or return (slot, message, help) of what is wrong first.
+class TupleProblem(NamedTuple):
+    """What is wrong with a slot of a tuple, counted from 0, and what to do."""
+
+    slot: int
+    message: str
+    help: str
+
+
+def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TupleProblem, ...]:
+    """Read the slots of a tuple, or return all that is wrong with them.
 
     The last three slots are always the translation. Of an odd number before them one, the last
     or the first, must be `_`.
     """
     if not 3 <= len(slots) <= _MOST_SLOTS:
         return (
-            len(slots) - 1,
-            f"a tuple of {len(slots)} slots",
-            "write `(axis, degrees, axis, degrees, x, y, z)` with `_` for none",
+            TupleProblem(
+                len(slots) - 1,
+                f"a tuple of {len(slots)} slots",
+                "write `(axis, degrees, axis, degrees, x, y, z)` with `_` for none",
+            ),
         )
     before, after = list(slots[:-3]), slots[-3:]
     offset = 0
@@ -34,29 +43,28 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[int, str
             before.pop(0)
             offset = 1
         else:
-            return (
-                len(before) - 1,
-                f"`{before[-1]}` is half of a rotation",
-                "write axis and degrees",
-            )
+            message = f"`{before[-1]}` is half of a rotation"
+            return (TupleProblem(len(before) - 1, message, "write axis and degrees"),)
+    problems: list[TupleProblem] = []
+
+    def number(place: int, wanted: Range) -> Decimal:
+        found = wanted.read(slots[place])
+        if isinstance(found, NumberProblem):
+            problems.append(TupleProblem(place, found.message, found.help))
+            return Decimal(0)
+        return found
+
     rotations = []
-    for index in range(0, len(before), 2):
-        axis, degrees = before[index : index + 2]
-        angle = parse_number(degrees)
-        if axis == degrees == NONE:
+    for place in range(offset, offset + len(before), 2):
+        axis = slots[place]
+        if axis == slots[place + 1] == NONE:
             continue
         if axis not in AXES:
-            return (offset + index, f"`{axis}` is no axis", "write `x`, `y`, `z` or `_`")
-        if angle is None:
-            return (offset + index + 1, f"`{degrees}` is no angle", "write a number of degrees")
-        rotations.append((axis, angle))
-    translation = [Decimal(0) if slot == NONE else parse_number(slot) for slot in after]
-    for index, length in enumerate(translation):
-        place = len(slots) - 3 + index
-        if length is None:
-            return (place, f"`{slots[place]}` is no length", "write a number of mm or `_`")
-        if abs(length) > _FARTHEST:
-            message = f"`{slots[place]}` mm is farther than rules can reason about"
-            return (place, message, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}")
-    x, y, z = (length for length in translation if length is not None)
-    return Transformation(tuple(rotations), (x, y, z))
+            message = f"`{axis}` is no axis"
+            problems.append(TupleProblem(place, message, "write `x`, `y`, `z` or `_`"))
+        rotations.append((axis, number(place + 1, ANGLE)))
+    x, y, z = (
+        Decimal(0) if slot == NONE else number(place, LENGTH)
+        for place, slot in enumerate(after, len(slots) - 3)
+    )
+    return tuple(problems) or Transformation(tuple(rotations), (x, y, z))

@@ -46,7 +46,7 @@ def verify(
     is one already.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses.
+        MarsError: rules that clingo refuses.
     """
     return judge_specification(specification, project, rulebook, grounding).violations
 
@@ -60,7 +60,7 @@ def judge_specification(
     """Return what `verify` finds and the grounding in which it was found.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses.
+        MarsError: rules that clingo refuses.
     """
     judges = [r for r in rulebook.rules if r.text.startswith(f"{_VIOLATION}(")]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))

@@ -13,6 +13,7 @@ LAYERS = [
     "spelling",
     "atom",
     "model",
+    "ranges",
     "modes",
     "tuples",
     "walks",

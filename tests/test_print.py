@@ -23,6 +23,7 @@ from mars_asp.model import (
     Transformation,
     Vertex,
 )
+from mars_asp.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
 from mars_asp.source import Span
 from tests.documents import ROOT
 from tests.robots import HERE
@@ -56,8 +57,15 @@ def test_every_file_reads_back(path: Path) -> None:
     assert_reads_back(parse_file(path).configuration)
 
 
-numbers = st.decimals(-(10**6), 10**6, places=6) | st.integers(-720, 720).map(Decimal)
-turns = st.tuples(st.sampled_from("xyz"), numbers)
+def within(wanted: Range, places: int) -> st.SearchStrategy[Decimal]:
+    """Return numbers of a range, its ends among them."""
+    ends = st.sampled_from([wanted.least + Decimal(1).scaleb(-places), wanted.most])
+    return ends | st.decimals(wanted.least + 1, wanted.most, places=places)
+
+
+numbers = within(LENGTH, 3) | st.integers(-720, 720).map(Decimal)
+angles = within(ANGLE, 6) | st.integers(-720, 720).map(Decimal)
+turns = st.tuples(st.sampled_from("xyz"), angles)
 transformations = st.builds(
     Transformation,
     st.lists(turns, max_size=2).map(tuple),
@@ -70,7 +78,7 @@ functions = st.builds(
     lambda name, pair, rate: Function(name, HERE, pair[0], pair[1], rate),
     st.sampled_from((*MOTION_FUNCTIONS, "Grasp")),
     bounds,
-    st.none() | st.decimals("0.001", 1000, places=3),
+    st.none() | within(RATE, 3),
 )
 representations = st.sampled_from(
     ["RawImage", "nav::Odometry", "Line[]", "map<Key,Line[]>", "(A,B)", "(A,B)[]", "Grid<Cell,3>"]
@@ -80,7 +88,7 @@ modes = st.sampled_from(
         Mode("NotifyWhenReady"),
         Mode("RequestWhenReady"),
         Mode("NotifyAtFrequency"),
-        Mode("NotifyOnValue", (Decimal("30.5"), Decimal(-1))),
+        Mode("NotifyOnValue", (Decimal("-30.5"), Decimal(1))),
         Mode("NotifyOnMin", (Decimal(3),), "nearest"),
         Mode("NotifyOnMax", of="first"),
     ]
@@ -101,11 +109,11 @@ def services(draw: st.DrawFn) -> Service:
         draw(st.none() | representations),
         (draw(representations),) if kind == "Converts" else tuple(inputs),
         tuple(offered) if delivers else (),
-        draw(st.decimals("0.001", 1000, places=3)) if delivers and periodic else None,
+        draw(within(FREQUENCY, 3)) if delivers and periodic else None,
         tuple(draw(st.lists(st.sampled_from(MOTION_FUNCTIONS), unique=True, max_size=2)))
         if kind == "ControlOut"
         else (),
-        draw(st.integers(1, 99)) if kind == "Converts" else 1,
+        draw(st.integers(1, 99) | st.just(1_000_000)) if kind == "Converts" else 1,
     )
 
 
@@ -114,7 +122,7 @@ def modules(draw: st.DrawFn, name: str) -> Module:
     offered = tuple(draw(st.lists(services(), max_size=3)))
     senses = any(service.kind == "Sense" for service in offered)
     moves = draw(st.lists(functions, max_size=3, unique_by=lambda f: f.name))
-    placed = st.builds(Vertex, st.integers(0, 9), transformations, st.just(HERE))
+    placed = st.builds(Vertex, st.integers(0, 9) | st.just(MOST), transformations, st.just(HERE))
     return Module(
         name,
         HERE,

@@ -16,6 +16,7 @@ from mars_asp.analysis import analyse
 from mars_asp.facts import configuration_facts
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model import Configuration, Control, Data, Mode, Mount, Name, Relationship
+from mars_asp.ranges import MOST
 from mars_asp.resolve import NODES, Synthesis, synthesise
 from mars_asp.rulebook import load_rulebook
 from mars_asp.source import point
@@ -33,6 +34,8 @@ modes = st.sampled_from(
     [
         (None, None),
         (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("12.5")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("0.001")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("2147483.647")),
         (Mode("RequestWhenReady", text="RequestWhenReady"), None),
         (Mode("NotifyOnMax", (Decimal(80),), text="NotifyOnMax(80)"), None),
     ]
@@ -46,14 +49,14 @@ control = st.builds(
     ),
     names,
     names,
-    st.none() | st.integers(0, 3),
-    st.none() | st.integers(1, 500),
+    st.none() | st.integers(0, 3) | st.sampled_from([50_000, MOST - 1, MOST]),
+    st.none() | st.integers(1, 500) | st.just(MOST),
 )
 mount = st.builds(
     lambda mounting, mounted, vertex: Mount(mounting, mounted, HERE, vertex, vertex),
     names,
     names,
-    st.none() | st.integers(0, 4),
+    st.none() | st.integers(0, 4) | st.just(MOST),
 )
 configurations = st.builds(
     lambda relationships, architecture, kind: Configuration(

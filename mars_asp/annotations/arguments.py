@@ -7,21 +7,21 @@ from decimal import Decimal
 from typing import TypeAlias
 
 from mars_asp.model import GRASP, MOTION_FUNCTIONS, Mode, Transformation
-from mars_asp.modes import ModeProblem, parse_mode, parse_number
+from mars_asp.modes import ModeProblem, parse_mode
+from mars_asp.ranges import BOUND, COST, FREQUENCY, RATE, VERTEX, NumberProblem
 from mars_asp.spelling import nearest
 from mars_asp.tuples import read_transformation
 
 FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _PERIODIC = "NotifyAtFrequency"
-_HIGHEST_HZ = 2_000_000
+_RATE_POSITION = 2
 _MODES = "write delivery modes, such as `NotifyWhenReady` or `NotifyAtFrequency 25`"
-_HZ = "write a positive number of Hz without a unit, such as `NotifyAtFrequency 25`"
-_BOUNDS = "write `MIN MAX` or `MIN MAX RATE` as numbers, `_` for an open bound"
-_RATE = "write the speed without its direction, in degrees or mm per second"
 
 _BRACKETS = re.compile(r"[<([{>)\]}]")
 
 Bounds: TypeAlias = tuple[Decimal | None, Decimal | None, Decimal | None]
+#: Delivery modes, and the frequency of the periodic one.
+Delivery: TypeAlias = tuple[tuple[Mode, ...], Decimal | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,59 +39,66 @@ class Wrong:
     end: int = 0
 
 
-def read_commands(text: str) -> tuple[str, ...] | Wrong:
-    """Read the functions that a `@ControlOut` commands."""
+def read_commands(text: str) -> tuple[str, ...] | list[Wrong]:
+    """Read the functions that a `@ControlOut` commands, or return all that is wrong with them."""
+    wrong: list[Wrong] = []
     words = list(re.finditer(r"[^,\s]+", text))
     for word in words:
         if word[0] not in FUNCTIONS:
             near = nearest(word[0], FUNCTIONS, 0.84)
             expected = f"did you mean `{near}`?" if near else f"one of {', '.join(FUNCTIONS)}"
-            return Wrong("MARS114", f"`{word[0]}` is no function", expected, *word.span())
-    return tuple(word[0] for word in words)
+            wrong.append(Wrong("MARS114", f"`{word[0]}` is no function", expected, *word.span()))
+    return wrong or tuple(word[0] for word in words)
 
 
-def read_cost(text: str) -> int | Wrong:
+def read_cost(text: str) -> int | list[Wrong]:
     """Read `[COST]` of a `@Converts`."""
     if not text:
         return 1
-    if re.fullmatch(r"[0-9]{1,10}", text) and 0 < int(text) < 2**31:
-        return int(text)
-    return Wrong("MARS115", f"`{text}` is no cost", "write a positive whole number", 0, len(text))
+    cost = COST.read(text)
+    if isinstance(cost, NumberProblem):
+        return [Wrong("MARS115", cost.message, cost.help, 0, len(text))]
+    return int(cost)
 
 
-def read_delivery(text: str) -> tuple[tuple[Mode, ...], Decimal | None] | Wrong:
-    """Read `MODES [HZ]`."""
+def read_delivery(text: str) -> Delivery | list[Wrong]:
+    """Read `MODES [HZ]`, or return all that is wrong with them."""
     modes: list[Mode] = []
     hz: tuple[Decimal, int, int] | None = None
+    wrong: list[Wrong] = []
     for begin, part in parts(text):
         words = re.fullmatch(r"\s*([^\W\d]\w*\s*(?:\([^()]*\))?)\s*(.*)", part)
         if words is None:
-            return _no_mode(part.strip(), begin + len(part) - len(part.lstrip()))
+            wrong.append(_no_mode(part.strip(), begin + len(part) - len(part.lstrip())))
+            continue
         mode = parse_mode(words[1])
         if isinstance(mode, ModeProblem):
             at = begin + words.start(1)
             end = at + len(words[1].strip())
-            return Wrong("MARS111", mode.message, mode.help, at + mode.offset, end)
-        modes.append(mode)
-        if words[2]:
+            wrong.append(Wrong("MARS111", mode.message, mode.help, at + mode.offset, end))
+        else:
+            modes.append(mode)
+        written = words[2].strip()
+        if written:
             at = begin + words.start(2)
-            value = parse_number(words[2].strip())
-            end = at + len(words[2].strip())
-            if value is not None and hz is not None:
-                message = f"a second frequency, `{words[2].strip()}`"
-                return Wrong(
-                    "MARS113", message, f"one belongs to `{_PERIODIC}`, drop the other", at, end
-                )
-            if value is None or not 0 < value <= _HIGHEST_HZ:
-                return Wrong("MARS113", f"`{words[2].strip()}` is no frequency", _HZ, at, end)
-            hz = value, at, end
+            end = at + len(written)
+            value = FREQUENCY.read(written)
+            if isinstance(value, NumberProblem):
+                wrong.append(Wrong("MARS113", value.message, value.help, at, end))
+            elif hz is not None:
+                help_text = f"one belongs to `{_PERIODIC}`, drop the other"
+                message = f"a second frequency, `{written}`"
+                wrong.append(Wrong("MARS113", message, help_text, at, end))
+            else:
+                hz = value, at, end
     periodic = any(mode.name == _PERIODIC for mode in modes)
-    if periodic and hz is None:
+    if not wrong and periodic and hz is None:
         message = f"`{_PERIODIC}` without a frequency"
-        return Wrong("MARS112", message, f"write its number of Hz: `{_PERIODIC} 25`")
-    if hz is not None and not periodic:
-        return Wrong("MARS113", f"a frequency without `{_PERIODIC}`", _HZ, *hz[1:])
-    return tuple(modes), hz[0] if hz else None
+        wrong.append(Wrong("MARS112", message, f"write its number of Hz: `{_PERIODIC} 25`"))
+    if not wrong and not periodic and hz is not None:
+        message = f"a frequency without `{_PERIODIC}`"
+        wrong.append(Wrong("MARS113", message, FREQUENCY.help, *hz[1:]))
+    return wrong or (tuple(modes), hz[0] if hz else None)
 
 
 def _no_mode(found: str, at: int) -> Wrong:
@@ -101,36 +108,55 @@ def _no_mode(found: str, at: int) -> Wrong:
     return Wrong(code, f"`{found}` is no delivery mode", _MODES, at, at + len(found))
 
 
-def read_bounds(text: str) -> Bounds | Wrong:
-    """Read `[MIN MAX [RATE]]`."""
+def read_bounds(text: str) -> Bounds | list[Wrong]:
+    """Read `[MIN MAX [RATE]]`, or return all that is wrong with them."""
     words = list(re.finditer(r"\S+", text))
-    values = [None if word[0] == "_" else parse_number(word[0]) for word in words]
-    for word, value in zip(words, values, strict=True):
-        if value is None and word[0] != "_":
-            return Wrong("MARS116", f"`{word[0]}` is no bound", _BOUNDS, *word.span())
-    if len(values) not in (0, 2, 3):
-        return Wrong("MARS116", f"`{text}` are no bounds", _BOUNDS, 0, len(text))
+    values: list[Decimal | None] = []
+    wrong: list[Wrong] = []
+    for position, word in enumerate(words):
+        wanted = RATE if position == _RATE_POSITION else BOUND
+        value = None if word[0] == "_" else wanted.read(word[0])
+        if isinstance(value, NumberProblem):
+            wrong.append(Wrong("MARS116", value.message, value.help, *word.span()))
+            value = None
+        values.append(value)
+    if not wrong and len(values) not in (0, 2, 3):
+        wrong.append(Wrong("MARS116", f"`{text}` are no bounds", BOUND.help, 0, len(text)))
     low, high, rate = (*values, None, None, None)[:3]
     if low is not None and high is not None and low > high:
         message = f"bounds in the wrong order: MIN is `{words[0][0]}`, MAX is `{words[1][0]}`"
         help_text = f"swap them: `{words[1][0]} {words[0][0]}`"
-        return Wrong("MARS116", message, help_text, words[0].start(), words[1].end())
-    if rate is not None and rate <= 0:
-        message = f"RATE is `{words[2][0]}`, which is not above 0"
-        return Wrong("MARS116", message, _RATE, *words[2].span())
-    return low, high, rate
+        wrong.append(Wrong("MARS116", message, help_text, words[0].start(), words[1].end()))
+    return wrong or (low, high, rate)
 
 
-def read_vertex(text: str) -> tuple[int, Transformation] | Wrong:
-    """Read `N [TRANSFORMATION]`."""
-    match = re.fullmatch(r"([0-9]{1,6})\s*(?:\((.*)\))?", text)
-    transformation: Transformation | tuple[int, str, str] = Transformation()
-    if match and match[2] is not None:
-        transformation = read_transformation([slot.strip() for slot in match[2].split(",")])
-    if match is None or isinstance(transformation, tuple):
+def read_vertex(text: str) -> tuple[int, Transformation] | list[Wrong]:
+    """Read `N [TRANSFORMATION]`, or return all that is wrong with them."""
+    match = re.fullmatch(r"([-+.\w]+)\s*(?:\((.*)\))?", text)
+    if match is None or not match[1].strip("+-.")[:1].isdecimal():
         expected = "write a number and a tuple: `@Vertex 1 (_,_,_,_,0,0,100)`"
-        return Wrong("MARS118", f"`{text}` is no vertex", expected, 0, len(text))
-    return int(match[1]), transformation
+        return [Wrong("MARS118", f"`{text}` is no vertex", expected, 0, len(text))]
+    wrong: list[Wrong] = []
+    number = VERTEX.read(match[1])
+    if isinstance(number, NumberProblem):
+        wrong.append(Wrong("MARS118", number.message, number.help, *match.span(1)))
+        number = Decimal(0)
+    if match[2] is None:
+        return wrong or (int(number), Transformation())
+    slots: list[str] = []
+    spans: list[tuple[int, int]] = []
+    at = match.start(2)
+    for part in match[2].split(","):
+        begin = at + len(part) - len(part.lstrip())
+        slots.append(part.strip())
+        spans.append((begin, begin + len(slots[-1])))
+        at += len(part) + 1
+    found = read_transformation(slots)
+    if isinstance(found, Transformation) and not wrong:
+        return int(number), found
+    for problem in () if isinstance(found, Transformation) else found:
+        wrong.append(Wrong("MARS118", problem.message, problem.help, *spans[problem.slot]))
+    return wrong
 
 
 def parts(text: str) -> Iterator[tuple[int, str]]:

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass, field
 
-from mars_asp.annotations.arguments import FUNCTIONS, Wrong, read_bounds, read_vertex
+from mars_asp.annotations.arguments import FUNCTIONS, read_bounds, read_vertex
 from mars_asp.annotations.directives import (
     MOST_OTHERS,
     OVERRIDES,
@@ -168,8 +168,8 @@ class _Reader:
 
     def function(self, module: _Open, directive: Directive) -> None:
         bounds = read_bounds(directive.rest)
-        if isinstance(bounds, Wrong):
-            self.problems.note_wrong(directive, bounds)
+        if isinstance(bounds, list):
+            self.problems.note_wrong(directive, *bounds)
         elif directive.word in module.functions:
             self.problems.note_twice(directive, f"@{directive.word}")
         else:
@@ -179,8 +179,8 @@ class _Reader:
 
     def vertex(self, module: _Open, directive: Directive) -> None:
         read = read_vertex(directive.rest)
-        if isinstance(read, Wrong):
-            self.problems.note_wrong(directive, read)
+        if isinstance(read, list):
+            self.problems.note_wrong(directive, *read)
         elif read[0] in module.vertices:
             self.problems.note_twice(directive, f"@Vertex {read[0]}")
         else:

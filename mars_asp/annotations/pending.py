@@ -49,8 +49,8 @@ class Pending:
             self._problems.note_word("MARS213", directive, message, help_text)
         elif directive.word in SERVICE_KINDS:
             read = _read_service(directive, self._problems.span(directive.offset, directive.end))
-            if isinstance(read, Wrong):
-                self._problems.note_wrong(directive, read)
+            if isinstance(read, list):
+                self._problems.note_wrong(directive, *read)
                 self.add_unread(directive)
             else:
                 self._services.append((directive, read))
@@ -175,18 +175,18 @@ class Pending:
         return bound
 
 
-def _read_service(directive: Directive, span: Span) -> Service | Wrong:
+def _read_service(directive: Directive, span: Span) -> Service | list[Wrong]:
     """Read a function annotation; its declaration is yet to come."""
     kind = next(kind for kind in SERVICE_KINDS if kind == directive.word)
     if kind == "ControlOut":
         commands = read_commands(directive.rest)
-        return commands if isinstance(commands, Wrong) else Service(kind, span, commands=commands)
+        return commands if isinstance(commands, list) else Service(kind, span, commands=commands)
     if kind == "Converts":
         cost = read_cost(directive.rest)
-        return cost if isinstance(cost, Wrong) else Service(kind, span, cost=cost)
+        return cost if isinstance(cost, list) else Service(kind, span, cost=cost)
     if kind == "DataIn":
         return Service(kind, span)
     delivery = read_delivery(directive.rest)
-    if isinstance(delivery, Wrong):
+    if isinstance(delivery, list):
         return delivery
     return Service(kind, span, modes=delivery[0], hz=delivery[1])

@@ -41,13 +41,14 @@ class Problems:
         """Report an annotation at its `@`."""
         self.note(code, directive.offset, directive.end, message, help_text)
 
-    def note_wrong(self, directive: Directive, wrong: Wrong) -> None:
-        """Report a part of what stands behind an annotation's word, or all of the annotation."""
-        begin, end = directive.offset, directive.end
-        if wrong.begin is not None:
-            begin = directive.place(self.source, wrong.begin)
-            end = directive.place(self.source, wrong.end)
-        self.note(wrong.code, begin, end, wrong.message, wrong.help)
+    def note_wrong(self, directive: Directive, *wrong: Wrong) -> None:
+        """Report parts of what stands behind an annotation's word, or all of the annotation."""
+        for each in wrong:
+            begin, end = directive.offset, directive.end
+            if each.begin is not None:
+                begin = directive.place(self.source, each.begin)
+                end = directive.place(self.source, each.end)
+            self.note(each.code, begin, end, each.message, each.help)
 
     def note_twice(self, directive: Directive, what: str) -> None:
         """Report an annotation that says again what another one of its module says."""

@@ -72,7 +72,7 @@ def analyse_project(
     """Return the consequences of a project.
 
     Raises:
-        MarsError: numbers that do not fit, rules that clingo refuses.
+        MarsError: rules that clingo refuses.
     """
     with stage(arguments, "analysing"):
         return analyse(project_facts(project), rulebook, project.configuration.span)

@@ -20,8 +20,7 @@ KEYWORDS = (
 _WORDS = ("flat", "hierarchical", "period", "hold", "allocation", "root", "split")
 _SHOWN = {
     "NAME": "a module name",
-    "INTEGER": "a whole number",
-    "NUMBER": "a frequency",
+    "NUMBER": "a number",
     "MODE": "a delivery mode",
     "SLOT": "an axis, a number or `_`",
     "PATH": "a path",

@@ -21,13 +21,13 @@ from mars_asp.model import (
     Relationship,
     Transformation,
 )
-from mars_asp.modes import ModeProblem, parse_mode, parse_number
+from mars_asp.modes import ModeProblem, parse_mode
+from mars_asp.ranges import FREQUENCY, HOLD, PERIOD, PRIORITY, VERTEX, NumberProblem, Range
 from mars_asp.source import Span
 from mars_asp.tuples import read_transformation
 
 #: The name of a statement's rule and what stands in it: tokens, absences, statements within.
 Raw: TypeAlias = tuple[str, list["Token | Raw | None"]]
-MOST = 2**31 - 1
 PERIODIC = "NotifyAtFrequency"
 
 
@@ -67,7 +67,8 @@ class Builder:
         self.layout = layout
         self.problems: list[Diagnostic] = []
         self._base = 0
-        self._header: tuple[Token, Token | None, Token | None] | None = None
+        self._header: tuple[Token, Token | None] | None = None
+        self._period: int | None = None
         self._header_span = layout.span(0, 0)
         self._modules: dict[str, Name] | None = None
         self._sources: list[Name] = []
@@ -89,7 +90,7 @@ class Builder:
             at = min(first, max(0, len(self.layout.text) - 1))
             self._note(at, at, "the file has no `@configuration`", "begin it with `@configuration`")
             return Configuration(self.layout.path, self._header_span)
-        kind, architecture, period = self._header
+        kind, architecture = self._header
         if self._modules is None and complete:
             self._note_token(
                 kind, f"`{kind}` without `@modules`", "name its modules: `@modules A, B`"
@@ -101,7 +102,7 @@ class Builder:
             "specification" if kind == "@specification" else "configuration",
             stated,
             architecture is not None,
-            self._whole(period, "a period in milliseconds", 1),
+            self._period,
             tuple(self._sources),
             tuple((self._modules or {}).values()),
             tuple(self._relationships),
@@ -113,7 +114,8 @@ class Builder:
         if self._header is not None:
             self._note_token(kind, f"`{kind}` stands twice in the file", "keep one of the two")
             return
-        self._header = (kind, architecture, period)
+        self._header = (kind, architecture)
+        self._period = self._whole(period, PERIOD)
         self._header_span = self._span(kind, kind)
 
     def _add_modules(self, children: list[Token]) -> None:
@@ -147,8 +149,8 @@ class Builder:
                 str(mounting),
                 str(mounted),
                 self._span(mounting, last),
-                self._whole(vertex, "a vertex"),
-                self._whole(on, "a vertex"),
+                self._whole(vertex, VERTEX),
+                self._whole(on, VERTEX),
                 value,
             )
         )
@@ -160,8 +162,8 @@ class Builder:
             begin = text.rindex("(", 0, self._base + (slots[0].start_pos or 0))
             end = text.index(")", self._base + (slots[-1].end_pos or 0)) + 1
             return replace(found, text=text[begin:end])
-        index, message, help_text = found
-        self._note_token(slots[index], message, help_text)
+        for problem in found:
+            self._note_token(slots[problem.slot], problem.message, problem.help)
         return None
 
     def _add_control(self, children: list["Token | Raw"]) -> None:
@@ -173,7 +175,7 @@ class Builder:
             assert isinstance(name, Token)
             last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Token))
             begin = controlled if len(controllers) == 1 else name
-            rank = self._whole(priority, "a priority")
+            rank = self._whole(priority, PRIORITY)
             if len(controllers) > 1:
                 if isinstance(priority, Token):
                     self._note_token(
@@ -188,7 +190,7 @@ class Builder:
                     str(name),
                     self._span(begin, last),
                     rank,
-                    self._whole(hold, "a hold in milliseconds", 1),
+                    self._whole(hold, HOLD),
                     None if allocation is None else cast("Allocation", str(allocation)),
                 )
             )
@@ -204,7 +206,7 @@ class Builder:
                 self._note_offset(written, read)
             else:
                 mode = read
-        hz = None if number is None else self._frequency(number)
+        hz = self._number(number, FREQUENCY)
         if number is not None and written is None:
             mode = Mode(PERIODIC, text=PERIODIC)
         if number is not None and mode is not None and mode.name != PERIODIC:
@@ -217,28 +219,19 @@ class Builder:
         span = self._span(client, last)
         self._relationships.append(Data(str(client), str(source), span, mode, hz))
 
-    def _frequency(self, token: Token) -> Decimal | None:
-        value = parse_number(str(token))
-        scaled = None if value is None else value * 1000
-        if value is None or scaled is None or scaled != int(scaled) or not 0 < scaled <= MOST:
-            self._note_token(
-                token,
-                f"`{token}` is no frequency",
-                "write a positive number of Hertz below 2147483 with at most three decimals",
-            )
-            return None
-        return value
-
-    def _whole(self, token: "Token | Raw | None", what: str, least: int = 0) -> int | None:
+    def _number(self, token: "Token | Raw | None", wanted: Range) -> Decimal | None:
+        """Return the number that a token writes; note what is wrong with it."""
         if not isinstance(token, Token):
             return None
-        value = int(token) if len(token) < 12 else MOST + 1
-        if not least <= value <= MOST:
-            self._note_token(
-                token, f"`{token}` is not {what}", f"write a whole number from {least} to {MOST}"
-            )
+        found = wanted.read(str(token))
+        if isinstance(found, NumberProblem):
+            self._note_token(token, found.message, found.help)
             return None
-        return value
+        return found
+
+    def _whole(self, token: "Token | Raw | None", wanted: Range) -> int | None:
+        found = self._number(token, wanted)
+        return None if found is None else int(found)
 
     def _span(self, first: Token, last: Token) -> Span:
         begin, end = first.start_pos, last.end_pos

@@ -14,6 +14,8 @@ Turns: TypeAlias = tuple[tuple[str, Decimal], ...]
 
 #: Stands for an open bound: metres, radians, or either per second. URDF has no open one.
 OPEN = 1_000_000
+#: The greatest number of a position or of an axis: metres of which micrometres fit the language.
+FARTHEST = 2147
 QUARTER = math.pi / 2
 #: A microdegree of a microdegree: what products of sines lose, and nothing that anybody states.
 _ROUNDING = 1e-12

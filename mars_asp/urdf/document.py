@@ -9,7 +9,7 @@ from typing import TypeAlias
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.source import Span
 from mars_asp.spelling import nearest
-from mars_asp.urdf.angles import OPEN
+from mars_asp.urdf.angles import FARTHEST, OPEN
 from mars_asp.urdf.elements import Element, read_elements
 from mars_asp.walks import shortest_closed_walks
 
@@ -162,9 +162,9 @@ class _Reader:
         words = written[:_MOST].split()
         match tuple(map(_number, words)):
             case (Decimal() as x, Decimal() as y, Decimal() as z) if len(written) < _MOST:
-                if max(abs(x), abs(y), abs(z)) < OPEN:
+                if max(abs(x), abs(y), abs(z)) < FARTHEST:
                     return x, y, z
-        found = f'`{key}="{written[:_MOST]}"` are not three numbers below {OPEN}'
+        found = f'`{key}="{written[:_MOST]}"` are not three numbers below {FARTHEST}'
         self.note(element, found, f'write `{key}="{" ".join(map(str, default))}"` or the like')
         return default
 

@@ -1,5 +1,6 @@
 """URDF to a configuration: joints as mounts and motion functions."""
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -10,6 +11,7 @@ import numpy as np
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language import Parsed
 from mars_asp.model import Configuration, Function, Module, Mount, Name, Transformation, Vertex
+from mars_asp.ranges import BOUND
 from mars_asp.source import point
 from mars_asp.urdf.angles import (
     QUARTER,
@@ -91,7 +93,9 @@ def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> 
 
 
 def _written_turns(joint: Joint) -> Turns:
-    angles = (degrees_of(float(angle)) for angle in joint.turns)
+    # What is turned by more than a full turn stands as if turned by less.
+    radians = (float(angle) for angle in joint.turns)
+    angles = (degrees_of(a if abs(a) <= math.tau else math.remainder(a, math.tau)) for a in radians)
     return tuple(zip("xyz", angles, strict=True))
 
 
@@ -120,7 +124,9 @@ def _function(joint: Joint, letter: str) -> Function:
     def converted(value: Decimal | None) -> Decimal | None:
         if value is None:
             return None
-        return writable(value * _METRE) if slides else degrees_of(float(value))
+        found = writable(value * _METRE) if slides else degrees_of(float(value))
+        # Nothing stops what may go farther than the language can say.
+        return found if abs(found) <= BOUND.most else None
 
     name = f"{'Trans' if slides else 'Rotn'}_{letter}"
     bounds = converted(joint.lower), converted(joint.upper)

@@ -1,0 +1,116 @@
+"""The numbers of the language: how they are written, and the range of each.
+
+Rules reason with whole numbers of 32 bits, so every number is checked where it is read.
+"""
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
+#: Signs and leading zeros do not count among them, so what is read can be printed.
+_MOST_DIGITS = 18
+_MOST_SHOWN = 40
+MOST = 2**31 - 1
+#: Millimetres of which micrometres fit, degrees of which microdegrees fit.
+_FARTHEST = Decimal(MOST) / 1000
+_WIDEST = Decimal(MOST) / 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class NumberProblem:
+    """What is wrong with a number, and what to do."""
+
+    message: str
+    help: str
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """The numbers that may stand at one place; `noun` comes with its article.
+
+    `least` and `most` are within, unless `least` is 0 and `above` says that it is not; `decimals`
+    is how many may be written, `None` for any number of them.
+    """
+
+    noun: str
+    least: Decimal
+    most: Decimal
+    help: str
+    decimals: int | None = None
+    above: bool = False
+
+    def read(self, text: str) -> Decimal | NumberProblem:
+        """Return the number that a text writes, or what is wrong with it."""
+        fault = self._fault(text)
+        # Zero has no sign.
+        return Decimal(text) + 0 if fault is None else NumberProblem(fault, self.help)
+
+    def _fault(self, text: str) -> str | None:
+        shown, none = f"`{_shown(text)}`", f"`{_shown(text)}` is no {self.noun.partition(' ')[2]}"
+        if not _NUMBER.fullmatch(text) or (self.decimals == 0 and "." in text):
+            return none
+        value = Decimal(text)
+        if value > self.most:
+            return f"{shown} is too large for {self.noun}"
+        if value < self.least or (self.above and value == self.least):
+            # Where nothing below zero can be meant, it is not the size that is wrong.
+            return none if self.least >= 0 else f"{shown} is too small for {self.noun}"
+        if self.decimals is not None and len(text.partition(".")[2].rstrip("0")) > self.decimals:
+            return f"{shown} has too many decimals for {self.noun}"
+        if len(text.lstrip("+-0")) > _MOST_DIGITS:
+            return f"{shown} has more than the {_MOST_DIGITS} digits that a number may have"
+        return None
+
+
+def _whole(noun: str, least: int, most: int = MOST) -> Range:
+    help_text = f"write a whole number from {least} to {most}"
+    return Range(noun, Decimal(least), Decimal(most), help_text, 0)
+
+
+PRIORITY = _whole("a priority", 0)
+HOLD = _whole("a hold in milliseconds", 1)
+PERIOD = _whole("a period in milliseconds", 1)
+VERTEX = _whole("a vertex", 0)
+COST = _whole("a cost", 1, 1_000_000)
+#: Rules reason with millihertz.
+FREQUENCY = Range(
+    "a frequency",
+    Decimal(0),
+    _FARTHEST,
+    f"write Hz without a unit, above 0, at most {_FARTHEST}, with at most three decimals",
+    3,
+    above=True,
+)
+LENGTH = Range(
+    "a length", -_FARTHEST, _FARTHEST, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}"
+)
+ANGLE = Range("an angle", -_WIDEST, _WIDEST, f"write degrees from -{_WIDEST} to {_WIDEST}")
+BOUND = Range(
+    "a bound",
+    -_FARTHEST,
+    _FARTHEST,
+    f"write `MIN MAX` or `MIN MAX RATE` as numbers from -{_FARTHEST} to {_FARTHEST},"
+    " `_` for an open bound",
+)
+RATE = Range(
+    "a rate",
+    Decimal(0),
+    _FARTHEST,
+    f"write the speed without its direction, in degrees or mm per second, at most {_FARTHEST}",
+    above=True,
+)
+_MOST_ARGUMENT = Decimal(10**12)
+ARGUMENT = Range(
+    "an argument",
+    -_MOST_ARGUMENT,
+    _MOST_ARGUMENT,
+    f"write a number from -{_MOST_ARGUMENT} to {_MOST_ARGUMENT}",
+)
+
+
+def _shown(text: str) -> str:
+    """Return a text, of a long one its beginning and how long it is."""
+    if len(text) <= _MOST_SHOWN:
+        return text
+    return f"{text[: _MOST_SHOWN // 2]}... ({len(text)} characters)"
