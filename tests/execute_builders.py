@@ -36,8 +36,8 @@ def data_out(name: str, modes: str = "NotifyWhenReady", hz: float | None = None)
     return _with_service(name, "DataOut", modes, hz)
 
 
-def control_out(name: str) -> Module:
-    return Module(name, HERE, (Service("ControlOut", HERE),))
+def control_out(name: str, *commands: str) -> Module:
+    return Module(name, HERE, (Service("ControlOut", HERE, commands=commands),))
 
 
 def sink(name: str) -> Module:

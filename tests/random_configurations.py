@@ -212,3 +212,36 @@ def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
         with suppress(UnclearError):
             found[name] |= least_supports(name, mounts, modules).keys()
     return found
+
+
+def random_control(seed: int) -> str:
+    """Return a random configuration of controllers that all command `Trans_Z`, for a run.
+
+    Riders have no motion and are carried by what has one, through mounts that turn nothing.
+    """
+    rng = random.Random(seed)
+    wheels = [f"W{index}" for index in range(rng.randint(1, 3))]
+    riders = [f"R{index}" for index in range(rng.choice([0, 0, 1, 1, 2]))]
+    drivers = [f"D{index}" for index in range(rng.randint(2, 5))]
+    kind = rng.choice([" hierarchical", " hierarchical", " hierarchical", "", " flat period 50"])
+    held = rng.choice([("",), ("", "", " hold 50"), (" hold 15", " hold 44", " hold 90", "")])
+    ranked = rng.choice([(0, 1, 2, 3, 4), (0, 1, 1, 2, 2), (0, 0, 0, 1), (5, 0, 70000, 3, 2)])
+    lines = [
+        f"{name} is_mounted_on {rng.choice([*wheels, *riders[:i]])}"
+        for i, name in enumerate(riders)
+    ]
+    if len(wheels) > 1 and rng.random() < 0.4:
+        lines.append("W1 is_mounted_on W0")
+    for name in (*wheels, *riders):
+        chosen = rng.sample(drivers, rng.randint(0 if name in wheels else 1, len(drivers)))
+        for place, driver in enumerate(chosen):
+            rank = (
+                ranked[place] if rng.random() < 0.8 and place < len(ranked) else rng.randint(0, 3)
+            )
+            lines.append(f"{name} is_controlled_by {driver} {rank}{rng.choice(held)}")
+    rng.shuffle(lines)
+    blocks = [_block(name, "@Trans_Z") for name in wheels]
+    blocks += [_block(name) for name in riders]
+    blocks += [_block(name, "@ControlOut Trans_Z", "Command lead();") for name in drivers]
+    names = ", ".join([*wheels, *riders, *drivers])
+    return "\n".join([f"@configuration{kind}", f"@modules {names}", *lines, *blocks])

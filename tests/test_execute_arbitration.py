@@ -256,7 +256,12 @@ def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits()
         "Arm is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by ControlSplitter1\n"
         "ArbitrationNode is_controlled_by B 1\nInheritanceNode1 is_controlled_by ControlSplitter1\n"
         "Base is_controlled_by InheritanceNode1",
-        [control_out("A"), control_out("B"), effector("Arm", GRASP), effector("Base", "Trans_X")],
+        [
+            control_out("A", GRASP, "Trans_Y"),
+            control_out("B", GRASP),
+            effector("Arm", GRASP),
+            effector("Base", "Trans_X"),
+        ],
         {
             "A": Behaviour(
                 iter([("Trans_Y", 8), (GRASP, 3), ("Trans_Y", 4), ("Trans_Z", 1)]).__next__, ms(100)
@@ -322,3 +327,33 @@ def test_a_suppressed_message_counts_for_the_module_that_said_it() -> None:
     arbiter = executor.arbiters["ArbitrationNode"]
     assert isinstance(arbiter, HierarchicalArbitration)
     assert arbiter.suppressed == {"A": 1}
+
+
+def test_an_inheritance_node_beside_a_led_module_stands_for_another_that_stands_on_the_same() -> (
+    None
+):
+    # `Arm` has what `A` says, so the node is that of `Eye`, and hands everything on.
+    base = Inbox()
+    executed(
+        "Arm is_mounted_on Base\nEye is_mounted_on Base\nControlSplitter1 is_controlled_by A\n"
+        "Arm is_controlled_by ControlSplitter1\n"
+        "InheritanceNode1 is_controlled_by ControlSplitter1\n"
+        "Base is_controlled_by InheritanceNode1",
+        [control_out("A", GO), effector("Arm", GO), effector("Base", GO), effector("Eye")],
+        {"A": scripted({0: 1}), "Arm": Inbox(), "Base": base, "Eye": Inbox()},
+        0.05,
+    )
+    assert base.got == [(0, {GO: 1})]
+
+
+def test_a_message_stays_in_force_for_two_and_a_half_periods_whatever_copies_it() -> None:
+    base = Inbox()
+    executed(
+        "ControlSplitter1 is_controlled_by A\nOther is_controlled_by ControlSplitter1\n"
+        "ArbitrationNode is_controlled_by ControlSplitter1 1\n"
+        "ArbitrationNode is_controlled_by B 0\nBase is_controlled_by ArbitrationNode",
+        [control_out("A"), control_out("B"), effector("Base", GO), effector("Other", GO)],
+        {"A": scripted({0: 1}), "B": scripted({}), "Base": base, "Other": Inbox()},
+        0.05,
+    )
+    assert base.got == [(0, {GO: 1}), (25, {})]

@@ -2,7 +2,8 @@
 
     python -m tests.test_exhaustive HOW_MANY [FIRST_SEED [PART ...]]
 
-does the same for as many random configurations of each part as wanted: `wiring`, `mounts`, `twins`.
+does the same for as many random configurations of each part as wanted: `wiring`, `mounts`, `twins`,
+and `run` (who wins at each module when a specification runs).
 """
 
 import sys
@@ -11,27 +12,14 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from mars_asp.analysis import analyse
-from mars_asp.language import parse_text
 from mars_asp.model import Configuration, Control, node_kind
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
-from mars_asp.rulebook import load_rulebook
+from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis
 from mars_asp.verify import verify
 from tests.exhaustive import Cost, add, inheritance, minimal
 from tests.least_supports import UnclearError
 from tests.random_configurations import random_configuration, random_mounts, random_twins
-
-RULEBOOK = load_rulebook(stages=("resolve", "verify"))
-
-
-def read(text: str) -> Project:
-    return Project(parse_text(text, "c.mars").configuration, {}, ())
-
-
-def synthesised(project: Project) -> Synthesis | None:
-    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-    return synthesise(project.configuration, {}, analysis, RULEBOOK)
+from tests.subjects import RULEBOOK, read, synthesised
+from tests.test_execute_priorities import compare_run
 
 
 def cost_of(found: Synthesis) -> Cost:
@@ -134,6 +122,7 @@ PARTS: dict[str, Callable[[int], str | None]] = {
     "wiring": compare_wiring,
     "mounts": compare_mounts,
     "twins": compare_twins,
+    "run": compare_run,
 }
 
 

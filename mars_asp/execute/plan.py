@@ -176,7 +176,9 @@ class Plan:
         """Return how long (ns) a message over a link into an arbiter stays in force."""
         if link.hold is not None:
             return link.hold
-        hz = self.rate(link.source)
+        # Splitters copy and InheritanceNodes map: how often is a matter of who speaks through them.
+        commanders = self._commanders(link.source)
+        hz = self.rate(commanders[0]) if len(commanders) == 1 else None
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
@@ -238,9 +240,15 @@ class Plan:
     def led_by_both(self, node: str) -> str | None:
         """Return the module that an InheritanceNode stands for and its controller commands, too.
 
-        It stands on all the node's providers, and is the farthest out of those that do.
+        It stands on all the node's providers, and is the farthest out of those that do. Such a
+        controller names functions that the module has and others: one that names none commands
+        what the module has, and the node then stands for somebody else.
         """
         providers = self._provider_links(node).keys()
+        named = [
+            frozenset(f for service in self.services(name) for f in service.commands)
+            for name in self._commanders(node)
+        ]
         beside = [link for into in self.control_in[node] for link in self.control_out[into.source]]
         riders = [
             name
@@ -248,6 +256,7 @@ class Plan:
             if link.client != node
             for name in self._effectors(link.client)
             if providers <= set(self.chain(name)[1:])
+            and any(said & self.functions(name) and said - self.functions(name) for said in named)
         ]
         return max(riders, key=lambda name: len(self.chain(name)), default=None)
 
@@ -273,6 +282,18 @@ class Plan:
             for link in self.control_out[node]
             for effector in self._effectors(link.client)
         }
+
+    def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
+        """Return the modules whose commands come to a node, through whatever nodes."""
+        if name in seen:
+            return []
+        if self.kind(name) not in ("arbitration_node", "control_splitter", "inheritance_node"):
+            return [name]
+        return [
+            commander
+            for link in self.control_in[name]
+            for commander in self._commanders(link.source, seen | {name})
+        ]
 
     def allocation(self, node: str) -> str | None:
         """Return which of similar providers an InheritanceNode takes, `None` the nearest."""

@@ -1,0 +1,18 @@
+"""What differential tests put under test: a text read, and its specification."""
+
+from mars_asp.analysis import analyse
+from mars_asp.language import parse_text
+from mars_asp.project import Project, project_facts
+from mars_asp.resolve import Synthesis, synthesise
+from mars_asp.rulebook import load_rulebook
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+
+
+def read(text: str) -> Project:
+    return Project(parse_text(text, "c.mars").configuration, {}, ())
+
+
+def synthesised(project: Project) -> Synthesis | None:
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+    return synthesise(project.configuration, {}, analysis, RULEBOOK)
