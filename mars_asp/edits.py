@@ -1,298 +1,452 @@
-"""Edits of a project, as the rules of `rules/repair` propose them, applied to its values.
+"""Edits of a project, as the rules of `rules/repair` propose them, written into its texts.
 
 An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/what-if.md` lists them.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+import re
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from decimal import Decimal
+from functools import cached_property
+from pathlib import Path
 
 from clingo import Symbol, SymbolType
 
-from mars_asp.facts import PERIODIC, described_modules, mode_of, numbered, numbered_annotations
-from mars_asp.language.print import print_number, print_relationship
-from mars_asp.model import (
-    Configuration,
-    Control,
-    Data,
-    Function,
-    Mode,
-    Module,
-    Mount,
-    Name,
-    Relationship,
-    Service,
-    ends_of,
-)
+from mars_asp.annotation_edits import Annotations, NoPlaceError, Read, read
+from mars_asp.annotations.blocks import block_source, read_blocks
+from mars_asp.annotations.files import read_source
+from mars_asp.facts import described_modules, mode_of, numbered, numbered_annotations
+from mars_asp.language.layout import Layout, lay_out
+from mars_asp.language.print import WIDTH, print_number
+from mars_asp.language.statement_edits import ListEdit, Member
+from mars_asp.language.tokens import Token, statements
+from mars_asp.model import Control, Function, Module, Mount, Relationship, Service
 from mars_asp.project import Project
 from mars_asp.source import Span
+from mars_asp.text_edits import ConflictError, Draft, LineEdit, apply_lines
 
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A line that an edit changes: how it reads and how it is to read, `None` for not at all."""
-
-    span: Span
-    old: str | None
-    new: str | None
+_PLAIN_TYPE = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
 
 
 class UnknownEditError(Exception):
     """A rule proposes an edit that is none of those listed."""
 
 
-def apply_edits(project: Project, edits: Iterable[Symbol]) -> tuple[Project, tuple[Line, ...]]:
-    """Return the edited project and the lines that change.
+class ImpossibleEditError(Exception):
+    """An edit has no place in the text, or two edits exclude each other."""
 
-    Identifiers in all edits are those of `project`.
+
+class Texts:
+    """The texts of a project before any edit, read once for however many edits are tried."""
+
+    def __init__(self, project: Project) -> None:
+        """Take a project that was loaded from its texts."""
+        self.project = project
+        self.path = project.configuration.path
+        self._read: dict[str, Read] = {}
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[int, int], ...]:
+        """Return the first and last lines of the module blocks."""
+        return read_blocks(self.path, self.project.text).lines
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Return the layout of the configuration."""
+        return lay_out(self.path, self.project.text, self.blocks)
+
+    @cached_property
+    def statements(self) -> list[tuple[Token, ...]]:
+        """Return the tokens of each statement of the configuration."""
+        return list(statements(self.layout))
+
+    @cached_property
+    def relationships(self) -> Mapping[int, Relationship]:
+        """Return the relationships by identifier."""
+        return dict(numbered(self.project.configuration.relationships))
+
+    @cached_property
+    def modules(self) -> Mapping[str, Module]:
+        """Return the described modules by name."""
+        declared = {m.name: m for m in self.project.configuration.declared}
+        return {**self.project.modules, **declared}
+
+    @cached_property
+    def annotations(self) -> Mapping[int, Service | Function]:
+        """Return the annotations by identifier."""
+        project = self.project
+        described = described_modules(project.configuration, project.modules)
+        found = numbered_annotations(project.configuration, described)
+        return {number: annotation for number, _, annotation in found}
+
+    def annotated(self, path: str) -> Read:
+        """Return the annotations of a file."""
+        if path not in self._read:
+            if path == self.path:
+                source = block_source(path, self.project.text, self.blocks)
+            else:
+                source = read_source(Path(path))
+            self._read[path] = read(source)
+        return self._read[path]
+
+    def text(self, path: str) -> str:
+        """Return the text of a file."""
+        return self.project.text if path == self.path else self.annotated(path).source.text
+
+
+def apply_edits(
+    texts: Texts, edits: Iterable[Symbol]
+) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
+    """Return the lines that change, file by file, and the texts that come out, by path.
+
+    Identifiers in all edits are those of the project that `texts` are of.
 
     Raises:
         UnknownEditError: an edit is none of those listed.
+        ImpossibleEditError: an edit cannot be written, alone or beside the others.
     """
-    draft = _Draft(project)
-    for edit in edits:
-        apply = _EDITS.get((edit.name, len(edit.arguments)))
-        if apply is None:
-            raise UnknownEditError(str(edit))
-        apply(draft, *edit.arguments)
-    return draft.project(), tuple(draft.lines)
+    drafts = _Drafts(texts)
+    try:
+        for edit in edits:
+            apply = _EDITS.get((edit.name, len(edit.arguments)))
+            if apply is None:
+                raise UnknownEditError(str(edit))
+            apply(drafts, *edit.arguments)
+        return drafts.finished()
+    except (ConflictError, NoPlaceError, OSError, ValueError) as error:
+        raise ImpossibleEditError from error
 
 
-class _Draft:
-    """A project while it is edited; relationships and annotations are known by identifier."""
+class _Drafts:
+    """The texts of a project while they are edited."""
 
-    def __init__(self, project: Project) -> None:
-        self.before = project
-        self.configuration = project.configuration
-        self.relationships: dict[int, Relationship] = dict(
-            numbered(project.configuration.relationships)
+    def __init__(self, texts: Texts) -> None:
+        self.texts = texts
+        self._drafts: dict[str, Draft] = {}
+        self._lists: dict[int, ListEdit] = {}
+        self._names: list[str] = []
+
+    def finished(self) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
+        ranked = self.texts.project.configuration.architecture == "hierarchical"
+        for at, edit in self._lists.items():
+            tokens = self.texts.statements[at]
+            edit.write(self.file(self.texts.path), ranked and self._has_others(tokens[0].text, at))
+        lines: list[LineEdit] = []
+        changed = {}
+        for path, draft in sorted(self._drafts.items()):
+            found = draft.lines()
+            lines += found
+            if found:
+                changed[path] = apply_lines(draft.text, found)
+        return tuple(lines), changed
+
+    def file(self, path: str) -> Draft:
+        if path not in self._drafts:
+            self._drafts[path] = Draft(path, self.texts.text(path))
+        return self._drafts[path]
+
+    @property
+    def main(self) -> Draft:
+        """Return the draft of the configuration."""
+        return self.file(self.texts.path)
+
+    def annotations(self, span: Span) -> Annotations:
+        return Annotations(self.texts.annotated(span.path), self.file(span.path))
+
+    def statement(self, span: Span) -> int:
+        """Return which statement stands at a span."""
+        offset = self.main.begin(span)
+        begins = self._begins
+        return bisect_right(begins, offset) - 1
+
+    @cached_property
+    def _begins(self) -> list[int]:
+        return [tokens[0].begin for tokens in self.texts.statements]
+
+    def headed(self, *words: str) -> int:
+        """Return the statement that begins with one of some words."""
+        found = (n for n, each in enumerate(self.texts.statements) if each[0].text in words)
+        return next(found)
+
+    def members(self, at: int) -> ListEdit:
+        """Return the edit of a statement that lists names."""
+        if at not in self._lists:
+            self._lists[at] = ListEdit(self.texts.statements[at], self.indent(at))
+        return self._lists[at]
+
+    def member(self, control: Control) -> tuple[ListEdit, Member]:
+        """Return the statement of a control relationship and its member that names it."""
+        listed = self.members(self.statement(control.span))
+        offset = self.main.begin(control.span)
+        named = (each for each in listed.members if each.name.begin == offset)
+        return listed, next(named, listed.members[0])
+
+    def indent(self, at: int) -> str:
+        """Return what stands before a statement on its line."""
+        return self.main.blanks(self.first_line(at))
+
+    def first_line(self, at: int) -> int:
+        return self.texts.layout.position(self.texts.statements[at][0].begin)[0]
+
+    def last_line(self, at: int) -> int:
+        return self.texts.layout.position(self.texts.statements[at][-1].end)[0]
+
+    def add(self, at: int, text: str) -> None:
+        """Write a statement on a line of its own behind another."""
+        self.main.insert(self.last_line(at), "behind", [self.indent(at) + text])
+
+    def replace(self, token: Token, text: str) -> None:
+        self.main.put(token.begin, token.end, text)
+
+    def behind(self, token: Token, text: str) -> None:
+        """Write a word behind a token."""
+        self.main.put(token.end, token.end, f" {text}")
+
+    def drop(self, at: int) -> None:
+        """Leave a statement out, with all lines that it stands on."""
+        place = self.texts.layout.position
+        for line in {place(token.begin)[0] for token in self.texts.statements[at]}:
+            self.main.delete(line)
+
+    def remove(self, first: Token, last: Token) -> None:
+        """Leave out tokens of one line, and the blanks before them."""
+        text = self.main.text
+        begin = len(text[: first.begin].rstrip(" \t"))
+        self.main.put(begin, last.end, "")
+
+    def _has_others(self, controlled: str, at: int) -> bool:
+        """Say whether another statement controls the same module."""
+        return any(
+            number != at and each[0].text == controlled and each[1].text == "is_controlled_by"
+            for number, each in enumerate(self.texts.statements)
+            if len(each) > 1
         )
-        described = described_modules(project.configuration, project.modules)
-        self.annotations = {
-            number: (module.name, annotation)
-            for number, module, annotation in numbered_annotations(project.configuration, described)
-        }
-        self.modules = {**project.modules, **{m.name: m for m in self.configuration.declared}}
-        self.lines: list[Line] = []
 
-    def project(self) -> Project:
-        declared = {module.name for module in self.configuration.declared}
-        configuration = replace(
-            self.configuration,
-            relationships=tuple(self.relationships.values()),
-            declared=tuple(m for m in self.modules.values() if m.name in declared),
-        )
-        found = {name: m for name, m in self.modules.items() if name not in declared}
-        return replace(self.before, configuration=configuration, modules=found)
+    def names_of(self, at: int) -> Iterator[Token]:
+        """Yield the tokens of a relationship that name modules."""
+        tokens = self.texts.statements[at]
+        words = [token.text for token in tokens]
+        if "uses_data_from" in words[1:2]:
+            yield from (tokens[0], tokens[2])
+        elif "is_mounted_on" in words[1:3]:
+            yield from (tokens[0], tokens[words.index("is_mounted_on") + 1])
 
-    def relationship(self, number: Symbol, changed: Relationship | None) -> None:
-        """Put another relationship in the place of one, or none."""
-        old = self.relationships[number.number]
-        new = None if changed is None else print_relationship(changed)
-        self.lines.append(Line(old.span, print_relationship(old), new))
-        if changed is None:
-            del self.relationships[number.number]
-        else:
-            self.relationships[number.number] = changed
-
-    def names(self, names: Iterable[Name], name: str, added: bool) -> None:
-        """Put other names into `@modules`."""
-        old, new = (None, f"@modules {name}") if added else (f"@modules {name}", None)
-        spans = {n.text: n.span for n in self.configuration.modules}
-        last = self.configuration.modules[-1:]
-        span = spans.get(name) or (last[0].span if last else self.configuration.span)
-        self.lines.append(Line(span, old, new))
-        self.configuration = replace(self.configuration, modules=tuple(names))
-
-    def annotation(
-        self, name: str, old: Service | Function | None, new: Service | Function | None
-    ) -> None:
-        """Put another annotation of a module in the place of one, or none; or add one."""
-        module = self.modules[name]
-        services = [s for s in module.services if s is not old]
-        functions = [f for f in module.functions if f is not old]
-        if isinstance(new, Service):
-            services.append(new)
-        elif new is not None:
-            functions.append(new)
-        self.modules[name] = replace(module, services=tuple(services), functions=tuple(functions))
-        span = module.span if old is None else old.span
-        texts = [None if a is None else _annotation_text(a) for a in (old, new)]
-        self.lines.append(Line(span, texts[0], texts[1]))
+    def free_name(self) -> str:
+        """Return a name for a converter that no module has."""
+        project = self.texts.project
+        taken = {*self.texts.modules, *self._names}
+        taken |= {name.text for name in project.configuration.modules}
+        number = 1
+        while f"Converter{number}" in taken:
+            number += 1
+        self._names.append(f"Converter{number}")
+        return self._names[-1]
 
 
-def _require(draft: _Draft, number: Symbol, mode: Symbol, rate: Symbol) -> None:
-    stated = draft.relationships[number.number]
-    assert isinstance(stated, Data)
+def _require(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
     wanted = mode_of(mode)
-    text = wanted.text or wanted.name
-    changed = replace(stated, mode=replace(wanted, text=text), hz=_hertz(rate))
-    draft.relationship(number, changed)
-
-
-def _offer(draft: _Draft, number: Symbol, mode: Symbol, rate: Symbol) -> None:
-    name, annotation = draft.annotations[number.number]
-    assert isinstance(annotation, Service)
-    wanted = mode_of(mode)
-    modes: tuple[Mode, ...] = annotation.modes
-    if wanted not in modes:
-        modes += (wanted,)
-    hz = _hertz(rate) or annotation.hz if wanted.name == PERIODIC else annotation.hz
-    draft.annotation(name, annotation, replace(annotation, modes=modes, hz=hz))
-
-
-def _redirect(draft: _Draft, number: Symbol, end: Symbol, module: Symbol) -> None:
-    first, second = ends_of(draft.relationships[number.number])
-    if end.name == "first":
-        first = module.string
+    hz = _hertz(rate)
+    words = [wanted.text or wanted.name, *([] if hz is None else [print_number(hz)])]
+    at = drafts.statement(stated.span)
+    tokens = drafts.texts.statements[at]
+    if len(tokens) > 3:
+        drafts.main.put(tokens[3].begin, tokens[-1].end, " ".join(words))
     else:
-        second = module.string
-    draft.relationship(number, _between(draft.relationships[number.number], first, second))
+        drafts.behind(tokens[2], " ".join(words))
 
 
-def _swap(draft: _Draft, number: Symbol) -> None:
-    first, second = ends_of(draft.relationships[number.number])
-    draft.relationship(number, _between(draft.relationships[number.number], second, first))
+def _free(drafts: _Drafts, number: Symbol) -> None:
+    tokens = drafts.texts.statements[
+        drafts.statement(drafts.texts.relationships[number.number].span)
+    ]
+    if len(tokens) > 3:
+        drafts.remove(tokens[3], tokens[-1])
 
 
-def _drop(draft: _Draft, number: Symbol) -> None:
-    if number.number in draft.relationships:
-        draft.relationship(number, None)
+def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
+    service = drafts.texts.annotations[number.number]
+    assert isinstance(service, Service)
+    drafts.annotations(service.span).offer(service, mode_of(mode), _hertz(rate))
 
 
-def _relate(draft: _Draft, client: Symbol, source: Symbol) -> None:
-    added = Data(client.string, source.string, draft.configuration.span)
-    draft.relationships[max(draft.relationships, default=0) + 1] = added
-    draft.lines.append(Line(added.span, None, print_relationship(added)))
+def _redirect(drafts: _Drafts, number: Symbol, end: Symbol, module: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
+    if isinstance(stated, Control):
+        listed, member = drafts.member(stated)
+        if end.name != "first":
+            listed.rename(member, module.string)
+        elif len(listed.members) == 1:
+            listed.head = module.string
+        else:
+            listed.drop(member)
+            line = f"{module.string} is_controlled_by {member.written()}"
+            drafts.add(drafts.statement(stated.span), line)
+        return
+    first, second = drafts.names_of(drafts.statement(stated.span))
+    drafts.replace(first if end.name == "first" else second, module.string)
 
 
-def _rank(draft: _Draft, number: Symbol, priority: Symbol) -> None:
-    stated = draft.relationships[number.number]
+def _swap(drafts: _Drafts, number: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
+    if isinstance(stated, Control):
+        listed, member = drafts.member(stated)
+        if len(listed.members) == 1:
+            listed.head = stated.controller
+            listed.rename(member, stated.controlled)
+        else:
+            listed.drop(member)
+            rest = member.written(name=stated.controlled)
+            drafts.add(
+                drafts.statement(stated.span), f"{stated.controller} is_controlled_by {rest}"
+            )
+        return
+    first, second = drafts.names_of(drafts.statement(stated.span))
+    drafts.replace(first, second.text)
+    drafts.replace(second, first.text)
+
+
+def _drop(drafts: _Drafts, number: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
+    if isinstance(stated, Control):
+        listed, member = drafts.member(stated)
+        listed.drop(member)
+    else:
+        drafts.drop(drafts.statement(stated.span))
+
+
+def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
+    line = f"{client.string} uses_data_from {source.string}"
+    drafts.add(_neighbour(drafts, client.string), line)
+
+
+def _neighbour(drafts: _Drafts, client: str) -> int:
+    """Return the statement behind which a data relationship of a client stands best."""
+    best = (0, 0)
+    for at, tokens in enumerate(drafts.texts.statements):
+        words = [token.text for token in tokens[:3]]
+        fits = 1 if words[0] == "@modules" else 2 * ("is_" in "".join(words[1:]))
+        if "uses_data_from" in words[1:2]:
+            fits = 4 if words[0] == client else 3
+        best = max(best, (fits, at))
+    return best[1]
+
+
+def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Control)
-    draft.relationship(number, replace(stated, priority=priority.number))
+    listed, member = drafts.member(stated)
+    listed.rank(member, priority.number)
 
 
-def _vertex(draft: _Draft, number: Symbol, vertex: Symbol) -> None:
-    stated = draft.relationships[number.number]
+def _unrank(drafts: _Drafts, number: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
+    assert isinstance(stated, Control)
+    listed, member = drafts.member(stated)
+    listed.unrank(member)
+
+
+def _vertex(drafts: _Drafts, number: Symbol, vertex: Symbol) -> None:
+    stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Mount)
-    at = stated.mounting_vertex or 0
-    changed = replace(stated, mounting_vertex=at, mounted_vertex=vertex.number)
-    draft.relationship(number, changed)
+    tokens = drafts.texts.statements[drafts.statement(stated.span)]
+    words = [token.text for token in tokens]
+    mounted = words.index("is_mounted_on") + 1
+    if stated.mounted_vertex is None:
+        drafts.behind(tokens[mounted], str(vertex.number))
+    else:
+        drafts.replace(tokens[mounted + 1], str(vertex.number))
 
 
-def _architecture(draft: _Draft, kind: Symbol) -> None:
-    old = draft.configuration
-    chosen = "hierarchical" if kind.name == "hierarchical" else "flat"
-    changed: Configuration = replace(
-        old,
-        architecture="hierarchical" if chosen == "hierarchical" else "flat",
-        stated=True,
-        period_ms=None,
-    )
-    written = f"@{old.kind} {old.architecture}" if old.stated else f"@{old.kind}"
-    draft.lines.append(Line(old.span, written, f"@{old.kind} {chosen}"))
-    draft.configuration = changed
+def _architecture(drafts: _Drafts, kind: Symbol) -> None:
+    tokens = drafts.texts.statements[drafts.headed("@configuration", "@specification")]
+    if len(tokens) > 1 and tokens[1].text in ("flat", "hierarchical"):
+        drafts.replace(tokens[1], kind.name)
+        rest = tokens[2:]
+    else:
+        drafts.behind(tokens[0], kind.name)
+        rest = tokens[1:]
+    if rest:
+        drafts.remove(rest[0], rest[-1])
 
 
-def _name(draft: _Draft, module: Symbol) -> None:
-    known = draft.configuration.modules
-    added = Name(module.string, draft.configuration.span)
-    draft.names((*known, added), module.string, added=True)
+def _name(drafts: _Drafts, module: Symbol) -> None:
+    drafts.members(drafts.headed("@modules")).add(module.string, WIDTH)
 
 
-def _unname(draft: _Draft, module: Symbol) -> None:
-    kept = [name for name in draft.configuration.modules if name.text != module.string]
-    draft.names(kept, module.string, added=False)
+def _unname(drafts: _Drafts, module: Symbol) -> None:
+    listed = drafts.members(drafts.headed("@modules"))
+    listed.drop(next(each for each in listed.members if each.name.text == module.string))
 
 
-def _rename(draft: _Draft, old: Symbol, new: Symbol) -> None:
-    from clingo import Number  # noqa: PLC0415 -- the name means another thing above
-
-    for number, stated in list(draft.relationships.items()):
-        ends = ends_of(stated)
-        if old.string in ends:
-            first, second = (new.string if end == old.string else end for end in ends)
-            draft.relationship(Number(number), _between(stated, first, second))
-
-
-def _annotate(draft: _Draft, module: Symbol, word: Symbol) -> None:
-    span = draft.modules[module.string].span
-    match word.string:
-        case "DataOut":
-            mode = Mode("NotifyWhenReady", text="NotifyWhenReady")
-            draft.annotation(module.string, None, Service("DataOut", span, modes=(mode,)))
-        case "ControlOut":
-            draft.annotation(module.string, None, Service("ControlOut", span))
-        case function:
-            draft.annotation(module.string, None, Function(function, span))
+def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
+    for at, tokens in enumerate(drafts.texts.statements):
+        if tokens[0].text.startswith("@"):
+            continue
+        if tokens[1].text == "is_controlled_by":
+            if all(token.text != old.string for token in tokens):
+                continue
+            listed = drafts.members(at)
+            if listed.head == old.string:
+                listed.head = new.string
+            for member in listed.members:
+                if member.name.text == old.string:
+                    listed.rename(member, new.string)
+        else:
+            for token in drafts.names_of(at):
+                if token.text == old.string:
+                    drafts.replace(token, new.string)
 
 
-def _remove(draft: _Draft, number: Symbol) -> None:
-    name, annotation = draft.annotations[number.number]
-    draft.annotation(name, annotation, None)
+def _annotate(drafts: _Drafts, module: Symbol, word: Symbol) -> None:
+    described = drafts.texts.modules[module.string]
+    drafts.annotations(described.span).give(described, word.string)
 
 
-def _declare(draft: _Draft, source: Symbol, target: Symbol) -> None:
-    span = draft.configuration.span
-    name = _free_name(draft.modules)
-    converter = Service("Converts", span, "convert", target.string, (source.string,))
-    module = Module(name, span, (converter,))
-    draft.modules[name] = module
-    draft.configuration = replace(
-        draft.configuration, declared=(*draft.configuration.declared, module)
-    )
-    draft.lines.append(Line(span, None, f"@Converts {target.string} f({source.string} x);"))
+def _deliver(drafts: _Drafts, module: Symbol, output: Symbol) -> None:
+    described = drafts.texts.modules[module.string]
+    drafts.annotations(described.span).give(described, "DataOut", output.string)
+
+
+def _remove(drafts: _Drafts, number: Symbol) -> None:
+    annotation = drafts.texts.annotations[number.number]
+    drafts.annotations(annotation.span).remove(annotation)
+
+
+def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
+    """Write a module block behind the last one, else at the end of the file."""
+    ends = source.string, target.string
+    block = ["@module_start", f"@module_name {drafts.free_name()}", "@Converts"]
+    if all(_PLAIN_TYPE.fullmatch(each) for each in ends):
+        block.append(f"{target.string} convert({source.string} input);")
+    else:
+        block += [f"@Output {target.string}", f"@Input {source.string}", "void convert();"]
+    behind = max((last for _, last in drafts.texts.blocks), default=drafts.main.last)
+    gap = [""] if drafts.main.line(behind).strip() else []
+    drafts.main.insert(behind, "behind", [*gap, *block, "@module_end"])
 
 
 _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("require", 3): _require,
+    ("free", 1): _free,
     ("offer", 3): _offer,
     ("redirect", 3): _redirect,
     ("swap", 1): _swap,
     ("drop", 1): _drop,
     ("relate", 2): _relate,
     ("rank", 2): _rank,
+    ("unrank", 1): _unrank,
     ("vertex", 2): _vertex,
     ("architecture", 1): _architecture,
     ("name", 1): _name,
     ("unname", 1): _unname,
     ("rename", 2): _rename,
     ("annotate", 2): _annotate,
+    ("deliver", 2): _deliver,
     ("remove", 1): _remove,
     ("declare", 2): _declare,
 }
 
 
-def _between(relationship: Relationship, first: str, second: str) -> Relationship:
-    match relationship:
-        case Data():
-            return replace(relationship, client=first, source=second)
-        case Control():
-            return replace(relationship, controlled=first, controller=second)
-        case Mount():
-            return replace(relationship, mounting=first, mounted=second)
-
-
 def _hertz(rate: Symbol) -> Decimal | None:
     return Decimal(rate.number) / 1000 if rate.type == SymbolType.Number else None
-
-
-def _annotation_text(annotation: Service | Function) -> str:
-    if isinstance(annotation, Function):
-        return f"@{annotation.name}"
-    words = [f"@{annotation.kind}", ", ".join(mode.text or mode.name for mode in annotation.modes)]
-    if annotation.hz is not None:
-        words.append(print_number(annotation.hz))
-    return " ".join(word for word in (*words, *annotation.commands) if word)
-
-
-def _free_name(taken: Iterable[str]) -> str:
-    known = set(taken)
-    return next(name for name in _names("Converter") if name not in known)
-
-
-def _names(stem: str) -> Iterator[str]:
-    number = 1
-    while True:
-        yield f"{stem}{number}"
-        number += 1

@@ -4,24 +4,34 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mars_asp.atom import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, by_place
 from mars_asp.facts import FRAMES, configuration_facts
-from mars_asp.language import parse_file, parse_text
+from mars_asp.language import Parsed, parse_text
+from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.lookup import Lookup
 from mars_asp.model import Configuration, Module, Mount
 from mars_asp.source import Span, point
 from mars_asp.spelling import resemblances
 
+if TYPE_CHECKING:
+    from mars_asp.annotations.files import Extraction
+
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """A configuration, the modules described for it, and what is noteworthy about their files."""
+    """A configuration, the modules described for it, and what is noteworthy about their files.
+
+    `text` is what the configuration was read from, `found` what was read from sources.
+    """
 
     configuration: Configuration
     modules: Mapping[str, Module]
     diagnostics: tuple[Diagnostic, ...]
+    text: str = ""
+    found: "Extraction | None" = None
 
 
 def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
@@ -33,7 +43,8 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     Raises:
         MarsError: syntax errors of the file, and sources that are missing or wrongly annotated.
     """
-    parsed = parse_file(Path(path)) if text is None else parse_text(text, path)
+    text = read_text(Path(path)) if text is None else plain_lines(text)
+    parsed = parse_text(text, path)
     configuration = parsed.configuration
     folder = Path(path).parent
     problems: list[Diagnostic] = []
@@ -47,14 +58,48 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
         paths += _found(Path(argument), _missing(argument, place, advice), problems)
     if problems:
         raise MarsError(problems)
-    modules: dict[str, Module] = {}
-    diagnostics = parsed.warnings
+    found = None
     if paths:
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
-        extraction = extract(paths)
-        diagnostics += extraction.diagnostics
-        modules = {module.name: module for module in extraction.modules}
+        found = extract(paths)
+    return _described(parsed, text, found)
+
+
+def revised(project: Project, texts: Mapping[str, str]) -> Project:
+    r"""Return a project as it is with other texts of some of its files.
+
+    `texts` are by path, with `\n` for every line end; files that they do not name are not read
+    again.
+
+    Raises:
+        MarsError: what is wrong with the new texts.
+    """
+    path = project.configuration.path
+    text = texts.get(path, project.text)
+    parsed = parse_text(text, path)
+    changed = texts.keys() - {path}
+    found = project.found
+    if found is not None and changed:
+        from mars_asp.annotations.files import reread  # noqa: PLC0415 -- as above
+
+        for source in sorted(changed):
+            found = reread(found, source, texts[source])
+    return _described(parsed, text, found)
+
+
+def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
+    """Return a configuration with the modules that describe it.
+
+    Raises:
+        MarsError: what is wrong with their annotations.
+    """
+    configuration = parsed.configuration
+    modules: dict[str, Module] = {}
+    diagnostics = parsed.warnings
+    if found is not None:
+        diagnostics += found.diagnostics
+        modules = {module.name: module for module in found.modules}
         diagnostics += tuple(_misspelt(configuration, modules))
     clashes = [
         _annotated_twice(module, modules[module.name])
@@ -64,7 +109,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     errors = [d for d in diagnostics if d.severity == "error"] + clashes
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
-    return Project(configuration, modules, by_place(diagnostics))
+    return Project(configuration, modules, by_place(diagnostics), text, found)
 
 
 def project_facts(

@@ -6,20 +6,22 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from itertools import combinations
 
 import clingo
 
 from mars_asp.analysis import Analysis, Consequence, analyse, fill, shown
-from mars_asp.diagnostic import MarsError
-from mars_asp.edits import Line, UnknownEditError, apply_edits
-from mars_asp.project import Project, project_facts
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.edits import ImpossibleEditError, Texts, UnknownEditError, apply_edits
+from mars_asp.model import Configuration, Control, ends_of
+from mars_asp.project import Project, project_facts, revised
 from mars_asp.resolve import least_cost
 from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
 from mars_asp.spelling import nearest
 from mars_asp.subject import wrong_subject
+from mars_asp.text_edits import LineEdit
 
 #: What the rulebook of a repair holds.
 STAGES = ("resolve", "repair")
@@ -27,14 +29,20 @@ STAGES = ("resolve", "repair")
 MOST_MENDS, MOST_TRIED, MOST_EDITS = 5, 60, 3
 #: For all findings together, until so many facts were solved; a try costs as much as so many facts.
 MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
+#: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
+HEAVIEST = 3
 _EDIT = ("edit", 5)
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """One edit that a rule proposes; `weight` is how much it changes, from 1."""
+    """One edit that a rule proposes; `weight` is how much it changes, from 1.
+
+    `parts` are the edits that it consists of, itself where it has no parts.
+    """
 
     term: clingo.Symbol
+    parts: tuple[clingo.Symbol, ...]
     message: str
     weight: int
     rule: Rule
@@ -45,33 +53,37 @@ class Mend:
     """Edits that together remove a finding, and what the result was when it was solved.
 
     `others` counts the other findings that are gone, too; `warnings` are warnings that were not
-    there before; `errors` counts the errors that are left; `spent` is the cost of the least
-    specification by level, `None` while errors are left.
+    there before, `remarks` those of reading the files; `errors` counts the errors that are left;
+    `spent` is the cost of the least specification by level, `None` while errors are left.
     """
 
     edits: tuple[Edit, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[LineEdit, ...]
     others: int
     warnings: tuple[Consequence, ...]
+    remarks: tuple[Diagnostic, ...]
     errors: int
     spent: Mapping[int, int] | None
 
     @property
     def cost(self) -> tuple[int, int, int]:
         """Return by what mends are ranked: edits, their weight, new warnings."""
-        return len(self.edits), sum(edit.weight for edit in self.edits), len(self.warnings)
+        warnings = len(self.warnings) + len(self.remarks)
+        return len(self.edits), sum(edit.weight for edit in self.edits), warnings
 
 
 @dataclass(frozen=True, slots=True)
 class Repair:
     """A finding and the smallest mends of it, best first.
 
-    `tried` sets of edits were solved; `complete` is whether no smaller or equally small one was
-    left; `late` is whether the time was over before that.
+    Of as many edits as rules `proposed`, `tried` sets were written and solved; `complete` is
+    whether no smaller or equally small one was left; `late` is whether the time was over before
+    that.
     """
 
     consequence: Consequence
     mends: tuple[Mend, ...]
+    proposed: int
     tried: int
     complete: bool
     late: bool
@@ -155,13 +167,18 @@ def _proposals(
     grounding = analysis.grounding
     grounding.derive(f"{rulebook.text('repair')}\n{said}")
     found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
+    parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
+    for symbol in sorted(grounding.symbols("part", 2)):
+        whole, part = symbol.arguments
+        parts.setdefault(whole, []).append(part)
     for symbol in sorted(grounding.symbols("_proposed", 3)):
         number, head, values = symbol.arguments
         rule = speakers[number.number]
         *key, term, weight = head.arguments
         named = dict(zip(rule.holes, values.arguments, strict=True))
         message = fill(rule.because, named, shown) or str(term)
-        edit = Edit(term, message, weight.number, rule)
+        consists = tuple(parts.get(term, (term,)))
+        edit = Edit(term, consists, message, weight.number, rule)
         found.setdefault(tuple(key), {}).setdefault(term, edit)
     return {
         key: sorted(edits.values(), key=lambda edit: (edit.weight, edit.rule.span, edit.term))
@@ -181,11 +198,16 @@ def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """What a set of edits made of a project: `gone` are the findings that are no more."""
+    """What a set of edits made of a project: `gone` are the findings that are no more.
+
+    Findings that read alike are all in `gone` where one is; `fewer` says how many there are less.
+    """
 
     gone: frozenset[int]
-    lines: tuple[Line, ...]
+    fewer: int
+    lines: tuple[LineEdit, ...]
     warnings: tuple[Consequence, ...]
+    remarks: tuple[Diagnostic, ...]
     errors: int
     spent: Mapping[int, int] | None
 
@@ -202,9 +224,10 @@ class _Search:
         deadline: float | None,
     ) -> None:
         self._project = project
+        self._texts = Texts(project)
         self._rulebook = rulebook
         self._deadline = deadline
-        self._before = Counter(map(_name, before))
+        self._before = Told(before)
         self._findings = findings
 
     def repairs(
@@ -225,7 +248,8 @@ class _Search:
         left: set[int] = set()
         hurried: set[int] = set()
         solved = 0
-        for size in range(1, MOST_EDITS + 1):
+        # Behind sets of all sizes, the edits that stand alone because they change so much.
+        for size in (*range(1, MOST_EDITS + 1), None):
             unmended = [number for number, found in enumerate(mends) if not found]
             for group in _shared({n: proposed[n] for n in unmended}, size):
                 now = time.monotonic()
@@ -233,7 +257,8 @@ class _Search:
                 wanted = {
                     number: edits
                     for number, edits in group.items()
-                    if len(mends[number]) < MOST_MENDS and tried[number] < MOST_TRIED
+                    if len(mends[number]) < MOST_MENDS
+                    and (size is None or tried[number] < MOST_TRIED)
                 }
                 left |= group.keys() - wanted.keys()
                 if late or solved >= most:
@@ -255,6 +280,7 @@ class _Search:
             Repair(
                 finding,
                 _ranked(mends[number]),
+                len(proposed[number]),
                 tried[number],
                 number not in left,
                 number in hurried,
@@ -263,17 +289,22 @@ class _Search:
         )
 
     def _try(self, edits: tuple[Edit, ...]) -> _Outcome | None:
-        """Solve the edited project; return nothing where no finding goes or an error comes."""
+        """Write, read and solve; return nothing where no finding goes or an error comes."""
+        terms = [part for edit in edits for part in edit.parts]
         try:
-            project, lines = apply_edits(self._project, [edit.term for edit in edits])
+            lines, texts = apply_edits(self._texts, terms)
+            project = revised(self._project, texts)
             facts = project_facts(project)
             analysis = analyse(facts, self._rulebook, project.configuration.span)
-        except (MarsError, UnknownEditError):
+        except (MarsError, UnknownEditError, ImpossibleEditError):
             return None
-        after = Counter(map(_name, analysis.consequences))
-        names = map(_name, self._findings)
-        gone = frozenset(n for n, name in enumerate(names) if after[name] < self._before[name])
-        new = [c for c in analysis.consequences if after[_name(c)] > self._before[_name(c)]]
+        if not order_kept(self._texts, project.configuration, terms):
+            return None
+        told = Told(analysis.consequences)
+        gone = frozenset(
+            n for n, finding in enumerate(self._findings) if told.lacks(finding, self._before)
+        )
+        new = told.beyond(self._before)
         if not gone or any(c.severity == "error" for c in new):
             return None
         errors = sum(c.severity == "error" for c in analysis.consequences)
@@ -281,7 +312,9 @@ class _Search:
         if not errors and spent is None:
             return None
         warnings = tuple(c for c in new if c.severity == "warning")
-        return _Outcome(gone, lines, warnings, errors, spent)
+        remarks = tuple(_new_remarks(self._project.diagnostics, project.diagnostics))
+        fewer = told.fewer(self._findings, self._before)
+        return _Outcome(gone, fewer, lines, warnings, remarks, errors, spent)
 
     def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
         left = None if self._deadline is None else max(0.1, self._deadline - time.monotonic())
@@ -292,11 +325,21 @@ class _Search:
 
 
 def _mend(edits: tuple[Edit, ...], outcome: _Outcome) -> Mend:
-    others = len(outcome.gone) - 1
-    return Mend(edits, outcome.lines, others, outcome.warnings, outcome.errors, outcome.spent)
+    others = outcome.fewer - 1
+    return Mend(
+        edits,
+        outcome.lines,
+        others,
+        outcome.warnings,
+        outcome.remarks,
+        outcome.errors,
+        outcome.spent,
+    )
 
 
-def _shared(proposed: Mapping[int, Sequence[Edit]], size: int) -> list[dict[int, tuple[Edit, ...]]]:
+def _shared(
+    proposed: Mapping[int, Sequence[Edit]], size: int | None
+) -> list[dict[int, tuple[Edit, ...]]]:
     """Return the sets of edits of a size, each with the findings that it is proposed for.
 
     Those of least weight for each finding come first, then those that stand first for one.
@@ -317,8 +360,12 @@ def _shared(proposed: Mapping[int, Sequence[Edit]], size: int) -> list[dict[int,
     return [found[terms] for terms in sorted(found, key=order)]
 
 
-def _by_weight(edits: Sequence[Edit], size: int) -> Iterator[tuple[Edit, ...]]:
-    """Yield the sets of a size, those of least weight first."""
+def _by_weight(edits: Sequence[Edit], size: int | None) -> Iterator[tuple[Edit, ...]]:
+    """Yield the sets of a size, those of least weight first; without a size, the heaviest edits."""
+    if size is None:
+        yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
+        return
+    edits = [edit for edit in edits if edit.weight <= HEAVIEST]
     chosen = combinations(edits, size)
     if size == 1:
         yield from chosen
@@ -334,5 +381,114 @@ def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:
     return tuple(sorted(mends, key=lambda mend: mend.cost))
 
 
-def _name(consequence: Consequence) -> tuple[str, str]:
+class Told:
+    """Consequences as they can be found again in another analysis, counted."""
+
+    def __init__(self, consequences: Iterable[Consequence]) -> None:
+        """Count by kind and subject, and by what else tells two of them apart."""
+        self._consequences = tuple(consequences)
+        self._about = Counter(map(_about, self._consequences))
+        self._taking_part = Counter(map(_taking_part, self._consequences))
+        self._messages = Counter(map(_message, self._consequences))
+
+    def lacks(self, finding: Consequence, before: "Told") -> bool:
+        """Say whether a finding of `before` is gone, and none of its kind stands in its place."""
+        about, message = _about(finding), _message(finding)
+        return (
+            self._about[about] < before._about[about]
+            and self._messages[message] < before._messages[message]
+        )
+
+    def fewer(self, findings: Iterable[Consequence], before: "Told") -> int:
+        """Return how many there are less of the kinds and subjects of findings of `before`."""
+        return sum(
+            max(0, before._about[about] - self._about[about])
+            for about in set(map(_about, findings))
+        )
+
+    def beyond(self, before: "Told") -> list[Consequence]:
+        """Return what was not there before, or with others taking part, or said otherwise."""
+        return [
+            c
+            for c in self._consequences
+            if self._about[_about(c)] > before._about[_about(c)]
+            or self._taking_part[_taking_part(c)] > before._taking_part[_taking_part(c)]
+            or (
+                c.severity == "warning"
+                and self._messages[_message(c)] > before._messages[_message(c)]
+            )
+        ]
+
+
+def _about(consequence: Consequence) -> tuple[str, ...]:
     return consequence.kind, consequence.subject
+
+
+def _taking_part(consequence: Consequence) -> tuple[str, ...]:
+    return *_about(consequence), *consequence.participants
+
+
+def _message(consequence: Consequence) -> tuple[str, ...]:
+    return *_about(consequence), consequence.message
+
+
+def _new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the warnings about files that were not there before, wherever they stand."""
+    known = Counter((remark.code, remark.message) for remark in before)
+    for remark in after:
+        name = remark.code, remark.message
+        if known[name]:
+            known[name] -= 1
+        elif remark.severity == "warning":
+            yield remark
+
+
+def order_kept(before: Texts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
+    """Say whether controllers that ranked strictly above others of a module still do.
+
+    A controller that is renamed keeps its rank; where an edit takes a priority away, that of all
+    controllers of its module may change.
+    """
+    terms = list(edits)
+    renamed = {}
+    unranked = set()
+    for term in terms:
+        if term.match("rename", 2):
+            renamed[term.arguments[0].string] = term.arguments[1].string
+        elif term.match("unrank", 1):
+            unranked.add(ends_of(before.relationships[term.arguments[0].number])[0])
+    stated = before.project.configuration
+    return all(
+        _is_kept(_ranks(stated, names), _ranks(after, {}), unranked)
+        for names in ({}, renamed)[: 1 + bool(renamed)]
+    )
+
+
+def _is_kept(
+    before: Mapping[str, Mapping[str, int]],
+    after: Mapping[str, Mapping[str, int]],
+    unranked: Set[str],
+) -> bool:
+    for module, ranks in before.items():
+        now = after.get(module, {})
+        kept = sorted((rank, name) for name, rank in ranks.items() if name in now)
+        # The highest rank of those that were lower, and of all that were looked at.
+        level = lower = highest = -1
+        for rank, name in kept if module not in unranked else ():
+            if rank > level:
+                level, lower = rank, highest
+            if now[name] <= lower:
+                return False
+            highest = max(highest, now[name])
+    return True
+
+
+def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:
+    """Return the priority of each controller of each module, the highest that is stated."""
+    ranks: dict[str, dict[str, int]] = {}
+    for stated in configuration.relationships:
+        if isinstance(stated, Control):
+            of = ranks.setdefault(renamed.get(stated.controlled, stated.controlled), {})
+            name = renamed.get(stated.controller, stated.controller)
+            of[name] = max(of.get(name, 0), stated.priority or 0)
+    return ranks

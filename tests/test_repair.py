@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from mars_asp import repair
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli import run_here
-from mars_asp.edits import Line, apply_edits
-from mars_asp.language import parse_text
+from mars_asp.language import print_configuration
 from mars_asp.model import Configuration
-from mars_asp.project import Project, load_project, project_facts
+from mars_asp.project import Project, load_project, project_facts, revised
 from mars_asp.repair import STAGES, Mend, repairs
 from mars_asp.rulebook import load_rulebook
+from mars_asp.text_edits import apply_lines
+from tests.applied_repairs import check_repairs
 from tests.documents import ROOT, run
 from tests.test_properties import configurations, few
 
@@ -54,10 +55,7 @@ def test_edits_written_into_the_file_remove_the_finding(folder: Path) -> None:
     for found in repairs(project, RULEBOOK):
         finding = (found.consequence.kind, found.consequence.subject)
         for mend in found.mends:
-            text = _edited(Path(path).read_text(), mend.lines)
-            if text is None:
-                continue
-            after = _analyse(load_project(path, text=text))
+            after = _analyse(_edited(project, mend))
             kinds = [(c.kind, c.subject) for c in after.consequences]
             assert finding not in kinds or kinds.count(finding) < [
                 (c.kind, c.subject) for c in before.consequences
@@ -65,28 +63,32 @@ def test_edits_written_into_the_file_remove_the_finding(folder: Path) -> None:
             assert len(_errors(after)) == mend.errors
 
 
-def _edited(text: str, lines: tuple[Line, ...]) -> str | None:
-    """Write changed lines of relationships into a text; nothing where others change."""
-    written = text.split("\n")
-    for line in lines:
-        old = line.old or ""
-        if " uses_data_from " not in old and " is_" not in old:
-            return None
-        assert written[line.span.line - 1] == old
-        written[line.span.line - 1] = line.new or ""
-    return "\n".join(written)
+def _edited(project: Project, mend: Mend) -> Project:
+    """Return a project with the lines of a mend."""
+    texts = {project.configuration.path: project.text}
+    for path in {line.path for line in mend.lines}:
+        before = texts.get(path) or Path(path).read_text()
+        texts[path] = apply_lines(before, [line for line in mend.lines if line.path == path])
+    return revised(project, texts)
+
+
+@pytest.mark.parametrize("seed", range(1, 25))
+def test_repairs_of_random_robots_hold_when_a_program_applies_them(
+    seed: int, tmp_path: Path
+) -> None:
+    assert check_repairs(seed, tmp_path)[2] == []
 
 
 @settings(few, max_examples=6)
 @given(configurations)
 def test_every_mend_holds_and_none_is_larger_than_it_must_be(configuration: Configuration) -> None:
-    project = Project(configuration, {}, ())
+    project = load_project("robot.mars", text=print_configuration(configuration))
     before = _errors(_analyse(project))
     for found in repairs(project, RULEBOOK):
         finding = (found.consequence.kind, found.consequence.subject)
         assert len({len(mend.edits) for mend in found.mends}) <= 1
         for mend in found.mends:
-            after = _solved(project, mend)
+            after = _analyse(_edited(project, mend))
             count = [(c.kind, c.subject) for c in after.consequences].count(finding)
             was = [(c.kind, c.subject) for c in _analyse(project).consequences].count(finding)
             assert count < was
@@ -102,15 +104,8 @@ def _gone(project: Project, after: Analysis) -> int:
         for analysis in (_analyse(project), after)
     )
     worst = "error" if any(name[0] == "error" for name in was) else "warning"
-    found = [name for name in was if name[0] == worst]
-    kept = Counter(name[1:] for name in now)
-    had = Counter(name[1:] for name in was)
-    return sum(kept[name[1:]] < had[name[1:]] for name in found)
-
-
-def _solved(project: Project, mend: Mend) -> Analysis:
-    edited, _ = apply_edits(project, [edit.term for edit in mend.edits])
-    return _analyse(edited)
+    had = Counter(name[1:] for name in was if name[0] == worst)
+    return sum((had - Counter(name[1:] for name in now)).values())
 
 
 def _hub(clients: int) -> Project:
@@ -123,7 +118,7 @@ def _hub(clients: int) -> Project:
         lines += ["@module_end", "@module_start", f"@module_name {name}", "@DataIn"]
         lines += ["void show(Other x);"]
     text = "\n".join([*lines, "@module_end", ""])
-    return Project(parse_text(text, "hub.mars").configuration, {}, ())
+    return load_project("hub.mars", text=text)
 
 
 def test_an_edit_that_many_findings_share_is_tried_once_and_first(
@@ -192,10 +187,10 @@ def test_a_pack_may_propose_edits_for_its_own_findings(tmp_path: Path) -> None:
         "%! id: lonely/nonsense\n%! because: polish `{M}`\n"
         "edit(lonely, M, ground, polish(M), 1) :- consequence(lonely, _, M, ground).\n"
     )
-    configuration = parse_text("@configuration\n@modules Rock\n", "c.mars").configuration
+    project = load_project("c.mars", text="@configuration\n@modules Rock, Sand\n")
     book = load_rulebook([pack], STAGES)
-    [found] = repairs(Project(configuration, {}, ()), book)
-    assert [str(edit.term) for mend in found.mends for edit in mend.edits] == ['unname("Rock")']
+    found = repairs(project, book, "lonely(Rock)")
+    assert [str(edit.term) for mend in found[0].mends for edit in mend.edits] == ['unname("Rock")']
 
 
 def test_conflicting_rules_of_packs_are_named(

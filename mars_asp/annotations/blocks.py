@@ -1,10 +1,15 @@
 """Module blocks in a `.mars` file: annotations without comment marks, C++ declarations."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model import Module
+
+if TYPE_CHECKING:
+    from mars_asp.annotations.sources import Source
 
 _START = re.compile(r"(?mi)^[ \t]*@module_start\b")
 
@@ -24,17 +29,22 @@ def read_blocks(path: str, text: str) -> Blocks:
         return Blocks((), (), ())
     # Only a file with blocks pays for the reading of declarations.
     from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
-    from mars_asp.annotations.sources import Source  # noqa: PLC0415
 
     lines = _block_lines(text)
+    modules, problems = read_modules(block_source(path, text, lines))
+    return Blocks(modules, problems, lines)
+
+
+def block_source(path: str, text: str, lines: Iterable[tuple[int, int]]) -> "Source":
+    """Return a `.mars` text as the source of its module blocks, which stand in `lines`."""
+    from mars_asp.annotations.sources import Source  # noqa: PLC0415 -- as above
+
     kept = text.split("\n")
     inside = {number for first, last in lines for number in range(first, last + 1)}
     for number, line in enumerate(kept, 1):
         if number not in inside:
             kept[number - 1] = " " * len(line)
-    data = "\n".join(kept).encode("utf-8", "replace")
-    modules, problems = read_modules(Source(path, "mars", data))
-    return Blocks(modules, problems, lines)
+    return Source(path, "mars", "\n".join(kept).encode("utf-8", "replace"))
 
 
 def _block_lines(text: str) -> tuple[tuple[int, int], ...]:

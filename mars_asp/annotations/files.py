@@ -140,10 +140,9 @@ def _read(
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
         return (), (_about(shown, "MARS300", "error", reason, "make it readable"),)
-    wide = b"\0" in raw
-    if _MARK.search(raw) is None and not (wide and _MARK_16.search(raw)):
+    if not _is_marked(raw):
         return (), ()
-    data, encoding, notes = _normalised(raw, shown, wide)
+    data, encoding, notes = _normalised(raw, shown)
     # Of a large file there is never more than one copy beside the one that is made.
     del raw
     if data is None:
@@ -152,16 +151,40 @@ def _read(
     return modules, (*notes, *problems)
 
 
-def _normalised(
-    raw: bytes, shown: str, wide: bool
-) -> tuple[bytes | None, str, tuple[Diagnostic, ...]]:
+def read_source(path: Path) -> Source:
+    """Read a file again in which annotations were found.
+
+    Raises:
+        OSError: it cannot be read any more.
+        ValueError: it is no text any more.
+    """
+    data, encoding, _ = _normalised(path.read_bytes(), str(path))
+    language = _language(path.name)
+    if data is None or language is None:
+        raise ValueError(path)
+    return Source(str(path), language, data, encoding)
+
+
+def reread(found: Extraction, path: str, text: str) -> Extraction:
+    """Return an extraction with one of its files as it is with another text."""
+    modules, problems = read_modules(read_source(Path(path)).replaced(text))
+    kept = [module for module in found.modules if module.span.path != path]
+    others = [problem for problem in found.diagnostics if problem.span.path != path]
+    return Extraction((*kept, *modules), by_place([*others, *problems]))
+
+
+def _is_marked(raw: bytes) -> bool:
+    return _MARK.search(raw) is not None or (b"\0" in raw and _MARK_16.search(raw) is not None)
+
+
+def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagnostic, ...]]:
     """Return a file as UTF-8 or Latin-1 without byte order mark, its lines ended by LF."""
     notes: tuple[Diagnostic, ...] = ()
     encoding = "utf-8"
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         raw = raw.decode("utf-16", "replace").encode()
         notes = (_about(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
-    elif wide:
+    elif b"\0" in raw:
         reason = "holds a NUL byte: it is binary and was skipped"
         problem = _about(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
         return None, encoding, (problem,)

@@ -190,6 +190,20 @@ class Source:
         """Return the offset of a character of the text that stands at an offset."""
         return offset + (len(text[:index].encode()) if self._wide else index)
 
+    @property
+    def is_configuration(self) -> bool:
+        """Whether the annotations stand without comment marks, in the blocks of a `.mars` file."""
+        return self._lexicon == "mars"
+
+    @property
+    def text(self) -> str:
+        """Return the whole text."""
+        return self.data.decode(self._encoding, "replace")
+
+    def replaced(self, text: str) -> "Source":
+        """Return the source with another text."""
+        return Source(self.path, self._lexicon, text.encode(self._encoding), self._encoding)
+
     def position(self, offset: int) -> tuple[int, int]:
         """Return the line and column, from 1, of an offset; columns count code points."""
         return self._place(offset)[1:3]

@@ -11,10 +11,11 @@ from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
-from mars_asp.edits import Line
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.project import Project
 from mars_asp.repair import STAGES, Edit, Mend, Repair, repairs
 from mars_asp.resolve import COSTS
+from mars_asp.text_edits import LineEdit
 from mars_asp.visible import visible
 
 
@@ -46,7 +47,10 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
         yield f"{place}: {kind}: {visible(consequence.message)}"
         for number, mend in enumerate(repair.mends, 1):
             yield from _mend_text(number, mend)
-        if not repair.mends and not repair.tried and not repair.complete:
+        if not repair.proposed:
+            rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
+            yield f"  no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
+        elif not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
             why = "no time was left" if repair.late else "not tried beside so many others"
             yield f"  {why}: ask for `{alone}` alone"
@@ -60,19 +64,29 @@ def _mend_text(number: int, mend: Mend) -> Iterator[str]:
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield f"  {number}. {messages}  [{rules}]"
     for line in mend.lines:
-        place = visible(f"{line.span.path}:{line.span.line}")
-        for sign, text in (("-", line.old), ("+", line.new)):
-            if text is not None:
-                yield f"       {sign} {place}: {visible(text)}"
+        yield from _line_text(line)
     if mend.others:
         yield f"       mends {mend.others} other finding{'s' * (mend.others > 1)}, too"
     for warning in mend.warnings:
         yield f"       then warns: {visible(warning.message)}"
+    for remark in mend.remarks:
+        yield f"       then warns: {visible(remark.message)}"
     if mend.errors:
         yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
     elif mend.spent is not None:
         costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
         yield f"       then realised; cost: {costs}"
+
+
+def _line_text(line: LineEdit) -> Iterator[str]:
+    place = visible(f"{line.path}:{line.line}")
+    if line.old is not None:
+        yield f"       - {place}: {visible(line.old)}"
+        where = place
+    else:
+        where = visible(f"{line.where} {line.path}:{line.line}")
+    for text in [] if line.new is None else line.new.split("\n"):
+        yield f"       + {where}: {visible(text)}"
 
 
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:
@@ -83,6 +97,7 @@ def _repair_json(repair: Repair) -> dict[str, object]:
     return {
         "consequence": consequence_json(repair.consequence),
         "repairs": [_mend_json(mend) for mend in repair.mends],
+        "proposed": repair.proposed,
         "tried": repair.tried,
         "complete": repair.complete,
     }
@@ -93,7 +108,10 @@ def _mend_json(mend: Mend) -> dict[str, object]:
         "edits": [_edit_json(edit) for edit in mend.edits],
         "lines": [_line_json(line) for line in mend.lines],
         "also_mended": mend.others,
-        "warnings": [consequence_json(warning) for warning in mend.warnings],
+        "warnings": [
+            *(consequence_json(warning) for warning in mend.warnings),
+            *(_remark_json(remark) for remark in mend.remarks),
+        ],
         "errors_left": mend.errors,
         "cost": None if mend.spent is None else _costs(mend.spent),
     }
@@ -103,11 +121,33 @@ def _edit_json(edit: Edit) -> dict[str, object]:
     span = edit.rule.span
     return {
         "edit": str(edit.term),
+        "parts": [str(part) for part in edit.parts],
         "message": edit.message,
         "weight": edit.weight,
         "rule": {"id": edit.rule.id, "path": span.path, "line": span.line},
     }
 
 
-def _line_json(line: Line) -> dict[str, object]:
-    return {**location_json(line.span), "old": line.old, "new": line.new}
+def _remark_json(remark: Diagnostic) -> dict[str, object]:
+    """Return a warning of reading files with the keys of a consequence."""
+    return {
+        "kind": remark.code,
+        "subject": "",
+        "participants": [],
+        "severity": remark.severity,
+        "message": remark.message,
+        "help": remark.help,
+        "locations": [location_json(remark.span)],
+        "rule": None,
+    }
+
+
+def _line_json(line: LineEdit) -> dict[str, object]:
+    return {
+        "path": line.path,
+        "line": line.line,
+        "column": line.column,
+        "old": line.old,
+        "new": line.new,
+        "where": line.where,
+    }

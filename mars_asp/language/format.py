@@ -16,12 +16,10 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.layout import COMMENT, Layout, lay_out
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.language.print import fill
+from mars_asp.language.tokens import Token, tokens_of
 from mars_asp.source import Span, point
 
-_TOKEN = re.compile(r"[(),=]|[^\s(),=]+")
-_PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
 _WORD = re.compile(r"\S+")
-_LIST = re.compile(r"\s*(@sources|@modules)")
 _VERBATIM = re.compile(r"\s*[\"']|\s--(?:\s|$)")
 
 Kind: TypeAlias = Literal["blank", "comment", "statement", "first", "block", "last"]
@@ -33,15 +31,6 @@ class Line:
 
     kind: Kind
     text: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Token:
-    """A token of a statement: its text, and where it begins and ends in the file."""
-
-    text: str
-    begin: int
-    end: int
 
 
 def format_text(text: str, path: str) -> str:
@@ -108,7 +97,7 @@ class _Lines:
         One without comments inside is laid out anew; one with some keeps its line breaks, for a
         comment belongs to what stands beside it.
         """
-        tokens = self._tokens(begin, end)
+        tokens = tokens_of(self._layout, begin, end)
         gaps = [list(self._gap(a.end, b.begin)) for a, b in pairwise(tokens)]
         (behind,) = self._gap(tokens[-1].end, end)
         spaces = _spaces(tokens)
@@ -125,16 +114,6 @@ class _Lines:
                 yield from filter(None, gap[1:])
                 line = token.text
         yield _behind(line, behind)
-
-    def _tokens(self, begin: int, end: int) -> list[Token]:
-        text = self._layout.grammatical
-        head = _LIST.match(text, begin, end)
-        spans = [] if head is None else [head.span(1)]
-        names = _PATH if head is not None and head[1] == "@sources" else _TOKEN
-        rest = names.finditer(text, head.end() if head else begin, end)
-        spans += (match.span() for match in rest)
-        # A path may hold blanks, where the file may have a line end and even a comment.
-        return [Token(self._layout.text[begin:end], begin, end) for begin, end in spans]
 
     def _gap(self, begin: int, end: int) -> Iterator[str]:
         """Yield what stands between two tokens, line by line; the last line is the token's own."""

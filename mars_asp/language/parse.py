@@ -46,8 +46,16 @@ def parse_file(path: Path) -> Parsed:
     Raises:
         MarsError: the file cannot be read, or is not in the language.
     """
-    shown = str(path)
-    return parse_text(decode(read_bytes(path), shown), shown)
+    return parse_text(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    r"""Return the text of a `.mars` file, with `\n` for every line end.
+
+    Raises:
+        MarsError: the file cannot be read, or is no text.
+    """
+    return plain_lines(decode(read_bytes(path), str(path)))
 
 
 def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:

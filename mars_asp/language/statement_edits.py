@@ -1,0 +1,161 @@
+"""Edits of statements that list names: `@modules A, B` and `M is_controlled_by A, B`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mars_asp.language.tokens import Token
+from mars_asp.text_edits import Draft
+
+
+@dataclass(eq=False, slots=True)
+class Member:
+    """One name of a list with the words behind it, and what is to become of it."""
+
+    tokens: tuple[Token, ...]
+    comma: Token | None
+    new: str | None = None
+    rank: int | None = None
+    plain: bool = False
+    gone: bool = False
+
+    @property
+    def name(self) -> Token:
+        """Return the token of the name."""
+        return self.tokens[0]
+
+    @property
+    def priority(self) -> Token | None:
+        """Return the token of the priority that is stated."""
+        second = self.tokens[1:2]
+        return second[0] if second and second[0].text.lstrip("+-").isdigit() else None
+
+    def written(self, place: int | None = None, name: str | None = None) -> str:
+        """Return the member as it is to read; with its `place`, with the priority that it has."""
+        priority = self.priority
+        rest = [token.text for token in self.tokens[1:] if token is not priority]
+        stated = place if self.rank is None else self.rank
+        if self.rank is None and priority is not None and not self.plain:
+            stated = int(priority.text)
+        words = [name or self.new or self.name.text, *([] if stated is None else [str(stated)])]
+        return " ".join([*words, *rest])
+
+
+@dataclass
+class ListEdit:
+    """A statement that lists names, while it is edited."""
+
+    tokens: tuple[Token, ...]
+    indent: str
+    head: str = field(init=False)
+    members: Sequence[Member] = field(init=False)
+    _added: list[str] = field(default_factory=list)
+    _width: int = 0
+
+    def __post_init__(self) -> None:
+        """Find the members."""
+        self.head = self.tokens[0].text
+        members: list[Member] = []
+        piece: list[Token] = []
+        for token in self.tokens[self._heads :]:
+            if token.text == ",":
+                members.append(Member(tuple(piece), token))
+                piece = []
+            else:
+                piece.append(token)
+        self.members = (*members, Member(tuple(piece), None))
+
+    @property
+    def _heads(self) -> int:
+        return 1 if self.tokens[0].text == "@modules" else 2
+
+    def rename(self, member: Member, name: str) -> None:
+        """Put another name in the place of one."""
+        member.new = name
+
+    def drop(self, member: Member) -> None:
+        """Leave a member out."""
+        member.gone = True
+
+    def rank(self, member: Member, priority: int) -> None:
+        """Give a controller another priority; a list that would say it becomes lines."""
+        member.rank = priority
+
+    def unrank(self, member: Member) -> None:
+        """Leave out the priority that a controller states."""
+        member.plain = True
+
+    def add(self, name: str, width: int) -> None:
+        """Write a name behind the others, on a new line where the last one is too long for it."""
+        self._added.append(name)
+        self._width = width
+
+    def write(self, draft: Draft, keep_ranks: bool) -> None:
+        """Put what has changed into a draft.
+
+        With `keep_ranks` no place of a list may shift, because others are compared with it: then,
+        and where a place gets another priority, each controller gets a line of its own.
+        """
+        kept = [member for member in self.members if not member.gone]
+        left = [*(member.written() for member in kept), *self._added]
+        if not left:
+            for line in self._lines(draft):
+                draft.delete(line)
+            return
+        listed = self._heads == 2 and len(self.members) > 1
+        shifted = bool(kept) and any(m.gone for m in self.members[: self.members.index(kept[-1])])
+        apart = listed and (any(m.rank is not None for m in kept) or (keep_ranks and shifted))
+        unchanged = ListEdit(self.tokens, self.indent)
+        before = unchanged._rendered(draft, unchanged.members, apart=False)
+        after = self._rendered(draft, kept, apart)
+        for line, tokens in self._lines(draft).items():
+            if before.get(line) != after.get(line):
+                draft.put(draft.offset(line, 1), tokens[-1].end, after.get(line, ""))
+        if self._added:
+            self._append(draft, kept)
+
+    def _lines(self, draft: Draft) -> dict[int, list[Token]]:
+        """Return the tokens on each line of the statement."""
+        lines: dict[int, list[Token]] = {}
+        for token in self.tokens:
+            lines.setdefault(draft.line_at(token.begin), []).append(token)
+        return lines
+
+    def _rendered(
+        self, draft: Draft, members: Sequence[Member], apart: bool, more: bool = False
+    ) -> dict[int, str]:
+        """Return how the lines read on which members stand; `apart` gives each a whole line."""
+        head = f"{self.head} " if self._heads == 1 else f"{self.head} is_controlled_by "
+        lines: dict[int, str] = {}
+        for place, member in enumerate(members):
+            line = draft.line_at(member.name.begin)
+            if apart:
+                number = self.members.index(member)
+                text = f"{self.indent}{head}{member.written(number)}"
+                lines[line] = f"{lines[line]}\n{text}" if line in lines else text
+                continue
+            blanks = draft.blanks(line) if place else self.indent + head
+            comma = "," if more or place + 1 < len(members) else ""
+            text = f"{member.written()}{comma}"
+            lines[line] = f"{lines[line]} {text}" if line in lines else f"{blanks}{text}"
+        return lines
+
+    def _append(self, draft: Draft, kept: Sequence[Member]) -> None:
+        """Write names behind the last that is left, in the way in which the list is laid out."""
+        if not kept:
+            line = draft.line_at(self.tokens[0].begin)
+            end = self._lines(draft)[line][-1].end
+            text = f"{self.indent}{self.head} {', '.join(self._added)}"
+            draft.put(draft.offset(line, 1), end, text)
+            return
+        line = draft.line_at(kept[-1].name.begin)
+        end = self._lines(draft)[line][-1].end
+        text = self._rendered(draft, kept, apart=False, more=True)[line]
+        alone = line > draft.line_at(self.tokens[0].begin) and text.count(",") == 1
+        whole = f"{text} {', '.join(self._added)}"
+        if not alone and len(whole) <= self._width:
+            draft.put(draft.offset(line, 1), end, whole)
+            return
+        draft.put(draft.offset(line, 1), end, text)
+        blanks = draft.blanks(line) if alone else f"{self.indent}    "
+        names = [f"{blanks}{name}," for name in self._added]
+        draft.insert(line, "behind", [*names[:-1], names[-1].removesuffix(",")])

@@ -1,0 +1,41 @@
+"""The statements of a `.mars` text as tokens, each with its place in the file."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mars_asp.language.layout import Layout
+
+_TOKEN = re.compile(r"[(),=]|[^\s(),=]+")
+_PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
+_LIST = re.compile(r"\s*(@sources|@modules)")
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A token of a statement: its text, and where it begins and ends in the file."""
+
+    text: str
+    begin: int
+    end: int
+
+
+def statements(layout: Layout) -> Iterator[tuple[Token, ...]]:
+    """Yield the tokens of each statement, in the order of the file."""
+    begin = 0
+    for piece in layout.grammatical.removesuffix("\n").split("\n"):
+        if piece.strip():
+            yield tuple(tokens_of(layout, begin, begin + len(piece)))
+        begin += len(piece) + 1
+
+
+def tokens_of(layout: Layout, begin: int, end: int) -> list[Token]:
+    """Return the tokens of the statement that stands between two offsets."""
+    text = layout.grammatical
+    head = _LIST.match(text, begin, end)
+    spans = [] if head is None else [head.span(1)]
+    names = _PATH if head is not None and head[1] == "@sources" else _TOKEN
+    rest = names.finditer(text, head.end() if head else begin, end)
+    spans += (match.span() for match in rest)
+    # A path may hold blanks, where the file may have a line end and even a comment.
+    return [Token(layout.text[begin:end], begin, end) for begin, end in spans]
