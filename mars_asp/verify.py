@@ -12,7 +12,7 @@ from mars_asp.project import Project, project_facts
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding, Resolution
 
-_VIOLATION = "violation"
+_VIOLATION, _CAUTION = "violation(", "caution("
 _SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
 
 
@@ -26,11 +26,21 @@ class Violation:
     rule: Rule
 
 
+@dataclass(frozen=True, slots=True)
+class Caution:
+    """What keeps nothing from being realised, but says another thing than the configuration."""
+
+    message: str
+    help: str | None
+    rule: Rule
+
+
 @dataclass(frozen=True)
 class Verification:
-    """All violations, sorted by clause, and the grounding they were read from."""
+    """Violations, sorted by clause, cautions and the grounding both were read from."""
 
     violations: tuple[Violation, ...]
+    cautions: tuple[Caution, ...]
     grounding: Grounding
 
 
@@ -62,7 +72,7 @@ def judge_specification(
     Raises:
         MarsError: rules that clingo refuses.
     """
-    judges = [r for r in rulebook.rules if r.text.startswith(f"{_VIOLATION}(")]
+    judges = [rule for rule in rulebook.rules if rule.text.startswith((_VIOLATION, _CAUTION))]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     facts = facts_text(specification_facts(specification, project))
     text = f"{rulebook.text('verify')}\n{said}\n{facts}"
@@ -71,15 +81,24 @@ def judge_specification(
         grounding = Grounding(f"{base}\n{facts_text(project_facts(project))}")
     else:
         grounding.derive(text)
-    found: dict[tuple[int, str], Violation] = {}
+    violations: dict[tuple[int, str], Violation] = {}
+    cautions: dict[str, Caution] = {}
     for symbol in grounding.symbols("_judged", 3):
         number, head, values = symbol.arguments
         rule = judges[number.number]
         named = dict(zip(rule.holes, values.arguments, strict=True))
         message = fill(rule.because, named, shown) or str(head)
-        clause = head.arguments[0].number
-        found[clause, message] = Violation(clause, message, fill(rule.help, named, shown), rule)
-    return Verification(tuple(found[key] for key in sorted(found)), grounding)
+        help_text = fill(rule.help, named, shown)
+        if rule.text.startswith(_CAUTION):
+            cautions[message] = Caution(message, help_text, rule)
+        else:
+            clause = head.arguments[0].number
+            violations[clause, message] = Violation(clause, message, help_text, rule)
+    return Verification(
+        tuple(violations[key] for key in sorted(violations)),
+        tuple(cautions[key] for key in sorted(cautions)),
+        grounding,
+    )
 
 
 def written_cost(

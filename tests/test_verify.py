@@ -17,6 +17,7 @@ from mars_asp.modes import parse_mode
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import synthesise
 from mars_asp.rulebook import load_rulebook
+from mars_asp.solve import Resolution
 from mars_asp.verify import judge_specification, verify, written_cost
 from tests.documents import run
 from tests.random_configurations import random_configuration
@@ -279,3 +280,141 @@ def test_an_abstract_transformer_costs_nothing_and_is_minimal(tmp_path: Path) ->
     done = json.loads(run(f"mars-asp {' '.join(words)}").splitlines()[0])
     assert done["minimal"]
     assert done["cost"] == done["least"] == {"nodes": 1, "conversion": 0, "relationships": 2}
+
+
+RANKED = """
+@specification hierarchical
+@modules M, A, B, ArbitrationNode
+M is_controlled_by ArbitrationNode
+ArbitrationNode is_controlled_by A {a}
+ArbitrationNode is_controlled_by B {b}
+"""
+MOST = 2**31 - 1
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0, 1), (0, 46_341), (0, 50_000), (0, MOST), (MOST - 1, MOST), (1, 65_537)]
+)
+def test_priorities_of_any_size_are_compared(low: int, high: int) -> None:
+    configuration = f"""
+    @configuration hierarchical
+    @modules M, A, B
+    M is_controlled_by A {low}
+    M is_controlled_by B {high}
+    """
+    found = synthesised(configuration)
+    assert found is not None
+    project, specification = found
+    assert verify(specification, project, RULEBOOK) == ()
+    for a, b in ((0, 1), (0, MOST), (MOST - 1, MOST), (low, high)):
+        assert verify(parsed(RANKED.format(a=a, b=b)), project, RULEBOOK) == ()
+    for a, b in ((1, 0), (42_000, 0), (MOST, 0), (MOST, MOST - 1), (0, 0), (MOST, MOST)):
+        assert verify(parsed(RANKED.format(a=a, b=b)), project, RULEBOOK), (a, b)
+
+
+def parsed(text: str) -> Configuration:
+    return parse_text(text, "s.mars").configuration
+
+
+ABSTRACT = """
+@configuration
+@modules Source1, Client1, Client2
+Client2 uses_data_from Source1 NotifyOnMax
+Client1 uses_data_from Source1 NotifyWhenReady
+@module_start
+@module_name Source1
+@Sense NotifyWhenReady
+RepA deliver(void);
+@module_end
+@module_start
+@module_name Client1
+@DataIn
+void consume(RepD, RepA);
+@module_end
+@module_start
+@module_name Client2
+@DataIn
+void consume(RepD, RepX);
+@module_end
+"""
+BRIDGED = """
+@specification
+@modules Source1, Client1, Client2, DataTransformer1, DataSplitter1
+{comment}
+DataTransformer1 uses_data_from Source1
+DataSplitter1 uses_data_from DataTransformer1
+Client2 uses_data_from DataSplitter1 NotifyOnMax
+Client1 uses_data_from DataSplitter1 NotifyWhenReady
+"""
+
+
+@pytest.mark.parametrize(
+    "comment", ["", "// DataTransformer1: no converter declared (RepA -> RepD)"]
+)
+def test_a_client_that_its_source_reaches_is_not_fed_through_an_abstract_transformer(
+    comment: str,
+) -> None:
+    found = synthesised(ABSTRACT)
+    assert found is not None
+    project, specification = found
+    assert len(specification.modules) == 6  # three nodes besides the modules
+    assert verify(specification, project, RULEBOOK) == ()
+    (violation,) = verify(parsed(BRIDGED.format(comment=comment)), project, RULEBOOK)
+    assert violation.clause == 3
+    assert violation.rule.id == "delivery/abstract"
+
+
+FLAT = """
+@configuration flat
+@modules M, A, B
+M is_controlled_by A 1
+M is_controlled_by B 2
+"""
+
+
+@pytest.mark.parametrize(("a", "b", "warned"), [(7, 3, 1), (3, 3, 1), (3, 7, 0), ("", "", 0)])
+def test_contrary_priorities_under_flat_control_are_a_warning(
+    a: int | str, b: int | str, warned: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "c.mars").write_text(FLAT)
+    (tmp_path / "s.mars").write_text(RANKED.format(a=a, b=b).replace("hierarchical", "flat"))
+    words = ["verify", str(tmp_path / "s.mars"), str(tmp_path / "c.mars")]
+    assert run_here([*words, "--format", "json"]) == 0
+    done = json.loads(capsys.readouterr().out)
+    assert done["realises"] and done["minimal"] and not done["violations"]
+    assert len(done["warnings"]) == warned
+    assert run_here(words) == 0
+    assert capsys.readouterr().out.count("warning: ") == warned
+
+
+def test_a_cost_below_the_least_is_a_fault_of_ours(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "c.mars").write_text(FLAT)
+    (tmp_path / "s.mars").write_text(RANKED.format(a=1, b=2).replace("hierarchical", "flat"))
+    cheap = Resolution(None, {30: 0, 20: 0, 10: 1}, {}, True, 1)  # type: ignore[arg-type]
+    monkeypatch.setattr("mars_asp.cli.verify.written_cost", lambda *_: cheap)
+    words = ["verify", str(tmp_path / "s.mars"), str(tmp_path / "c.mars"), "--format", "json"]
+    assert run_here(words) == 1
+    told = capsys.readouterr()
+    done = json.loads(told.out)
+    assert done["realises"] and done["minimal"] is None
+    assert "nodes 0" in done["fault"] and "nodes 1" in done["fault"]
+    assert "a fault of ours" in told.err
+
+
+def test_many_ranked_inputs_are_judged_in_proportion_to_their_number() -> None:
+    """Counts what is grounded about their order: no pair of inputs may be."""
+
+    def compared(count: int) -> int:
+        names = [f"D{index}" for index in range(count)]
+        body = [f"M is_controlled_by {name} {7 * rank}" for rank, name in enumerate(names)]
+        header = f"@configuration hierarchical\n@modules M, {', '.join(names)}"
+        found = synthesised("\n".join([header, *body]))
+        assert found is not None
+        project, specification = found
+        grounding = judge_specification(specification, project, RULEBOOK).grounding
+        signatures = [("ranked", 6), ("place_in", 4), ("least_at", 5), ("greatest_at", 5)]
+        return sum(1 for signature in signatures for _ in grounding.symbols(*signature))
+
+    assert compared(80) < 2.5 * compared(40)

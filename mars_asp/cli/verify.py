@@ -12,7 +12,7 @@ from mars_asp.cli.reason import analyse_project, check_inputs, read_project, rul
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
 from mars_asp.rulebook import Rulebook
-from mars_asp.verify import Verification, Violation, judge_specification, written_cost
+from mars_asp.verify import Caution, Verification, Violation, judge_specification, written_cost
 from mars_asp.visible import visible
 
 _LEVELS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
@@ -20,12 +20,16 @@ _LEVELS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSH
 
 @dataclass(frozen=True, slots=True)
 class _Comparison:
-    """What a specification costs and the least, each by name; `None` where time was over."""
+    """What a specification costs and the least, each by name; `None` where time was over.
+
+    `fault` says what cannot be: a specification that costs less than what was called least.
+    """
 
     cost: Mapping[str, int] | None
     least: Mapping[str, int] | None
     minimal: bool | None
     in_time: bool
+    fault: str | None = None
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +39,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what fails; 1 where something does, 3 where no time was left to compare costs."""
+    """Print what fails; 1 where something does, 3 where no time was left to compare costs.
+
+    A specification that costs less than what was called least is a fault of this tool, and 1.
+    """
     check_inputs(arguments.specification, arguments.file)
     specification = read_project(arguments, arguments.specification).configuration
     project = read_project(arguments)
@@ -52,21 +59,28 @@ def run(arguments: argparse.Namespace) -> int:
         found = {
             "realises": not violations,
             "minimal": compared.minimal,
-            "violations": [_violation_json(violation) for violation in violations],
+            "violations": [{"clause": v.clause, **_finding_json(v)} for v in violations],
+            "warnings": [_finding_json(caution) for caution in verification.cautions],
             "cost": compared.cost,
             "least": compared.least,
+            **({} if compared.fault is None else {"fault": compared.fault}),
         }
         print(encoded(found))
     else:
         for violation in violations:
             print(visible(f"clause {violation.clause}: {violation.message} [{violation.rule.id}]"))
             print(visible(f"    help: {violation.help}"))
+        for caution in verification.cautions:
+            print(visible(f"warning: {caution.message} [{caution.rule.id}]"))
+            print(visible(f"    help: {caution.help}"))
         if not violations:
             print(f"the specification realises the configuration{_minimality(compared)}")
     if not compared.in_time:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
-    return int(bool(violations))
+    if compared.fault is not None:
+        print(f"mars-asp: a fault of ours, please report it: {compared.fault}", file=sys.stderr)
+    return int(bool(violations) or compared.fault is not None)
 
 
 def _compare(
@@ -90,6 +104,12 @@ def _compare(
     least = _by_name(best.resolution.cost)
     proven = written.proven and best.resolution.proven
     # Dictionaries keep the order of the levels, in which costs are compared.
+    bound = _by_name(best.resolution.bound)
+    if list(cost.values()) < list(bound.values()):
+        fault = (
+            f"the specification costs {_in_words(cost)}, less than the least, {_in_words(least)}"
+        )
+        return _Comparison(cost, least, None, in_time=True, fault=fault)
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
     return _Comparison(cost, least, minimal, in_time=minimal is not None)
@@ -116,11 +136,14 @@ def _minimality(compared: _Comparison) -> str:
     return f" but is not minimal: {differing[0]}"
 
 
-def _violation_json(violation: Violation) -> dict[str, object]:
-    rule = violation.rule
+def _in_words(cost: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in cost.items())
+
+
+def _finding_json(found: Violation | Caution) -> dict[str, object]:
+    rule = found.rule
     return {
-        "clause": violation.clause,
-        "message": violation.message,
-        "help": violation.help,
+        "message": found.message,
+        "help": found.help,
         "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
     }
