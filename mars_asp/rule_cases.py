@@ -70,6 +70,16 @@ def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path,
     return tuple(found)
 
 
+def stages_of(path: Path) -> tuple[str, ...]:
+    """Return the stages that the folders of a case are named after.
+
+    Where a case lies in the current folder, what that folder is called says nothing.
+    """
+    full, here = path.absolute(), Path.cwd()
+    parts = full.relative_to(here).parts if full.is_relative_to(here) else full.parts
+    return tuple(stage for stage in STAGES if stage in parts)
+
+
 def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     """Run one case.
 
@@ -82,7 +92,7 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
         raise MarsError(refused)
     expected = tuple(sorted(map(_expected, _EXPECTED.findall(text))))
     shown = _shown(text) or _BY_DEFAULT
-    stages = ["base", *(stage for stage in STAGES if stage in path.parts)]
+    stages = ["base", *stages_of(path)]
     program = "\n".join([_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)])
     return Outcome(path, expected, _answers(program, shown))
 

@@ -13,7 +13,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.pack import children
-from mars_asp.rule_cases import STAGES, case_facts
+from mars_asp.rule_cases import case_facts, stages_of
 from mars_asp.rulebook import Rule, Rulebook
 
 _TYPE = ast.ASTType
@@ -33,7 +33,7 @@ def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     fired: set[int] = set()
     near: set[int] = set()
     for path in cases:
-        stages = ("base", *(stage for stage in STAGES if stage in path.parts))
+        stages = ("base", *stages_of(path))
         text = "\n".join(
             probe
             for number, rule in enumerate(rulebook.rules)
@@ -117,9 +117,9 @@ def _refuses(rule: Rule, probe: str, rulebook: Rulebook, cases: Sequence[Path]) 
     """Say whether a constraint refuses a candidate in some case."""
     texts = dict.fromkeys(stage for stage, _ in rulebook.texts)
     for path in cases:
-        if rule.stage not in path.parts:
+        if rule.stage not in stages_of(path):
             continue
-        stages = [s for s in texts if s == "base" or s in path.parts]
+        stages = [s for s in texts if s in ("base", *stages_of(path))]
         rules = "\n".join(rulebook.text(stage) for stage in stages)
         assert rules.count(rule.text) == 1
         program = [case_facts(path), rules.replace(rule.text, f"{probe} :- not _fired(_).")]

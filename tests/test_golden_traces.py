@@ -13,7 +13,7 @@ import pytest
 from clingo import ast
 
 from mars_asp.atom import Fact
-from mars_asp.rule_cases import STAGES, case_facts, find_cases
+from mars_asp.rule_cases import STAGES, case_facts, find_cases, stages_of
 from mars_asp.rulebook import Rule, load_rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
@@ -30,7 +30,7 @@ CHOOSING = ("resolve", "can", "cost")
 
 
 def cases_of(stage: str) -> list[Path]:
-    return [p for p in CASES if stage == next((s for s in STAGES if s in p.parts), "base")]
+    return [p for p in CASES if stage == next(iter(stages_of(p)), "base")]
 
 
 def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case, shown_by
+from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case, shown_by, stages_of
 from mars_asp.rulebook import Rulebook, load_rulebook
 from tests.documents import ROOT
 from tests.rule_coverage import covered, places
@@ -50,6 +50,17 @@ def test_a_wrong_case_is_shown_as_a_difference() -> None:
     outcome = Outcome(Path("x.lp"), (("p(1)", "p(2)"),), (("p(1)", "p(3)"),))
     assert not outcome.passed
     assert list(outcome.difference()) == ["  - p(2)", "  + p(3)"]
+
+
+def test_what_the_current_folder_is_called_gives_a_case_no_stage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "verify" / "resolve").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "verify")
+    assert stages_of(Path("case.lp")) == ()
+    assert stages_of(tmp_path / "verify" / "resolve" / "case.lp") == ("resolve",)
+    monkeypatch.chdir(tmp_path)
+    assert stages_of(Path("verify/case.lp")) == ("verify",)
 
 
 #: Heads of rules whose premises hold together or not at all, so that none can fail alone.
