@@ -1,0 +1,229 @@
+"""Mutants of rule files, made through clingo's syntax trees."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TypeAlias
+
+import clingo
+from clingo import ast
+
+from tests.documents import ROOT
+from tests.mutate.mutant import Mutant
+
+_TYPE = ast.ASTType
+_SIGN = ast.Sign
+_IS = ast.ComparisonOperator
+#: A changed node, and what was done.
+_Variant: TypeAlias = tuple[ast.AST, str]
+
+_FLIPPED = {
+    _IS.LessThan: (_IS.LessEqual, _IS.GreaterThan),
+    _IS.LessEqual: (_IS.LessThan, _IS.GreaterEqual),
+    _IS.GreaterThan: (_IS.GreaterEqual, _IS.LessThan),
+    _IS.GreaterEqual: (_IS.GreaterThan, _IS.LessEqual),
+    _IS.Equal: (_IS.NotEqual,),
+    _IS.NotEqual: (_IS.Equal,),
+}
+_SWAPPED = {
+    int(ast.AggregateFunction.Min): ast.AggregateFunction.Max,
+    int(ast.AggregateFunction.Max): ast.AggregateFunction.Min,
+}
+_MINIMIZE, _MINIMIZED = "#minimize { ", " }."
+_TUPLES = (_TYPE.BodyAggregateElement, _TYPE.Minimize)
+_CONDITIONS = ("body", "condition")
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One statement of a rule file: its tree and the bytes of the file that it takes."""
+
+    tree: ast.AST
+    line: int
+    begin: int
+    end: int
+
+    @property
+    def text(self) -> str:
+        """Return the statement with its white space evened out."""
+        return written(self.tree)
+
+
+@dataclass(frozen=True)
+class RuleFile:
+    """A rule file as bytes, with the statements that can be mutated."""
+
+    path: str
+    stage: str
+    content: bytes
+    statements: tuple[Statement, ...]
+
+    def mutated(self, mutant: Mutant) -> str:
+        """Return the text of the file with one statement exchanged, its lines where they were."""
+        old = self.statements[mutant.place]
+        lines = self.content[old.begin : old.end].count(b"\n")
+        # What is minimised stands in braces, which are no part of its tree.
+        minimised = old.tree.ast_type == _TYPE.Minimize
+        after = mutant.after
+        new = after.removeprefix(_MINIMIZE).removesuffix(_MINIMIZED) if minimised else after
+        changed = new.encode() + b"\n" * lines
+        return (self.content[: old.begin] + changed + self.content[old.end :]).decode()
+
+
+def rule_files(folder: Path = ROOT / "rules") -> tuple[RuleFile, ...]:
+    """Return all rule files, those of the base first."""
+    paths = [*sorted(folder.glob("*.lp")), *sorted(folder.glob("*/*.lp"))]
+    return tuple(_read(path, folder) for path in paths)
+
+
+def _read(path: Path, folder: Path) -> RuleFile:
+    content = path.read_bytes()
+    starts = [0]
+    for line in content.split(b"\n"):
+        starts.append(starts[-1] + len(line) + 1)
+    trees: list[ast.AST] = []
+    # Columns count bytes in clingo.
+    ast.parse_string(content.decode("latin-1").encode("ascii", "replace").decode(), trees.append)
+    statements = tuple(
+        Statement(
+            tree,
+            tree.location.begin.line,
+            starts[tree.location.begin.line - 1] + tree.location.begin.column - 1,
+            starts[tree.location.end.line - 1] + tree.location.end.column - 1,
+        )
+        for tree in trees
+        if tree.ast_type in (_TYPE.Rule, _TYPE.Minimize)
+    )
+    below = path.relative_to(folder)
+    stage = "base" if len(below.parts) == 1 else below.parts[0]
+    return RuleFile(f"{folder.name}/{below.as_posix()}", stage, content, statements)
+
+
+def written(tree: ast.AST) -> str:
+    """Return a statement as text; what is minimised as it is written here."""
+    if tree.ast_type != _TYPE.Minimize:
+        return str(tree)
+    terms = ",".join([f"{tree.weight}@{tree.priority}", *map(str, tree.terms)])
+    return f"{_MINIMIZE}{terms}: {', '.join(map(str, tree.body))}{_MINIMIZED}"
+
+
+def rule_mutants(file: RuleFile) -> Iterator[Mutant]:
+    """Yield the mutants of a file; what does not parse, or is unsafe, is none."""
+    levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == _TYPE.Minimize})
+    for place, statement in enumerate(file.statements):
+        before = statement.text
+        seen = {before}
+        variants = [*_variants(statement.tree, False), *_of_cost(statement.tree, levels)]
+        changes = [("delete", ""), *((change, written(tree)) for tree, change in variants)]
+        for change, after in changes:
+            if after not in seen and is_safe(after):
+                seen.add(after)
+                yield Mutant(file.path, statement.line, change, before, after, place)
+
+
+@cache
+def is_safe(text: str) -> bool:
+    """Say whether a statement parses, and whether its premises bind all its variables."""
+    control = clingo.Control(["--warn=none"], logger=lambda *_: None)
+    try:
+        control.add("base", [], text)
+        control.ground()
+    except RuntimeError:
+        return False
+    return True
+
+
+def _level(tree: ast.AST) -> int:
+    number: int = tree.priority.symbol.number
+    return number
+
+
+def _of_cost(tree: ast.AST, levels: Sequence[int]) -> Iterator[_Variant]:
+    """Yield what else can be done to what is minimised: another level, weight or direction."""
+    if tree.ast_type != _TYPE.Minimize:
+        return
+    place = levels.index(_level(tree))
+    for other in (*levels[max(0, place - 1) : place], *levels[place + 1 : place + 2]):
+        symbol = ast.SymbolicTerm(tree.location, clingo.Number(other))
+        yield tree.update(priority=symbol), f"level {levels[place]} -> {other}"
+    negated = ast.UnaryOperation(tree.location, ast.UnaryOperator.Minus, tree.weight)
+    yield tree.update(weight=negated), "#minimize -> #maximize"
+    if tree.weight.ast_type != _TYPE.SymbolicTerm:
+        one = ast.SymbolicTerm(tree.location, clingo.Number(1))
+        yield tree.update(weight=one), f"weight {tree.weight} -> 1"
+
+
+def _variants(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
+    """Yield a tree with one thing changed, for each thing that can be."""
+    yield from _own(node, in_body)
+    for key in node.child_keys:
+        if key in ("location", "priority"):
+            continue
+        child = getattr(node, key)
+        below = in_body or key in _CONDITIONS
+        if isinstance(child, ast.AST):
+            for tree, change in _variants(child, below):
+                yield node.update(**{key: tree}), change
+        elif child is not None:
+            yield from _of_sequence(node, key, list(child), below)
+
+
+def _of_sequence(
+    node: ast.AST, key: str, nodes: list[ast.AST], in_body: bool
+) -> Iterator[_Variant]:
+    for index, element in enumerate(nodes):
+        rest = nodes[:index] + nodes[index + 1 :]
+        if key in _CONDITIONS and node.ast_type != _TYPE.Comparison:
+            yield node.update(**{key: rest}), f"drop `{element}`"
+        elif (
+            key == "terms"
+            and (rest or node.ast_type == _TYPE.Minimize)
+            and node.ast_type in _TUPLES
+        ):
+            yield node.update(**{key: rest}), f"drop `{element}` of the tuple"
+        elif key == "elements" and rest:
+            yield node.update(**{key: rest}), f"drop `{element}`"
+        for tree, change in _variants(element, in_body):
+            yield node.update(**{key: [*nodes[:index], tree, *nodes[index + 1 :]]}), change
+
+
+def _own(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
+    if node.ast_type == _TYPE.Literal and in_body:
+        yield from _negated(node)
+    elif node.ast_type == _TYPE.Guard:
+        others = _FLIPPED[ast.ComparisonOperator(node.comparison)]
+        # What is one more or one less than a number is tried with the number.
+        for other in others[1:] if _is_number(node.term) and len(others) > 1 else others:
+            new = node.update(comparison=int(other))
+            yield new, f"flip `{_guard(node)}` -> `{_guard(new)}`"
+    elif _is_number(node):
+        for by in (1, -1):
+            new = node.update(symbol=clingo.Number(node.symbol.number + by))
+            yield new, f"constant {node} -> {new}"
+    elif node.ast_type == _TYPE.BodyAggregate and node.function in _SWAPPED:
+        yield node.update(function=int(_SWAPPED[node.function])), "swap #min and #max"
+
+
+def _is_number(node: ast.AST) -> bool:
+    return node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == clingo.SymbolType.Number
+
+
+def _negated(literal: ast.AST) -> Iterator[_Variant]:
+    if literal.atom.ast_type in (_TYPE.Comparison, _TYPE.BooleanConstant):
+        return
+    other = _SIGN.Negation if literal.sign == _SIGN.NoSign else _SIGN.NoSign
+    new = literal.update(sign=int(other))
+    yield new, f"`{literal}` -> `{new}`"
+
+
+def _guard(guard: ast.AST) -> str:
+    sign = {
+        _IS.LessThan: "<",
+        _IS.LessEqual: "<=",
+        _IS.GreaterThan: ">",
+        _IS.GreaterEqual: ">=",
+        _IS.Equal: "=",
+        _IS.NotEqual: "!=",
+    }[ast.ComparisonOperator(guard.comparison)]
+    return f"{sign} {guard.term}"

@@ -1,0 +1,125 @@
+"""Mutants: how they are made, and that the tests notice those that change an answer."""
+
+from pathlib import Path
+
+import clingo
+import pytest
+
+from tests.mutate.mutant import Mutant, known_survivors
+from tests.mutate.python_mutants import mutated_source, python_mutants
+from tests.mutate.rule_killers import judge_rules
+from tests.mutate.rule_mutants import rule_files, rule_mutants
+
+#: How many mutants are known to be equivalent: lower it when there are fewer.
+MOST_SURVIVORS = 0
+
+RULES = """%# A file of rules
+p(X) :- q(X, N), not r(X), N < 2.
+%! id: x/most
+most(N) :- N = #max { M : q(X, M) }, 1 { r(X) } 2.
+#minimize { 1@30, X : p(X) }.
+#minimize { N@20 : most(N) }.
+"""
+
+
+def texts(folder: Path, text: str) -> list[tuple[str, str]]:
+    (folder / "x.lp").write_text(text)
+    (file,) = rule_files(folder)
+    return [(mutant.change, mutant.after) for mutant in rule_mutants(file)]
+
+
+def test_mutants_of_rules(tmp_path: Path) -> None:
+    """What is unsafe, such as a head whose variable nothing binds, is no mutant."""
+    most, rest = "most(N) :- N = #max { M: q(X,M) }", "1 <= { r(X) } <= 2"
+    assert texts(tmp_path, RULES) == [
+        ("delete", ""),
+        ("drop `not r(X)`", "p(X) :- q(X,N); N < 2."),
+        ("`not r(X)` -> `r(X)`", "p(X) :- q(X,N); r(X); N < 2."),
+        ("drop `N < 2`", "p(X) :- q(X,N); not r(X)."),
+        ("flip `< 2` -> `> 2`", "p(X) :- q(X,N); not r(X); N > 2."),
+        ("constant 2 -> 3", "p(X) :- q(X,N); not r(X); N < 3."),
+        ("constant 2 -> 1", "p(X) :- q(X,N); not r(X); N < 1."),
+        ("delete", ""),
+        ("swap #min and #max", f"{most.replace('max', 'min')}; {rest}."),
+        (f"drop `{rest}`", f"{most}."),
+        (f"`{rest}` -> `not {rest}`", f"{most}; not {rest}."),
+        ("flip `<= 1` -> `>= 1`", f"{most}; 1 >= {{ r(X) }} <= 2."),
+        ("constant 1 -> 2", f"{most}; 2 <= {{ r(X) }} <= 2."),
+        ("constant 1 -> 0", f"{most}; 0 <= {{ r(X) }} <= 2."),
+        ("flip `<= 2` -> `>= 2`", f"{most}; 1 <= {{ r(X) }} >= 2."),
+        ("constant 2 -> 3", f"{most}; 1 <= {{ r(X) }} <= 3."),
+        ("constant 2 -> 1", f"{most}; 1 <= {{ r(X) }} <= 1."),
+        ("delete", ""),
+        ("constant 1 -> 2", "#minimize { 2@30,X: p(X) }."),
+        ("constant 1 -> 0", "#minimize { 0@30,X: p(X) }."),
+        ("drop `X` of the tuple", "#minimize { 1@30: p(X) }."),
+        ("level 30 -> 20", "#minimize { 1@20,X: p(X) }."),
+        ("#minimize -> #maximize", "#minimize { -1@30,X: p(X) }."),
+        ("delete", ""),
+        ("level 20 -> 30", "#minimize { N@30: most(N) }."),
+        ("#minimize -> #maximize", "#minimize { -N@20: most(N) }."),
+        ("weight N -> 1", "#minimize { 1@20: most(N) }."),
+    ]
+
+
+def test_a_mutated_file_keeps_its_lines(tmp_path: Path) -> None:
+    (tmp_path / "x.lp").write_text(RULES.replace("not r(X),", "not r(X),\n      "))
+    (file,) = rule_files(tmp_path)
+    for mutant in rule_mutants(file):
+        text = file.mutated(mutant)
+        clingo.Control().add("base", [], text)
+        lines = text.split("\n")
+        assert len(lines) == RULES.count("\n") + 2
+        assert lines[3] == "%! id: x/most"
+
+
+def test_mutants_of_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tests.mutate.python_mutants.ROOT", tmp_path)
+    (tmp_path / "m.py").write_text(
+        "def f(a, b):\n"
+        "    for x in a:\n"
+        "        if not x and b:\n"
+        "            print(x)\n"
+        "    return min(y for y in a if y < 3)\n"
+    )
+    mutants = list(python_mutants("m.py"))
+    assert [(mutant.line, mutant.change, mutant.after) for mutant in mutants] == [
+        (3, "drop the statement", ""),
+        (3, "drop `not x`", "f: if b:"),
+        (3, "drop `b`", "f: if not x:"),
+        (3, "drop `not`", "f: if x and b:"),
+        (4, "drop the statement", ""),
+        (5, "swap min and max", "f: return max((y for y in a if y < 3))"),
+        (5, "drop `if y < 3`", "f: return min((y for y in a))"),
+        (5, "flip a comparison", "f: return min((y for y in a if y <= 3))"),
+        (5, "flip a comparison", "f: return min((y for y in a if y > 3))"),
+        (5, "constant 3 -> 4", "f: return min((y for y in a if y < 4))"),
+    ]
+    assert "        if not x:" in mutated_source(mutants[2])
+
+
+def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
+    """The last mutant says the same in other words, so that nothing can notice it."""
+    files = rule_files()
+    (file,) = (file for file in files if file.path == "rules/data.lp")
+    place = next(n for n, s in enumerate(file.statements) if s.text.startswith("repeats("))
+    statement = file.statements[place]
+    bodies = ["R' > R", "R' <= R", "R < R'", "R' < R; R' < R", "R' < R; not 1 > 2"]
+    mutants = [
+        Mutant(file.path, statement.line, "", statement.text, after, place)
+        for body in bodies
+        if (after := statement.text.replace("R' < R", body)) != statement.text
+    ]
+    verdicts = {v.mutant: v.killer for v in judge_rules(files, mutants, jobs=1, stronger=False)}
+    assert [verdicts[mutant] is not None for mutant in mutants] == [True, True, True, False, False]
+
+
+def test_known_survivors_are_still_mutants_and_have_a_reason() -> None:
+    """The list may only shrink: what no longer survives, or is no mutant any more, goes."""
+    known = known_survivors()
+    assert len({survivor.key for survivor in known}) == len(known) <= MOST_SURVIVORS
+    paths = {survivor.path for survivor in known}
+    mutants = {m.key for f in rule_files() if f.path in paths for m in rule_mutants(f)}
+    mutants |= {m.key for path in paths if path.endswith(".py") for m in python_mutants(path)}
+    assert [survivor for survivor in known if survivor.key not in mutants] == []
+    assert [survivor for survivor in known if not survivor.reason.strip()] == []
