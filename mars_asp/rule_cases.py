@@ -3,7 +3,9 @@
 A line `%= atom atom ...` is one expected answer set, which lines `%+ atom ...` below it continue,
 restricted to the predicates that the case's own `#show` lines name, else to `consequence/4`; no
 such line means that there is none. A case in a folder named after a stage (`resolve`) has the
-rules of that stage, too; of its answer sets the least count.
+rules of that stage, too; of its answer sets the least count. A line `%> id: message` is what the
+rule of that id says; where a case has one, all is compared that is said by rules which derive what
+it shows.
 """
 
 import re
@@ -13,15 +15,18 @@ from pathlib import Path
 
 import clingo
 
+from mars_asp.analysis import fill, shown
 from mars_asp.diagnostic import MarsError
 from mars_asp.gate import gate_text
 from mars_asp.pack import refused_rules
-from mars_asp.rulebook import Rulebook
+from mars_asp.rulebook import Rule, Rulebook
 
 STAGES = ("resolve", "verify", "cost", "run", "can")
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
+_MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
+_SAID = "__said"
 _BY_DEFAULT = (("consequence", 4),)
 _MOST_ANSWERS = 100
 
@@ -90,11 +95,35 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     refused = tuple(refused_rules(text, str(path)))
     if refused:
         raise MarsError(refused)
-    expected = tuple(sorted(map(_expected, _EXPECTED.findall(text))))
-    shown = _shown(text) or _BY_DEFAULT
-    stages = ["base", *stages_of(path)]
-    program = "\n".join([_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)])
-    return Outcome(path, expected, _answers(program, shown))
+    messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
+    expected = tuple(
+        sorted(
+            tuple(sorted([*_atoms(e), *messages])) for e in map(_one_line, _EXPECTED.findall(text))
+        )
+    )
+    wanted = _shown(text) or _BY_DEFAULT
+    stages = ("base", *stages_of(path))
+    speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
+    program = [_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)]
+    program += [_saying(number, rule) for number, rule in enumerate(speakers)]
+    return Outcome(path, expected, _answers("\n".join(program), wanted, speakers))
+
+
+def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]) -> bool:
+    return bool(rule.because and rule.stage in stages and rule.heads.intersection(wanted))
+
+
+def _saying(number: int, rule: Rule) -> str:
+    """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
+    body = "; ".join(str(literal) for literal in rule.ast.body) or "#true"
+    return f"{_SAID}({number},v({','.join(rule.holes)})) :- {body}."
+
+
+def _message(said: clingo.Symbol, speakers: Sequence[Rule]) -> str:
+    number, values = said.arguments
+    rule = speakers[number.number]
+    named = dict(zip(rule.holes, values.arguments, strict=True))
+    return f"%> {rule.id}: {fill(rule.because, named, shown)}"
 
 
 def shown_by(path: Path) -> tuple[tuple[str, int], ...]:
@@ -119,7 +148,9 @@ def case_facts(path: Path) -> str:
     return _SHOW.sub("", gate_text(path, str(path)))
 
 
-def _answers(program: str, shown: Sequence[tuple[str, int]]) -> tuple[tuple[str, ...], ...]:
+def _answers(
+    program: str, wanted: Sequence[tuple[str, int]], speakers: Sequence[Rule]
+) -> tuple[tuple[str, ...], ...]:
     control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
     control.add("base", [], program)
     control.ground()
@@ -129,15 +160,17 @@ def _answers(program: str, shown: Sequence[tuple[str, int]]) -> tuple[tuple[str,
     def keep(model: clingo.Model) -> None:
         if minimised and model.cost and not model.optimality_proven:
             return
-        atoms = (a for a in model.symbols(atoms=True) if (a.name, len(a.arguments)) in shown)
-        found.add(tuple(sorted(map(str, atoms))))
+        atoms = model.symbols(atoms=True)
+        answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}
+        answer |= {_message(a, speakers) for a in atoms if speakers and a.name == _SAID}
+        found.add(tuple(sorted(answer)))
 
     control.solve(on_model=keep)
     return tuple(sorted(found))
 
 
-def _expected(text: str) -> tuple[str, ...]:
-    return tuple(sorted(_atoms(_CONTINUED.sub(" ", text))))
+def _one_line(text: str) -> str:
+    return _CONTINUED.sub(" ", text)
 
 
 def _atoms(text: str) -> Iterator[str]:

@@ -46,6 +46,19 @@ def test_lines_continue_an_expected_answer_set(tmp_path: Path, rulebook: Ruleboo
     assert not run_case(case, rulebook).passed
 
 
+def test_messages_are_compared_where_a_case_has_one(tmp_path: Path, rulebook: Rulebook) -> None:
+    case = tmp_path / "case.lp"
+    facts = 'module("S"). module("A"). module("B"). uses_data_from(1,"A","S").\n'
+    facts += 'uses_data_from(2,"B","S").\n%= consequence(data_divergence,note,"S",receivers)\n'
+    told = "%> data/divergence: `S` delivers data to 2 receivers, and a source feeds at most one\n"
+    case.write_text(facts + told)
+    assert run_case(case, rulebook).passed
+    case.write_text(facts + told.replace("2", "3"))
+    assert not run_case(case, rulebook).passed
+    case.write_text(facts + told + "%> data/duplicate: `A` uses data from `S` twice\n")
+    assert not run_case(case, rulebook).passed
+
+
 def test_a_wrong_case_is_shown_as_a_difference() -> None:
     outcome = Outcome(Path("x.lp"), (("p(1)", "p(2)"),), (("p(1)", "p(3)"),))
     assert not outcome.passed
