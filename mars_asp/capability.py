@@ -15,6 +15,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.explain import explainer_for
 from mars_asp.model import GRASP, MOTION_FUNCTIONS
 from mars_asp.project import Project, project_facts
+from mars_asp.resolve import costs_of
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import Span
 from mars_asp.spelling import nearest
@@ -84,7 +85,8 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
     ]
     facts = (*project_facts(project, {demand.module for demand in demands}), *asked)
     analysis = analyse(facts, rulebook, project.configuration.span)
-    resolution = analysis.grounding.resolve(rulebook.text("can"))
+    with costs_of(facts):
+        resolution = analysis.grounding.resolve(rulebook.text("can"))
     found = [
         symbol
         for name, arity in _VERDICTS

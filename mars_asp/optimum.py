@@ -17,6 +17,8 @@ _MOST_ATOMS_COUNTED = 4_000_000
 #: To show that there is no other optimum may take longer than to find one: it is given up after so
 #: many conflicts, for a time limit would make the answer depend on the machine.
 _MOST_CONFLICTS = 100_000
+#: clasp reports sums of costs as 32 bit integers, which wrap without a word.
+MOST_COST = 2**31 - 1
 _OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
 
 
@@ -35,6 +37,16 @@ class Optimum:
     count: int | None
 
 
+class TooCostlyError(Exception):
+    """What could be chosen together costs more, at a level, than clasp can add up."""
+
+    def __init__(self, level: int, total: int) -> None:
+        """Keep the level and what all its costs make together."""
+        super().__init__(f"costs on level {level} add up to {total}")
+        self.level = level
+        self.total = total
+
+
 class UnsatisfiableError(Exception):
     """No answer satisfies the rules."""
 
@@ -46,6 +58,24 @@ class LateError(TimeoutError):
         """Keep the bound, level by level."""
         super().__init__("the deadline passed before any answer was found")
         self.bound = bound
+
+
+def check_costs(component: Component) -> None:
+    """Check that clasp can add up whatever costs a component has, level by level.
+
+    Raises:
+        TooCostlyError: it cannot.
+    """
+    for level, total in _totals(component).items():
+        if total > MOST_COST:
+            raise TooCostlyError(level, total)
+
+
+def _totals(component: Component) -> dict[int, int]:
+    totals: dict[int, int] = {}
+    for level, weight, _ in component.costs:
+        totals[level] = totals.get(level, 0) + abs(weight)
+    return totals
 
 
 def optimise(component: Component, deadline: float | None = None) -> Optimum:
@@ -244,8 +274,11 @@ def _bounded(
 ) -> clingo.Control:
     """Return a control whose answers are those of these costs."""
     control = _control(component, options)
+    totals = _totals(component)
     with control.backend() as backend:
         for level, most in costs.items():
+            if most >= totals[level]:
+                continue
             terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
             # Beyond the cost the sum reaches `most` + 1; negative weights do not occur in costs.
             backend.add_weight_rule([], most + 1, terms)

@@ -1,17 +1,21 @@
 """From an analysis to its minimal specification."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from mars_asp.analysis import Analysis
 from mars_asp.apart import kept_apart
+from mars_asp.atom import Fact
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component
 from mars_asp.lookup import CONNECTED
 from mars_asp.model import Configuration, Module, node_kind
-from mars_asp.optimum import Optimum
+from mars_asp.optimum import MOST_COST, Optimum, TooCostlyError
 from mars_asp.rulebook import Rulebook
 from mars_asp.solve import Resolution
+from mars_asp.source import point
 from mars_asp.stretches import stretches
 from mars_asp.synthesis import NODE_PREDICATES, Draft, Introduced, Specification, introduce, specify
 
@@ -51,7 +55,7 @@ def synthesise(
     After the seconds given the best found so far is taken, with a bound on what is least.
 
     Raises:
-        MarsError: clingo refuses the rules.
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
     resolution = _resolve(analysis, rulebook, seconds, progress)
     if resolution is None:
@@ -65,7 +69,7 @@ def least_cost(
     """Return what `synthesise` would find the least specification to cost, by level.
 
     Raises:
-        MarsError: clingo refuses the rules.
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
     resolution = _resolve(analysis, rulebook, seconds)
     if resolution is None:
@@ -81,7 +85,8 @@ def _resolve(
     progress: Callable[[int, int], None] | None = None,
 ) -> Resolution | None:
     deadline = None if seconds is None else time.monotonic() + seconds
-    resolution = analysis.grounding.resolve(rulebook.text("resolve"), deadline, progress)
+    with costs_of(analysis.facts):
+        resolution = analysis.grounding.resolve(rulebook.text("resolve"), deadline, progress)
     return None if is_unresolvable(analysis) else resolution
 
 
@@ -101,7 +106,7 @@ def introduced_with(
     that nothing connects.
 
     Raises:
-        MarsError: clingo refuses the rules.
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
     kind, resolving = node_kind(name), rulebook.text("resolve")
     apart = None if rulebook.packs else kept_apart(rulebook.text("base"), resolving, CONNECTED)
@@ -117,17 +122,53 @@ def introduced_with(
     for number, relationships in enumerate(cut.relationships):
         if number < last:
             grounding = cut.ground(number, counting)
-            resolution = grounding.resolve(counting.text, deadline, known=known)
+            with costs_of(analysis.facts):
+                resolution = grounding.resolve(counting.text, deadline, known=known)
             if resolution.count is None:
                 return None
             if draft.pass_over(kind, resolution.answer.count(predicate), name):
                 continue
         grounding = cut.ground(number, apart.whole)
-        resolution = grounding.resolve(resolving, deadline, known=known)
+        with costs_of(analysis.facts):
+            resolution = grounding.resolve(resolving, deadline, known=known)
         introduced = introduce(draft, resolution.answer.shown, relationships)
         named = any(node.name == name for node in introduced.nodes)
         return (introduced, resolution) if named and resolution.proven else None
     return None
+
+
+@contextmanager
+def costs_of(facts: Iterable[Fact]) -> Iterator[None]:
+    """Place costs that do not fit where the facts state the largest of them.
+
+    Raises:
+        MarsError: what could be chosen together in a component that is resolved costs too much.
+    """
+    try:
+        yield
+    except TooCostlyError as error:
+        raise MarsError((_too_costly(error, facts),)) from None
+
+
+def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
+    together = f"could be chosen together add up to {error.total}, more than {MOST_COST}"
+    stated = [fact for fact in facts if fact.atom.name == "converts"]
+    if error.level != CONVERSION or not stated:
+        return Diagnostic(
+            "costs-too-large",
+            "error",
+            f"costs on level {error.level} that {together}",
+            point("rules", 1, 1),
+            help="state smaller weights in the `#minimize` statements of your rule files",
+        )
+    dearest = max(stated, key=lambda fact: int(str(fact.atom.arguments[4])))
+    return Diagnostic(
+        "costs-too-large",
+        "error",
+        f"conversion costs that {together}",
+        dearest.span,
+        help="state smaller costs behind `@Converts`: only how they compare counts",
+    )
 
 
 def is_unresolvable(analysis: Analysis) -> bool:

@@ -12,7 +12,14 @@ import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, partition
-from mars_asp.optimum import Optimum, UnsatisfiableError, least, least_with, optimise
+from mars_asp.optimum import (
+    Optimum,
+    UnsatisfiableError,
+    check_costs,
+    least,
+    least_with,
+    optimise,
+)
 from mars_asp.recorder import Recorded, record
 from mars_asp.source import point
 from mars_asp.term import Labelled, Signature, Term, as_symbol, labelled, state
@@ -205,6 +212,7 @@ class Grounding:
 
         Raises:
             MarsError: the rules are refused, or have no answer.
+            TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
         self.add(rules)
@@ -214,6 +222,8 @@ class Grounding:
             for atom, literal, _ in labelled(self.control, name, int(arity), True)
         }
         parts = partition(self._program, self._names)
+        for component, _ in parts.components:
+            check_costs(component)
         cost = dict(parts.constant)
         bound = dict(parts.constant)
         count: int | None = 1

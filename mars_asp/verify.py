@@ -9,10 +9,12 @@ from mars_asp.atom import Atom, Fact
 from mars_asp.facts import WIRING, configuration_facts, facts_text, representation_names
 from mars_asp.model import Configuration
 from mars_asp.project import Project, project_facts
+from mars_asp.resolve import costs_of
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding, Resolution
 
 _VIOLATION, _CAUTION = "violation(", "caution("
+_CONVERTERS = frozenset({"converts"})
 _SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
 
 
@@ -102,7 +104,10 @@ def judge_specification(
 
 
 def written_cost(
-    verification: Verification, rulebook: Rulebook, deadline: float | None = None
+    verification: Verification,
+    project: Project,
+    rulebook: Rulebook,
+    deadline: float | None = None,
 ) -> Resolution:
     """Return what a specification without violations costs, by the levels of the minimisation.
 
@@ -110,8 +115,10 @@ def written_cost(
 
     Raises:
         TimeoutError: the deadline passed before a converter was found for each transformer.
+        MarsError: the costs of converters do not fit.
     """
-    return verification.grounding.resolve(rulebook.text("cost"), deadline)
+    with costs_of(project_facts(project, wanted=_CONVERTERS)):
+        return verification.grounding.resolve(rulebook.text("cost"), deadline)
 
 
 def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:

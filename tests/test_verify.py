@@ -183,7 +183,7 @@ def test_a_broken_priority_names_its_clause() -> None:
 def written(specification: Configuration, project: Project) -> dict[int, int]:
     verification = judge_specification(specification, project, RULEBOOK)
     assert verification.violations == ()
-    cost = written_cost(verification, RULEBOOK)
+    cost = written_cost(verification, project, RULEBOOK)
     assert cost.proven
     return cost.cost
 

@@ -90,7 +90,7 @@ def _compare(
     seconds = arguments.time_limit
     deadline = None if seconds is None else time.monotonic() + seconds
     try:
-        written = written_cost(verification, rulebook, deadline)
+        written = written_cost(verification, project, rulebook, deadline)
         analysis = analyse_project(project, rulebook, arguments)
         with progress_bar(arguments, "components") as progress:
             best = synthesise(
