@@ -83,7 +83,8 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
         Fact(Atom("asked", (number, demand.function, demand.module)), demand.span)
         for number, demand in enumerate(demands, 1)
     ]
-    facts = (*project_facts(project, {demand.module for demand in demands}), *asked)
+    wanted = [(demand.function, demand.module) for demand in demands]
+    facts = (*project_facts(project, wanted), *asked)
     analysis = analyse(facts, rulebook, project.configuration.span)
     with costs_of(facts):
         resolution = analysis.grounding.resolve(rulebook.text("can"))

@@ -131,7 +131,9 @@ ANNOTATIONS = frozenset(
     " output offered_mode offered_rate".split()
 )
 #: Those by which it is told what mounts do to motions.
-FRAMES = frozenset("rooted appears appears_in_part lever_arm own_rank chain_rank".split())
+FRAMES = frozenset(
+    "rooted appears appears_in_part lever_arm combines support shares circuit".split()
+)
 
 
 class Compiler:

@@ -206,32 +206,19 @@ def jacobian(posture: Posture, name: str, providers: Sequence[str]) -> Matrix:
     return twists
 
 
-def ranks_with_units(columns: Matrix) -> tuple[int, tuple[int, ...]]:
-    """Return the rank of columns (nxk), and the ranks with each unit vector of n beside them.
+def scaled(columns: Matrix) -> Matrix:
+    """Return columns (nxk) of length one, lengths in twists measured in the longest lever arm.
 
-    Columns are scaled first: what counts is where they point.
+    What counts is where they point. Columns of zeros stay.
     """
-    size = columns.shape[0]
-    scaled = _scaled(columns)
-    if not scaled.size:
-        return 0, (1,) * size
-    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    rank = int((singular > TOLERANCE * singular[0]).sum())
-    basis = left[:, :rank]
-    rest = np.linalg.norm(np.eye(size) - basis @ basis.T, axis=0)
-    return rank, tuple(rank + int(length > math.sqrt(TOLERANCE) / 10) for length in rest)
-
-
-def _scaled(columns: Matrix) -> Matrix:
-    """Measure lengths in the longest lever arm, then give every column length one."""
-    scaled = columns.copy()
-    if scaled.shape[0] == 6 and scaled.size:
-        turning = np.abs(scaled[:3]).max(axis=0) > TOLERANCE
-        arms = np.abs(scaled[3:, turning])
-        scaled[3:] /= max(1.0, float(arms.max())) if arms.size else 1.0
-    lengths = np.linalg.norm(scaled, axis=0)
-    kept: Matrix = scaled[:, lengths > 0] / lengths[lengths > 0]
-    return kept
+    found: Matrix = columns.copy()
+    if found.shape[0] == 6 and found.size:
+        turning = np.abs(found[:3]).max(axis=0) > TOLERANCE
+        arms = np.abs(found[3:, turning])
+        found[3:] /= max(1.0, float(arms.max())) if arms.size else 1.0
+    lengths = np.linalg.norm(found, axis=0)
+    found /= np.where(lengths > TOLERANCE, lengths, 1.0)
+    return found
 
 
 def _vertex(module: Module | None, number: int | None) -> Matrix:

@@ -51,8 +51,10 @@ _TOGETHER = {
     "appears": 5,
     "appears_in_part": 5,
     "lever_arm": 4,
-    "own_rank": 6,
-    "chain_rank": 5,
+    "combines": 5,
+    "support": 4,
+    "shares": 5,
+    "circuit": 5,
 }
 #: All given predicates, and the positions of the arguments by which their facts are found.
 KEYS: Mapping[tuple[str, int], Sequence[int]] = {

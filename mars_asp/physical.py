@@ -3,7 +3,8 @@
 What is inherited, emergent or in conflict is for `rules/physical.lp` to say.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from mars_asp.atom import Atom, Fact, Term
 from mars_asp.facts import described_modules, module_classes, numbered
 from mars_asp.frames import (
     TOLERANCE,
+    Joint,
     Matrix,
     Posture,
     Robot,
@@ -18,29 +20,46 @@ from mars_asp.frames import (
     generic_posture,
     inverse,
     jacobian,
-    ranks_with_units,
+    scaled,
     take_posture,
 )
 from mars_asp.model import MOTION_FUNCTIONS, Configuration, Control, Module, Mount
 from mars_asp.ranges import MOST
+from mars_asp.supports import circuits, columns_with_share, fewest_groups, spanned
 
 _SEEDS = (1, 2, 3)
 _ZERO, _GENERIC = Atom("zero"), Atom("generic")
 _MILLION = 1_000_000
+#: How many least supports of one function are told of a module that is controlled.
+_MOST_SUPPORTS = 500
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is told of one module: whether all its supports, and which functions' circuits."""
+
+    all_supports: bool
+    functions: Sequence[str]
 
 
 def frame_facts(
-    configuration: Configuration, modules: Mapping[str, Module], moved: Iterable[str] = ()
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    asked: Iterable[tuple[str, str]] = (),
 ) -> tuple[Fact, ...]:
     """Return how native functions of carriers show in the frames of those they carry.
 
-    Told of sensors, end-effectors, whatever is controlled, and the modules `moved`; see
-    `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of the module
-    that it is about.
+    Told of sensors, end-effectors, whatever is controlled, and what is `asked`, functions of
+    modules; see `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of
+    the module that it is about.
     """
     mounts, known, heirs = _scene(configuration, modules)
+    controlled = {r.controlled for r in configuration.relationships if isinstance(r, Control)}
+    functions: dict[str, list[str]] = {}
+    for function, name in dict.fromkeys(asked):
+        functions.setdefault(name, []).append(function)
     robot = build_robot(mounts, known)
-    heirs = {name for name in (*heirs, *moved) if name in robot.carrier}
+    heirs = {name for name in (*heirs, *functions) if name in robot.carrier}
     if not heirs or not any(robot.joints.values()):
         return ()
     rest = take_posture(robot)
@@ -50,7 +69,9 @@ def frame_facts(
         Fact(atom, spans[name])
         for name in robot.order
         if name in heirs
-        for atom in _observations(robot, name, rest, generic)
+        for atom in _observations(
+            robot, name, rest, generic, _Told(name in controlled, functions.get(name, ()))
+        )
     )
 
 
@@ -85,7 +106,7 @@ def _scene(
 
 
 def _observations(
-    robot: Robot, name: str, rest: Posture, generic: tuple[Posture, ...]
+    robot: Robot, name: str, rest: Posture, generic: tuple[Posture, ...], told: "_Told"
 ) -> Iterator[Atom]:
     ancestors = robot.ancestors(name)
     yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
@@ -94,26 +115,33 @@ def _observations(
         return
     here = inverse(rest.poses[name])
     twists = jacobian(rest, name, providers)
-    free = max(
-        (jacobian(posture, name, providers) for posture in generic),
-        key=lambda columns: ranks_with_units(columns)[0],
-    )
+    free = max((jacobian(posture, name, providers) for posture in generic), key=_rank)
+    alone: set[str] = set()
     start = 0
     for provider in providers:
         joints = robot.joints[provider]
         own = slice(start, start + len(joints))
         start = own.stop
         for joint, twist in zip(joints, twists[:, own].T, strict=True):
-            yield from _appearance(name, provider, joint.function, twist)
+            shown = tuple(_appearance(name, provider, joint.function, twist))
+            alone.update(str(atom.arguments[3]) for atom in shown if atom.name == "appears")
+            yield from shown
         place = (here @ rest.poses[provider])[:3, 3]
         yield from _lever_arms(name, provider, place, twists[:, own])
         if len(joints) > 1:
-            yield from _own_ranks(name, provider, _ZERO, twists[:, own])
-            yield from _own_ranks(name, provider, _GENERIC, free[:, own])
+            for posture, columns in ((_ZERO, twists[:, own]), (_GENERIC, free[:, own])):
+                for function, names in _combinations(joints, columns):
+                    alone.add(function)
+                    for shared in names:
+                        yield Atom("combines", (name, provider, posture, function, shared))
     if len(providers) > 1:
-        rank, together = ranks_with_units(free)
-        for function, other in zip(MOTION_FUNCTIONS, together, strict=True):
-            yield Atom("chain_rank", (name, _GENERIC, function, rank, other))
+        yield from _supports(robot, name, free, alone, told.all_supports)
+        for function in told.functions:
+            yield from _circuits(robot, name, free, function)
+
+
+def _rank(columns: Matrix) -> int:
+    return int(np.linalg.matrix_rank(scaled(columns), tol=TOLERANCE))
 
 
 def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Iterator[Atom]:
@@ -141,12 +169,52 @@ def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iter
             yield Atom("lever_arm", told)
 
 
-def _own_ranks(name: str, provider: str, posture: Atom, twists: Matrix) -> Iterator[Atom]:
-    """Tell the ranks of one provider's functions, of turns without their shift: arcs count."""
-    turning, turned = ranks_with_units(twists[:3])
-    rank, moved = ranks_with_units(twists)
-    told: tuple[Term, ...] = (name, provider, posture)
-    for function, other in zip(MOTION_FUNCTIONS[:3], turned, strict=True):
-        yield Atom("own_rank", (*told, function, turning, other))
-    for function, other in zip(MOTION_FUNCTIONS[3:], moved[3:], strict=True):
-        yield Atom("own_rank", (*told, function, rank, other))
+def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield what one provider's joints combine to, and the joints with a share: arcs count."""
+    for rows, functions in ((twists[:3], MOTION_FUNCTIONS[:3]), (twists, MOTION_FUNCTIONS)):
+        for index in np.flatnonzero(spanned(rows)):
+            if rows is twists and index < 3:
+                continue
+            shared = columns_with_share(rows, int(index))
+            yield functions[index], tuple(joints[column].function for column in shared)
+
+
+def _supports(
+    robot: Robot, name: str, free: Matrix, alone: Set[str], every: bool
+) -> Iterator[Atom]:
+    """Tell the sets of fewest carriers that together give what none of them does alone."""
+    distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
+    providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
+    joints = [joint for provider in providers for joint in robot.joints[provider]]
+    ends = np.cumsum([len(robot.joints[provider]) for provider in providers])
+    groups = np.split(free, ends[:-1], axis=1)
+    inside = spanned(free)
+    wanted = [i for i, f in enumerate(MOTION_FUNCTIONS) if inside[i] and f not in alone]
+    for unit, sets in fewest_groups(groups, wanted).items():
+        function = MOTION_FUNCTIONS[unit]
+        costs = [
+            (sum(distance[providers[i]] for i in found), sorted(providers[i] for i in found), found)
+            for found in sets
+        ]
+        costs.sort()
+        kept = costs[:_MOST_SUPPORTS] if every else [c for c in costs if c[0] == costs[0][0]]
+        for number, (cost, _, found) in enumerate(kept):
+            columns = [c for i in found for c in range(ends[i] - groups[i].shape[1], ends[i])]
+            yield Atom("support", (name, function, number, cost))
+            for column in columns_with_share(free[:, columns], unit):
+                joint = joints[columns[column]]
+                yield Atom("shares", (name, function, number, joint.module, joint.function))
+
+
+def _circuits(robot: Robot, name: str, free: Matrix, function: str) -> Iterator[Atom]:
+    """Tell which motions of several carriers together give a function, with none to spare."""
+    joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
+    if function not in MOTION_FUNCTIONS:
+        return
+    number = 0
+    for circuit in circuits(free, MOTION_FUNCTIONS.index(function)):
+        if len({joints[column].module for column in circuit}) > 1:
+            for column in circuit:
+                joint = joints[column]
+                yield Atom("circuit", (name, function, number, joint.module, joint.function))
+            number += 1

@@ -113,16 +113,17 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
 
 
 def project_facts(
-    project: Project, moved: Iterable[str] = (), wanted: Set[str] | None = None
+    project: Project, asked: Iterable[tuple[str, str]] = (), wanted: Set[str] | None = None
 ) -> tuple[Fact, ...]:
     """Return the facts of a project, with `wanted` those of these predicates.
 
-    How carriers move a module is told of sensors, end-effectors, what is controlled, and `moved`.
+    How carriers move a module is told of sensors, end-effectors, what is controlled, and where it
+    is `asked` for a function of a module.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
     if wanted is not None and not wanted & FRAMES:
         return facts
-    frames = _frame_facts(project, moved)
+    frames = _frame_facts(project, asked)
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
 
 
@@ -131,12 +132,12 @@ def project_lookup(project: Project, wanted: Set[str]) -> Lookup:
     return Lookup(project.configuration, project.modules, wanted, lambda: _frame_facts(project))
 
 
-def _frame_facts(project: Project, moved: Iterable[str] = ()) -> tuple[Fact, ...]:
+def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:
     if not has_mounts(project) or not _has_functions(project):
         return ()
     from mars_asp.physical import frame_facts  # noqa: PLC0415 -- numpy
 
-    return frame_facts(project.configuration, project.modules, moved)
+    return frame_facts(project.configuration, project.modules, asked)
 
 
 def has_mounts(project: Project) -> bool:
