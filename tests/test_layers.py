@@ -24,6 +24,7 @@ LAYERS = [
     "facts",
     "lookup",
     "frames",
+    "supports",
     "physical",
     "urdf",
     "kept",
