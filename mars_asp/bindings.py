@@ -2,6 +2,7 @@
 
 import importlib.util
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -129,9 +130,9 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
         return behaviour
     kind, by = fault.get("kind", "silent"), _nanoseconds(fault.get("by", 100.0))
     if kind == "late":
-        return Behaviour(behaviour.call, behaviour.period, behaviour.delay + (by or 0))
+        return replace(behaviour, delay=behaviour.delay + (by or 0))
     if kind == "babbling":
-        return Behaviour(behaviour.call, by, behaviour.delay)
+        return replace(behaviour, period=by)
     start, end = fault.get("from", 0.0), fault.get("until", scenario.duration)
     last: list[Any] = [None]
 
@@ -143,4 +144,4 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
             raise AskedError(f"`{name}` throws, as the scenario asks")
         return last[0] if kind == "stuck" else None
 
-    return Behaviour(call, behaviour.period, behaviour.delay)
+    return replace(behaviour, call=call)

@@ -33,12 +33,10 @@ def bind_devices(
     plan: Plan, scenario: Scenario, body: Body, joints: Mapping[str, Joint], clock: Clock
 ) -> dict[str, Behaviour]:
     """Return what reads or obeys for each module that a device or the robot itself runs."""
-    found: dict[str, Behaviour] = {
-        name: Behaviour(lambda command, joint=joint: joint.obey(command, clock()))
-        for name, joint in joints.items()
-    }
+    found: dict[str, Behaviour] = {name: _jointed(joint, clock) for name, joint in joints.items()}
     platform = scenario.robot["module"]
-    found[platform] = Behaviour(lambda command: body.obey(command, clock()))
+    # Its rates are along and about the body, wherever that has come to.
+    found[platform] = Behaviour(lambda command: body.obey(command, clock()), position=dict)
     for name, table in scenario.devices.items():
         if name in found or table.get("kind") == "platform":
             continue
@@ -48,6 +46,13 @@ def bind_devices(
         behaviour = Behaviour(lambda read=read: read(clock()), period)
         found[name] = faulty(behaviour, scenario, name, clock)
     return found
+
+
+def _jointed(joint: Joint, clock: Clock) -> Behaviour:
+    return Behaviour(
+        lambda command: joint.obey(command, clock()),
+        position=lambda: {joint.function: joint.advance(clock())},
+    )
 
 
 def _sensor(

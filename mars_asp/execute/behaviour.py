@@ -1,6 +1,6 @@
 """What a module does, as far as the executor needs to know."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -19,11 +19,14 @@ class Behaviour:
     A sensor's `call()` returns a reading; an algorithm's takes the latest of each input; an
     effector's takes a command. `period` (ns) is a sensor's where its annotation has no frequency,
     and any other module's that nothing triggers. `delay` (ns) passes before a result is sent.
+    `position()` tells how far an effector's motions have come, in degrees and mm; without it, that
+    is reckoned from its commands.
     """
 
     call: Callable[..., Any]
     period: int | None = None
     delay: int = 0
+    position: Callable[[], Mapping[str, float]] | None = None
 
 
 def single_command(result: object) -> dict[str, float]:

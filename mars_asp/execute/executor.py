@@ -168,8 +168,15 @@ class Executor:
         if kind == "inheritance_node":
             led = plan.led_by_both(name)
             own = frozenset() if led is None else plan.functions(led)
-            return InheritanceNode(plan.providers(name), plan.allocation(name), own)
+            providers = plan.providers(name)
+            functions = {provider: plan.functions(provider) for provider in providers}
+            carrying = plan.carrying(name, self._position)
+            return InheritanceNode(providers, functions, carrying, plan.allocation(name), own)
         return ControlSplitter(plan.control_out[name])
+
+    def _position(self, name: str) -> Mapping[str, float]:
+        """Return how far the motions of a module have come, in degrees and mm."""
+        return self.effectors[name].position() if name in self.effectors else {}
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
         hz = self._clock(name)

@@ -1,6 +1,6 @@
 """Modules at work: what triggers them, and what becomes of their results."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -165,6 +165,19 @@ class Effector:
         self.failures = Failures()
         self.applied: list[tuple[int, str, dict[str, float]]] = []
         self.timeouts = 0
+        self.ways: dict[str, float] = {}
+        self.rates: dict[str, float] = {}
+        self.since = 0
+
+    def position(self) -> Mapping[str, float]:
+        """Return how far each motion has come, in degrees and mm, as told or as reckoned."""
+        if self.behaviour.position is not None:
+            return self.behaviour.position()
+        seconds = (self.schedule.now - self.since) / SECOND
+        for function, rate in self.rates.items():
+            self.ways[function] = self.ways.get(function, 0.0) + rate * seconds
+        self.since = self.schedule.now
+        return self.ways
 
     def input(self, link: Link) -> Callable[[Message], None]:
         """Return what takes the commands of one link."""
@@ -188,6 +201,8 @@ class Effector:
         if message is not self.message:
             return
         self.awaited = None
+        self.position()
+        self.rates = message.value
         try:
             self.behaviour.call(message.value)
         except Exception as error:  # a device's fault must not end the run

@@ -1,11 +1,14 @@
 """Nodes that carry data and control on: splitters, transformers, inheritance."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from mars_asp.execute.delivery import Offer
 from mars_asp.execute.link import Failures, Link, Message
-from mars_asp.execute.rotations import Rotation, map_function
+from mars_asp.model import GRASP
+
+if TYPE_CHECKING:
+    from mars_asp.execute.sharing import Carrying
 
 
 class DataSplitter:
@@ -56,46 +59,62 @@ class ControlSplitter:
 class InheritanceNode:
     """Maps a command into the frames of the effectors that provide its functions.
 
-    `providers` are, nearest first, an output, its rotation and the functions it has. Among
+    `providers` are its outputs, nearest first, and `functions` what each provider has itself. Among
     similar providers the nearest takes a function, with the allocation `root` the farthest, with
-    `split` each an equal share. Functions that are not named are zero: a stop reaches all, and who
-    has no part in a command any more gets one. What the commanded module does itself, its `own`,
-    is left to it.
+    `split` each an equal share; what nobody gives alone, a least support makes up at the posture of
+    the moment. Functions that are not named are zero: a stop reaches all, and who has no part in a
+    command any more gets one. What the commanded module does itself, its `own`, is left to it.
     """
 
     def __init__(
         self,
-        providers: Sequence[tuple[Link, Rotation, frozenset[str]]],
+        providers: Mapping[str, Link],
+        functions: Mapping[str, frozenset[str]],
+        carrying: "Carrying | None",
         allocation: str | None = None,
         own: frozenset[str] = frozenset(),
     ) -> None:
-        self.providers, self.own = providers, own
+        self.providers, self.functions, self.carrying = providers, functions, carrying
+        self.own = own
         self.taking = {None: slice(1), "root": slice(-1, None), "split": slice(None)}[allocation]
-        self.moving: set[int] = set()
+        self.moving: set[str] = set()
 
     def receive(self, message: Message) -> None:
         """Send each provider what falls to it."""
-        commands: list[dict[str, float]] = [{} for _ in self.providers]
+        commands: dict[str, dict[str, float]] = {name: {} for name in self.providers}
         lacking = []
         for function, rate in message.value.items():
             if function in self.own:
                 continue
-            able = [
-                (command, mapped)
-                for command, (_, rotation, functions) in zip(commands, self.providers, strict=True)
-                if (mapped := map_function(function, rate, rotation)).keys() <= functions
-            ]
-            taking = able[self.taking]
-            for command, mapped in taking:
-                for name, part in mapped.items():
-                    command[name] = command.get(name, 0.0) + part / len(taking)
-            if not able:
+            shares = self.shares(function)
+            for name, native, share in shares:
+                commands[name][native] = commands[name].get(native, 0.0) + share * rate
+            if not shares:
                 lacking.append(function)
-        for index, (command, (link, _, _)) in enumerate(zip(commands, self.providers, strict=True)):
-            if command or not message.value or index in self.moving:
-                link.send(message._replace(value=command))
-            (self.moving.add if command else self.moving.discard)(index)
+        for name, link in self.providers.items():
+            if commands[name] or not message.value or name in self.moving:
+                link.send(message._replace(value=commands[name]))
+            (self.moving.add if commands[name] else self.moving.discard)(name)
         if lacking:
             names = ", ".join(sorted(lacking))
-            for link, _, _ in self.providers[:1]:
-                link.fail(LookupError(f"nothing provides {names}"))
+            for link in list(self.providers.values())[:1]:
+                link.fail(LookupError(f"nothing provides {names} at this posture"))
+
+    def shares(self, function: str) -> list[tuple[str, str, float]]:
+        """Return who does what for one unit of a function: provider, native function, rate."""
+        able = [(name, alone) for name in self.providers if (alone := self._alone(name, function))]
+        taking = able[self.taking]
+        if not taking and self.carrying is not None:
+            together = self.carrying.together(function)
+            return [(joint.module, joint.function, share) for joint, share in together.items()]
+        return [
+            (name, native, share / len(taking))
+            for name, alone in taking
+            for native, share in alone.items()
+        ]
+
+    def _alone(self, name: str, function: str) -> Mapping[str, float]:
+        """Return what a provider does for a function alone; a grasp has no direction."""
+        if self.carrying is None or function == GRASP:
+            return {function: 1.0} if function in self.functions[name] else {}
+        return self.carrying.alone(name, function)

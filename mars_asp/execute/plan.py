@@ -1,27 +1,29 @@
 """What a specification says about its links, before anything runs."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from mars_asp.execute.behaviour import Behaviour
 from mars_asp.execute.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execute.link import Link
-from mars_asp.execute.rotations import IDENTITY, Rotation, map_function, rotation_of, times
 from mars_asp.execute.schedule import MILLISECOND, SECOND
 from mars_asp.model import (
     MOTION_FUNCTIONS,
     Configuration,
     Control,
     Data,
+    Function,
     Mode,
     Module,
     Mount,
     Service,
-    Transformation,
     node_kind,
 )
+
+if TYPE_CHECKING:
+    from mars_asp.execute.sharing import Carrying
 
 DEFAULT_HOLD = 200 * MILLISECOND
 
@@ -209,23 +211,43 @@ class Plan:
             chain.append(self.mounts[chain[-1]].mounted)
         return chain
 
-    def providers(self, node: str) -> list[tuple[Link, Rotation, frozenset[str]]]:
-        """Return an InheritanceNode's outputs, nearest to the commanded module first.
+    def providers(self, node: str) -> dict[str, Link]:
+        """Return an InheritanceNode's outputs by provider, nearest to the commanded one first."""
+        links = self._provider_links(node)
+        return {name: links[name] for name in self.way_down(node) if name in links}
 
-        The commanded module is the one farthest out whose mounts pass through every provider.
+    def way_down(self, node: str) -> list[str]:
+        """Return the module that an InheritanceNode stands for and what carries it.
+
+        It is the one farthest out whose mounts pass through every provider.
         """
         links = self._provider_links(node)
         chains = [self.chain(name) for name in self.names]
         through = [chain for chain in chains if links.keys() <= set(chain)]
-        chain = max(through, key=len, default=list(links))
-        found: list[tuple[Link, Rotation, frozenset[str]]] = []
-        for name in chain:
-            if name in links:
+        return max(through, key=len, default=list(links))
+
+    def carrying(
+        self, node: str, position: Callable[[str], Mapping[str, float]]
+    ) -> "Carrying | None":
+        """Return how an InheritanceNode's providers move the module, none where nothing is mounted.
+
+        `position` gives the present values of a module's motions in degrees and mm.
+        """
+        chain, providers = self.way_down(node), list(self.providers(node))
+        mounts = [self.mounts[name] for name in chain[:-1] if name in self.mounts]
+        if not mounts:
+            return None
+        from mars_asp.execute.sharing import Carrying  # noqa: PLC0415 -- numpy
+        from mars_asp.frames import build_robot  # noqa: PLC0415 -- numpy
+
+        modules = dict(self.modules)
+        for name in providers:
+            if name not in modules and len(providers) == 1:
                 # Who alone carries out what is inherited can do it, though nothing describes it.
-                alone = name not in self.modules and len(links) == 1
-                functions = frozenset(MOTION_FUNCTIONS) if alone else self.functions(name)
-                found.append((links[name], self._rotation(chain, name), functions))
-        return found
+                span = self.configuration.span
+                every = tuple(Function(function, span) for function in MOTION_FUNCTIONS)
+                modules[name] = Module(name, span, functions=every)
+        return Carrying(build_robot(mounts, modules), chain[0], providers, position)
 
     def unknown_providers(self, node: str) -> list[str]:
         """Return which of several providers nothing describes, so that none can be chosen."""
@@ -267,11 +289,12 @@ class Plan:
             name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None
             if name is None:
                 continue
+            carrying = self.carrying(node, lambda _: {})
             given = {
                 function
-                for _, rotation, functions in self.providers(node)
                 for function in MOTION_FUNCTIONS
-                if map_function(function, 1.0, rotation).keys() <= functions
+                if carrying is not None
+                and (carrying.support(function) or carrying.anyone(function))
             }
             left[name] = left.get(name, frozenset()) | given - self.functions(name)
         return left
@@ -311,21 +334,3 @@ class Plan:
             for link in self.control_out[name]
             for effector in self._effectors(link.client, seen | {name})
         ]
-
-    def _rotation(self, chain: list[str], base: str) -> Rotation:
-        rotation = IDENTITY
-        for mounting, mounted in pairwise(chain[: chain.index(base) + 1]):
-            if mounting in self.mounts and self.mounts[mounting].mounted == mounted:
-                rotation = times(self._mount_rotation(self.mounts[mounting]), rotation)
-        return rotation
-
-    def _mount_rotation(self, mount: Mount) -> Rotation:
-        own = rotation_of(self._vertex(mount.mounting, mount.mounting_vertex))
-        on = rotation_of(self._vertex(mount.mounted, mount.mounted_vertex))
-        across = rotation_of(mount.transformation)
-        transposed = tuple(zip(*own, strict=True))
-        return times(on, times(across, transposed))
-
-    def _vertex(self, name: str, number: int | None) -> Transformation | None:
-        vertices = self.modules[name].vertices if name in self.modules else ()
-        return next((v.transformation for v in vertices if v.number == (number or 0)), None)
