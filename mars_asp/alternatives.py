@@ -10,7 +10,9 @@ import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from itertools import islice
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
@@ -28,6 +30,10 @@ from mars_asp.synthesis import Specification, specify
 
 _DOCSTRING = re.compile(r"^%\*!\s*(\w+)\(([^)]*)\)\s*\n(.*?)\n\*%", re.MULTILINE | re.DOTALL)
 
+#: The levels that are a cost, highest first.
+_LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
+#: For each part that another answer is chosen of, in order, its number and that of the answer.
+_Places: TypeAlias = tuple[tuple[int, int], ...]
 _RELATES = re.compile(r"^//|\b(?:is_mounted_on|is_controlled_by|uses_data_from)\b")
 
 
@@ -76,8 +82,8 @@ def alternatives(
 ) -> Alternatives | None:
     """Return other realisations of all, or of the component of a node; `None` where there is none.
 
-    Each differs from the least specification in one component, and lacks a decision of all that
-    are less than it, so mere additions are left out.
+    In each component in which one differs from the least specification, it lacks a decision of all
+    that are less there, so mere additions are left out.
 
     Raises:
         MarsError: the subject is no node of the specification.
@@ -90,6 +96,14 @@ def alternatives(
         return None
     search = _Search(project, analysis, synthesis, rulebook, deadline)
     return search.run(subject, most)
+
+
+class _Choice(NamedTuple):
+    """Another answer of one component, and what it costs more at each of `_LEVELS`."""
+
+    extra: tuple[int, ...]
+    part: Part
+    other: Optimum
 
 
 @dataclass(frozen=True)
@@ -111,12 +125,9 @@ class _Search:
             parts = list(self.analysis.grounding.parts)
         else:
             parts = [part for atom in chosen if (part := part_of(atom)) is not None]
-        found = [(part, other) for part in parts for other in self._others(part, most + 1)]
-        found.sort(
-            key=lambda pair: [pair[1].cost.get(level, 0) - c for level, c in _costs(pair[0])]
-        )
+        found = list(islice(_combined([self._choices(part, most + 1) for part in parts]), most + 1))
         own = _lines(self.synthesis.specification)
-        told = [self._told(part, other, own) for part, other in found[:most]]
+        told = [self._told(extra, chosen, own) for extra, chosen in found[:most]]
         needs = [need for part in parts for need in self._needs(part, names)]
         opened = sum(len(_taken(part)) for part in parts)
         return Alternatives(
@@ -129,17 +140,27 @@ class _Search:
             len(found) <= most,
         )
 
-    def _others(self, part: Part, most: int) -> Iterator[Optimum]:
-        return islice(others(part.component, part.best, most, self.deadline), most)
+    def _choices(self, part: Part, most: int) -> list[_Choice]:
+        """Return other answers of a component in the order of what they cost more."""
+        return [
+            _Choice(
+                tuple(other.cost.get(level, 0) - cost for level, cost in _costs(part)), part, other
+            )
+            for other in others(part.component, part.best, most, self.deadline)
+        ]
 
-    def _told(self, part: Part, other: Optimum, own: Sequence[str]) -> Alternative:
-        kept = set(self.synthesis.resolution.answer.decided).difference(part.decided(part.best))
-        answer = Answer(self.analysis.grounding, (*kept, *part.decided(other)))
+    def _told(
+        self, extra: tuple[int, ...], chosen: Sequence[_Choice], own: Sequence[str]
+    ) -> Alternative:
+        kept = set(self.synthesis.resolution.answer.decided)
+        for choice in chosen:
+            kept.difference_update(choice.part.decided(choice.part.best))
+        changed = [atom for choice in chosen for atom in choice.part.decided(choice.other)]
+        answer = Answer(self.analysis.grounding, (*kept, *changed))
         specification = specify(self.project.configuration, self.project.modules, answer.shown)
         changes = list(difflib.ndiff(own, _lines(specification)))
-        extra = {level: other.cost.get(level, 0) - cost for level, cost in _costs(part)}
         return Alternative(
-            extra,
+            dict(zip(_LEVELS, extra, strict=True)),
             specification,
             tuple(line[2:] for line in changes if line.startswith("+ ")),
             tuple(line[2:] for line in changes if line.startswith("- ")),
@@ -166,6 +187,35 @@ class _Search:
         return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
 
 
+def _combined(
+    parts: Sequence[Sequence[_Choice]],
+) -> Iterator[tuple[tuple[int, ...], tuple[_Choice, ...]]]:
+    """Yield what choices cost together and the choices, one at most of each part, cheapest first.
+
+    Each part's choices are in the order of their cost. A combination is found from one other alone:
+    that in which its last choice was the one before, or the first one of the part before, or was
+    not made (Lawler, A procedure for computing the K best solutions, Management Science 1972).
+    """
+    ordered = sorted((part for part in parts if part), key=lambda part: part[0].extra)
+    none = (0,) * len(_LEVELS)
+
+    def made(places: _Places) -> tuple[tuple[int, ...], int, _Places]:
+        extras = [ordered[part][index].extra for part, index in places]
+        return tuple(map(sum, zip(none, *extras, strict=True))), len(places), places
+
+    waiting = [made(((0, 0),))] if ordered else []
+    while waiting:
+        extra, _, places = heappop(waiting)
+        yield extra, tuple(ordered[part][index] for part, index in places)
+        *before, (part, index) = places
+        if index + 1 < len(ordered[part]):
+            heappush(waiting, made((*before, (part, index + 1))))
+        if part + 1 < len(ordered):
+            heappush(waiting, made((*places, (part + 1, 0))))
+            if index == 0:
+                heappush(waiting, made((*before, (part + 1, 0))))
+
+
 def _lines(specification: Specification) -> list[str]:
     """Return the relationships and the comments of transformers, as they are printed."""
     printed = print_configuration(specification.configuration).splitlines()
@@ -174,9 +224,7 @@ def _lines(specification: Specification) -> list[str]:
 
 def _costs(part: Part) -> list[tuple[int, int]]:
     """Return the levels that are a cost, highest first, with what the optimum costs there."""
-    return [
-        (level, part.best.cost.get(level, 0)) for level in COSTS.values() if level >= COST_LEVEL
-    ]
+    return [(level, part.best.cost.get(level, 0)) for level in _LEVELS]
 
 
 def _taken(part: Part) -> set[int]:

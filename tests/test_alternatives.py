@@ -29,9 +29,11 @@ def test_cases(case: Path, update_golden: bool) -> None:
     assert shown == expected.read_text(encoding="utf-8")
 
 
-def found(text: str, subject: str | None = None) -> tuple[Project, Alternatives | None]:
+def found(
+    text: str, subject: str | None = None, most: int = 4
+) -> tuple[Project, Alternatives | None]:
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
-    return project, alternatives(project, RULEBOOK, subject, 4)
+    return project, alternatives(project, RULEBOOK, subject, most)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -79,6 +81,43 @@ def test_as_many_optima_as_are_counted_cost_the_same() -> None:
     assert answer is not None
     same = [other for other in answer.others if not any(other.extra.values())]
     assert answer.synthesis.resolution.count == 1 + len(same) == 2
+
+
+def _twin(name: str) -> str:
+    """Return lines and blocks of a source with two optima."""
+    return (
+        f"A{name} uses_data_from S{name}\nB{name} uses_data_from S{name}\n"
+        f"@module_start\n@module_name S{name}\n@Sense NotifyWhenReady\nR{name} s();\n@module_end\n"
+        f"@module_start\n@module_name A{name}\n@DataIn\nvoid a(X{name} x);\n@module_end\n"
+        f"@module_start\n@module_name B{name}\n@DataIn\nvoid b(X{name} x);\n@module_end\n"
+        f"@module_start\n@module_name C{name}\n@Converts\nX{name} c(R{name} r);\n@module_end\n"
+        f"@module_start\n@module_name D{name}\n@Converts 3\nX{name} d(R{name} r);\n@module_end\n"
+        f"@module_start\n@module_name E{name}\n@Converts\nX{name} e(R{name} r);\n@module_end\n"
+    )
+
+
+def test_components_vary_on_their_own_and_together() -> None:
+    names = ", ".join(f"{each}{name}" for name in "PQR" for each in "ABS")
+    text = f"@configuration\n@modules {names}\n{''.join(map(_twin, 'PQR'))}"
+    _, answer = found(text, most=7)
+    assert answer is not None
+    assert answer.synthesis.resolution.count == 8
+    assert len({(other.added, other.removed) for other in answer.others}) == 7
+    assert not any(any(other.extra.values()) for other in answer.others)
+    assert [len(other.added) for other in answer.others] == [1, 1, 1, 2, 2, 2, 3]
+    assert not answer.complete
+    _, more = found(text, most=20)
+    assert more is not None
+    assert sum(not any(other.extra.values()) for other in more.others) == 7
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_as_many_cost_the_same_as_are_counted(seed: int) -> None:
+    _, answer = found(random_configuration(seed), most=60)
+    if answer is None or answer.synthesis.resolution.count is None:
+        return
+    same = sum(not any(other.extra.values()) for other in answer.others)
+    assert same == min(answer.synthesis.resolution.count - 1, 60)
 
 
 def test_a_subject_is_a_node() -> None:
