@@ -57,7 +57,10 @@ class Change(Generic[Item]):
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """All that changed; a synthesis is `None` where nothing realises that configuration."""
+    """All that changed; a synthesis is `None` where nothing realises that configuration.
+
+    Nodes are compared where both are realised: those of one alone would say no more than that.
+    """
 
     added: tuple[Span, ...]
     removed: tuple[Span, ...]
@@ -92,11 +95,12 @@ def diff(
     before, after = _Side(old, rulebook, seconds), _Side(new, rulebook, seconds)
     before.compare(after)
     after.compare(before)
+    both = before.synthesis is not None and after.synthesis is not None
     return Difference(
         tuple(sorted(after.changed)),
         tuple(sorted(before.changed)),
         tuple(_changes(before, after, before.consequences(), after.consequences())),
-        tuple(_changes(before, after, before.nodes(), after.nodes())),
+        tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
         after.synthesis,
     )

@@ -92,7 +92,7 @@ def _text(found: Difference, coloured: bool, quiet: bool) -> Iterator[str]:
     if quiet:
         return
     if found.is_empty:
-        count = len(found.added) + len(found.removed)
+        count = len({(span.path, span.line) for span in (*found.added, *found.removed)})
         lines = f"{count} line{'s' * (count > 1)} changed, but"
         yield f"{lines} no consequence and no node" if count else "nothing changed"
     yield from _costs(found)
@@ -102,14 +102,15 @@ def _causes(change: Change[Any]) -> Iterator[str]:
     if not change.added and not change.removed:
         yield "    no line that it rests on changed"
     for sign, spans in (("-", change.removed), ("+", change.added)):
-        for span in spans:
-            yield visible(f"    {sign} {span.path}:{span.line}: {line_at(span)}")
+        # A list of controllers is several relationships in one line.
+        for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in spans):
+            yield visible(f"    {sign} {path}:{line}: {text}")
 
 
 def _costs(found: Difference) -> Iterator[str]:
     if found.old is None or found.new is None:
         sides = [side for side, s in (("OLD", found.old), ("NEW", found.new)) if s is None]
-        yield f"no specification realises {' or '.join(sides)}"
+        yield f"no specification realises {' or '.join(sides)}, so no nodes are compared"
         return
     parts = []
     for name, level in COSTS.items():
