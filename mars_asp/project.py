@@ -19,12 +19,15 @@ from mars_asp.spelling import resemblances
 if TYPE_CHECKING:
     from mars_asp.annotations.files import Extraction
 
+_HERE = Path()
+
 
 @dataclass(frozen=True, slots=True)
 class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
-    `text` is what the configuration was read from, `found` what was read from sources.
+    `text` is what the configuration was read from, `found` what was read from sources; `blocks`
+    are the texts of the configuration's own module blocks.
     """
 
     configuration: Configuration
@@ -32,6 +35,7 @@ class Project:
     diagnostics: tuple[Diagnostic, ...]
     text: str = ""
     found: "Extraction | None" = None
+    blocks: tuple[str, ...] = ()
 
 
 def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
@@ -51,11 +55,12 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
     paths: list[Path] = []
     for name in configuration.sources:
         advice = "paths of `@sources` are relative to the configuration's own file"
-        paths += _found(folder / name.text, _missing(name.text, name.span, advice), problems)
+        missing = _missing(name.text, name.span, advice)
+        paths += _found(name.text, missing, problems, folder)
     for argument in sources:
         advice = "paths of `--sources` are relative to the folder that mars-asp is called in"
         place = point(argument, 1, 1)
-        paths += _found(Path(argument), _missing(argument, place, advice), problems)
+        paths += _found(argument, _missing(argument, place, advice), problems)
     if problems:
         raise MarsError(problems)
     found = None
@@ -109,7 +114,7 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     errors = [d for d in diagnostics if d.severity == "error"] + clashes
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
-    return Project(configuration, modules, by_place(diagnostics), text, found)
+    return Project(configuration, modules, by_place(diagnostics), text, found, parsed.blocks)
 
 
 def project_facts(
@@ -151,11 +156,13 @@ def _has_functions(project: Project) -> bool:
     return any(module.functions for module in described)
 
 
-def _found(path: Path, missing: Diagnostic, problems: list[Diagnostic]) -> list[Path]:
-    """Return the paths that a path or glob names; note where it names none."""
+def _found(
+    written: str, missing: Diagnostic, problems: list[Diagnostic], folder: Path = _HERE
+) -> list[Path]:
+    """Return the paths that a path or glob of a folder names; note where it names none."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
-    matches = find_paths(str(path))
+    matches = find_paths(written, folder)
     if not matches:
         problems.append(missing)
     return matches

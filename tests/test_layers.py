@@ -49,6 +49,7 @@ LAYERS = [
     "magic",
     "slicing",
     "project",
+    "relocate",
     "verify",
     "link_modes",
     "subject",

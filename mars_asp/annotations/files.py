@@ -18,6 +18,7 @@ from mars_asp.model import Module
 from mars_asp.source import point
 
 MOST_BYTES = 256 * 1024 * 1024
+_HERE = Path()
 #: What a file must hold to be worth reading, in single bytes and in both orders of UTF-16. Words
 #: that other annotations use as well, such as `@Input`, make no file worth reading by themselves.
 _MARK = re.compile(
@@ -39,16 +40,17 @@ class Extraction:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def find_paths(written: str) -> list[Path]:
-    """Return the files and folders that a path or a glob names, sorted.
+def find_paths(written: str, folder: Path = _HERE) -> list[Path]:
+    """Return the files and folders that a path or a glob of a folder names, sorted.
 
     A glob means the sources among what it matches, if there are some.
     """
-    path = Path(written)
+    path = folder / written
     if path.exists():
         return [path]
     # `Path.glob` knows no pattern that is absolute or leads upwards.
-    matches = [Path(match) for match in sorted(glob.glob(written, recursive=True))]  # noqa: PTH207
+    pattern = str(Path(glob.escape(str(folder))) / written)
+    matches = [Path(match) for match in sorted(glob.glob(pattern, recursive=True))]  # noqa: PTH207
     return [at for at in matches if at.is_dir() or at.suffix.lower() in LANGUAGES] or matches
 
 

@@ -9,6 +9,7 @@ from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language import Parsed, parse_file, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode
 from mars_asp.project import Project, load_project, project_facts
 from mars_asp.rulebook import Rulebook, load_rulebook
@@ -16,6 +17,7 @@ from mars_asp.source import point
 from mars_asp.visible import visible
 
 STANDARD_INPUT = "-"
+_SHOWN = "<stdin>"
 
 
 def read_input(shown: str) -> str:
@@ -40,6 +42,18 @@ def check_inputs(*paths: str) -> None:
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
 
 
+def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
+    """Read a `.mars` file without its sources.
+
+    Raises:
+        MarsError: what is wrong with the file.
+    """
+    with stage(arguments, f"reading {visible(path)}"):
+        if path == STANDARD_INPUT:
+            return parse_text(read_input(_SHOWN), _SHOWN)
+        return parse_file(Path(path))
+
+
 def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
     """Read the project of a verb's FILE; report what is noteworthy about it.
 
@@ -49,7 +63,7 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     path = arguments.file if path is None else path
     text = None
     if path == STANDARD_INPUT:
-        path = "<stdin>"
+        path = _SHOWN
         text = read_input(path)
     with stage(arguments, f"reading {visible(path)}"):
         project = load_project(path, arguments.sources, text)

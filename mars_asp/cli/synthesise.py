@@ -3,6 +3,8 @@
 import argparse
 import json
 import sys
+from dataclasses import replace
+from pathlib import Path
 
 from mars_asp.analysis import diagnostic
 from mars_asp.cli.limits import begin_clock_anew, seconds_to_search
@@ -12,8 +14,9 @@ from mars_asp.cli.report import report
 from mars_asp.facts import module_classes
 from mars_asp.language import print_configuration
 from mars_asp.language.print import print_number
-from mars_asp.model import Control, Conversion, Data, Module, Mount, node_kind
+from mars_asp.model import Configuration, Control, Conversion, Data, Module, Mount, node_kind
 from mars_asp.project import Project
+from mars_asp.relocate import sources_seen_from
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
 from mars_asp.verify import verify
 from mars_asp.visible import write_whole
@@ -22,7 +25,13 @@ from mars_asp.visible import write_whole
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     add_file(parser)
-    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        default="-",
+        help="where to write it; `@sources` are relative to there, without it to this folder",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -59,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
     else:
-        text = print_configuration(found.specification.configuration)
+        text = _text(printed, project, arguments)
     if arguments.output == "-":
         print(text, end="")
     else:
@@ -71,6 +80,18 @@ def run(arguments: argparse.Namespace) -> int:
         )
         return 3
     return int(analysis.has_errors)
+
+
+def _text(printed: Configuration, project: Project, arguments: argparse.Namespace) -> str:
+    """Return a specification that stands by itself, with the sources and blocks of its project.
+
+    Raises:
+        MarsError: a path to a source cannot be written.
+    """
+    folder = Path() if arguments.output == "-" else Path(arguments.output).parent
+    sources = sources_seen_from(folder, project.configuration, arguments.sources)
+    text = print_configuration(replace(printed, sources=sources))
+    return "".join((text, *(f"\n{block}\n" for block in project.blocks)))
 
 
 def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:

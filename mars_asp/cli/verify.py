@@ -3,12 +3,20 @@
 import argparse
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.progress import progress_bar
-from mars_asp.cli.reason import analyse_project, check_inputs, read_project, rulebook_for
+from mars_asp.cli.reason import (
+    analyse_project,
+    check_inputs,
+    read_configuration,
+    read_project,
+    rulebook_for,
+)
+from mars_asp.cli.report import report
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.project import Project
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
 from mars_asp.rulebook import Rulebook
@@ -44,8 +52,10 @@ def run(arguments: argparse.Namespace) -> int:
     A specification that costs less than what was called least is a fault of this tool, and 1.
     """
     check_inputs(arguments.specification, arguments.file)
-    specification = read_project(arguments, arguments.specification).configuration
+    parsed = read_configuration(arguments, arguments.specification)
+    specification = parsed.configuration
     project = read_project(arguments)
+    _report_own(parsed.warnings, project.diagnostics, arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC stands first, then its CONFIG", file=sys.stderr)
         return 2
@@ -81,6 +91,14 @@ def run(arguments: argparse.Namespace) -> int:
     if compared.fault is not None:
         print(f"mars-asp: a fault of ours, please report it: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
+
+
+def _report_own(
+    warnings: Iterable[Diagnostic], told: Iterable[Diagnostic], arguments: argparse.Namespace
+) -> None:
+    """Report what is noteworthy of SPEC alone: its blocks are mostly those of CONFIG."""
+    said = {(each.code, each.message) for each in told}
+    report((each for each in warnings if (each.code, each.message) not in said), arguments)
 
 
 def _compare(

@@ -12,7 +12,7 @@ from typing import cast
 
 from lark import Lark, UnexpectedInput
 
-from mars_asp.annotations.blocks import read_blocks
+from mars_asp.annotations.blocks import Blocks, read_blocks
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
@@ -34,10 +34,14 @@ _CONVERSION = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """A file that could be read, with what is noteworthy about it."""
+    """A file that could be read, with what is noteworthy about it.
+
+    `blocks` are the texts of its module blocks, as they are written.
+    """
 
     configuration: Configuration
     warnings: tuple[Diagnostic, ...]
+    blocks: tuple[str, ...] = ()
 
 
 def parse_file(path: Path) -> Parsed:
@@ -117,10 +121,11 @@ def parse_text(text: str, path: str) -> Parsed:
     problems += builder.problems
     if problems:
         raise MarsError(problems)
-    conversions = _conversions(layout) if configuration.kind == "specification" else ()
-    return Parsed(
-        replace(configuration, declared=blocks.modules, conversions=conversions), warnings
-    )
+    said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
+    configuration = replace(configuration, declared=blocks.modules, conversions=said)
+    lines = text.split("\n")
+    written = tuple("\n".join(lines[first - 1 : last]) for first, last in blocks.lines)
+    return Parsed(configuration, warnings, written)
 
 
 def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:
@@ -164,7 +169,9 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
     )
 
 
-def _conversions(layout: Layout) -> tuple[Conversion, ...]:
+def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
+    """Return what comments of transformers say; those in module blocks are about something else."""
+    inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
     return tuple(
         Conversion(
             match["node"],
@@ -174,6 +181,7 @@ def _conversions(layout: Layout) -> tuple[Conversion, ...]:
             layout.span(match.start("node"), match.end("target")),
         )
         for match in _CONVERSION.finditer(layout.text)
+        if layout.position(match.start())[0] not in inside
     )
 
 

@@ -56,7 +56,8 @@ class Draft:
         self.nodes: dict[str, Node] = {}
         self.lines: list[Relationship] = []
         self._atoms: dict[str, list[Symbol]] = {}
-        self._names = {name.text for name in configuration.modules} | set(described)
+        declared = {module.name for module in configuration.declared}
+        self._names = {name.text for name in configuration.modules} | set(modules) | declared
         self._next: dict[NodeKind, int] = {}
 
     def tell(self, atoms: Iterable[Symbol]) -> None:
