@@ -31,8 +31,33 @@ OFFERS = (
 )
 
 
+#: What stands for priorities and costs from 0 to 3, and for rates: the same, or extremes in order.
+_PRIORITIES = ("0 1 2 3", "0 1 2 3", "0 50000 100000 2147483647", "0 1 46341 2147483647")
+_COSTS = ("0 1 2 3", "0 1 2 3", "0 1 999999 1000000")
+_WRITTEN = "0.3 5 10 20 25"
+_RATES = (_WRITTEN, _WRITTEN, "0.001 0.002 1 2147483 2147483.647")
+
+
 def random_configuration(seed: int) -> str:
-    """Return a random configuration with its modules declared, as text."""
+    """Return a random configuration with its modules declared, as text.
+
+    In some of them numbers are extreme, in the same order as small ones are in others.
+    """
+    rng = random.Random(f"numbers {seed}")
+    text = _small_configuration(seed)
+    for before, written, others in (
+        (r"(is_controlled_by \w+ )", "0 1 2 3", _PRIORITIES),
+        (r"(@Converts )", "0 1 2 3", _COSTS),
+        (r"(NotifyAtFrequency )", _WRITTEN, _RATES),
+    ):
+        number = dict(zip(written.split(), rng.choice(others).split(), strict=True))
+        words = re.split(before + r"([\d.]+)", text)
+        words[2::3] = [number.get(word, word) for word in words[2::3]]
+        text = "".join(words)
+    return text
+
+
+def _small_configuration(seed: int) -> str:
     rng = random.Random(seed)
     kind = rng.choice(["", " hierarchical", " hierarchical"])
     what = rng.choice(["data", "control", "both"])
