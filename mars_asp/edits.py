@@ -336,7 +336,9 @@ def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     assert isinstance(stated, Control)
     listed, member = drafts.member(stated)
-    listed.rank(member, priority.number)
+    # What a place in a list says already needs no number.
+    if len(listed.members) == 1 or stated.priority != priority.number:
+        listed.rank(member, priority.number)
 
 
 def _unrank(drafts: _Drafts, number: Symbol) -> None:
