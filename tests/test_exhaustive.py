@@ -3,7 +3,8 @@
     python -m tests.test_exhaustive HOW_MANY [FIRST_SEED [PART ...]]
 
 does the same for as many random configurations of each part as wanted: `wiring`, `mounts`, `twins`,
-and `run` (who wins at each module when a specification runs).
+`run` (who wins at each module when a specification runs), `verify` (a judge written from the text
+accepts and refuses the same: specifications and random mutants of them).
 """
 
 import sys
@@ -20,6 +21,7 @@ from tests.least_supports import UnclearError
 from tests.random_configurations import random_configuration, random_mounts, random_twins
 from tests.subjects import RULEBOOK, read, synthesised
 from tests.test_execute_priorities import compare_run
+from tests.test_realises import compare_judged
 
 
 def cost_of(found: Synthesis) -> Cost:
@@ -123,6 +125,7 @@ PARTS: dict[str, Callable[[int], str | None]] = {
     "mounts": compare_mounts,
     "twins": compare_twins,
     "run": compare_run,
+    "verify": compare_judged,
 }
 
 
