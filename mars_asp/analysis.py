@@ -16,7 +16,7 @@ from mars_asp.atom import Fact
 from mars_asp.conflict import check_decided, check_packs, check_severities
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.facts import facts_text
-from mars_asp.pack import SEVERITIES
+from mars_asp.pack import CONSEQUENCE, SEVERITIES
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding
 from mars_asp.source import Span
@@ -25,7 +25,6 @@ from mars_asp.term import Term, arguments, as_symbol, atoms
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[Term, Term, Term]
 _Value = TypeVar("_Value")
-_CONSEQUENCE = ("consequence", 4)
 _SAID = "_said"
 _HOLE = re.compile(r"\{([^{}]*)\}")
 
@@ -74,7 +73,7 @@ class Analysis:
     @cached_property
     def has_errors(self) -> bool:
         """Say whether a consequence is an error."""
-        severities = {arguments(a)[1] for a in atoms(self.grounding.control, *_CONSEQUENCE, True)}
+        severities = {arguments(a)[1] for a in atoms(self.grounding.control, *CONSEQUENCE, True)}
         return any(_severity(as_symbol(severity)) == "error" for severity in severities)
 
 
@@ -91,14 +90,14 @@ def analyse(
             is none.
     """
     facts = tuple(facts)
-    speakers = tuple(rule for rule in rulebook.rules if _speaks(rule))
+    speakers = tuple(rule for rule in rulebook.rules if CONSEQUENCE in rule.heads)
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     text = facts_text(facts)
     grounding = Grounding(f"{rulebook.text('base')}\n{said}\n{text}")
     check_packs(grounding.control, rulebook, text)
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)
-    check_severities(grounding.control, _SAID, speakers)
+        check_severities(grounding.control, _SAID, speakers)
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
@@ -177,11 +176,6 @@ def _form(text: str) -> tuple[str, tuple[str, ...]]:
 def shown(symbol: clingo.Symbol) -> str:
     """Return a term as a message shows it: a string without its quotes."""
     return symbol.string if symbol.type == clingo.SymbolType.String else str(symbol)
-
-
-def _speaks(rule: Rule) -> bool:
-    name = _CONSEQUENCE[0]
-    return name in rule.text and _CONSEQUENCE in rule.heads
 
 
 def _saying(number: int, rule: Rule) -> str:

@@ -5,18 +5,16 @@ one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); 
 kept is needed. The built-in rules alone always have an answer.
 """
 
-import re
 from collections.abc import Sequence
 
 import clingo
-from clingo import ast
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.pack import SEVERITIES, no_severity, severity_place
 from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.statements import rules_and_others
 from mars_asp.term import arguments, as_symbol, atoms, labelled
 
-_NAMED_SEVERITY = re.compile(rf"consequence\(\s*\w+\s*,\s*({'|'.join(SEVERITIES)})\s*,")
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
 
@@ -32,9 +30,12 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
         return
     packs = rulebook.texts[-rulebook.packs :]
     fixed = [text for stage, text in rulebook.texts[: -rulebook.packs] if stage == "base"]
-    fixed += [_other_statements(text) for _, text in packs]
-    conflict = _minimal(_rules_of_packs(rulebook, packs), "\n".join([*fixed, facts]))
-    first, *others = conflict
+    read = [rules_and_others(text) for _, text in packs]
+    fixed += [others for _, others in read]
+    # The rules of packs stand last.
+    first = len(rulebook.rules) - sum(count for count, _ in read)
+    conflict = _minimal(rulebook.rules[first:], "\n".join([*fixed, facts]))
+    rule, *others = conflict
     count = len(conflict)
     message = "this rule excludes" if count == 1 else f"these {count} rules together exclude"
     raise MarsError(
@@ -43,10 +44,10 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
                 "rules-inconsistent",
                 "error",
                 f"{message} every answer for this configuration",
-                first.span,
-                tuple((rule.span, f"with `{_one_line(rule)}`") for rule in others),
+                rule.span,
+                tuple((other.span, f"with `{_one_line(other)}`") for other in others),
                 "drop or weaken one of them; a pack derives `consequence/4` instead of refusing",
-                first.text.partition("\n")[0],
+                rule.text.partition("\n")[0],
             ),
         )
     )
@@ -85,14 +86,12 @@ def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) 
 def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
     """Check that how severe a consequence is, is one of the words for that.
 
-    A rule that names the word was checked when it was read; one with a variable takes what its
-    body gives. The atoms `said` are as in `check_decided`.
+    A rule may take the word from its body, and a `#const` of a pack may replace it. The atoms
+    `said` are as in `check_decided`.
 
     Raises:
         MarsError: it is another word; the rules with places.
     """
-    if all(_NAMED_SEVERITY.match(rule.text) for rule in speakers):
-        return
     wrong = set()
     for atom in atoms(control, said, 3, True):
         number, head, _ = arguments(atom)
@@ -104,18 +103,12 @@ def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule
             tuple(
                 no_severity(
                     word,
-                    severity_place(speakers[number].ast, speakers[number].span),
+                    severity_place(speakers[number].statements, speakers[number].span),
                     speakers[number].text.partition("\n")[0],
                 )
                 for number, word in sorted(wrong)
             )
         )
-
-
-def _rules_of_packs(rulebook: Rulebook, packs: Sequence[tuple[str, str]]) -> list[Rule]:
-    """Return the rules of packs, which stand last."""
-    count = sum(_is_rule(statement) for _, text in packs for statement in _statements(text))
-    return list(rulebook.rules[len(rulebook.rules) - count :])
 
 
 def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:
@@ -132,20 +125,6 @@ def _has_answer(rules: Sequence[Rule], fixed: str) -> bool:
     control.add("base", [], "\n".join([fixed, *(rule.text for rule in rules)]))
     control.ground()
     return bool(control.solve().satisfiable)
-
-
-def _other_statements(text: str) -> str:
-    return "\n".join(str(s) for s in _statements(text) if not _is_rule(s))
-
-
-def _is_rule(statement: ast.AST) -> bool:
-    return statement.ast_type == ast.ASTType.Rule
-
-
-def _statements(text: str) -> list[ast.AST]:
-    found: list[ast.AST] = []
-    ast.parse_string(text, found.append)
-    return [s for s in found if s.ast_type not in (ast.ASTType.Program, ast.ASTType.Comment)]
 
 
 def _one_line(rule: Rule) -> str:

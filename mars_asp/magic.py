@@ -31,8 +31,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from mars_asp.literals import Literal, Plain, Signature, Term, plain_rules
-from mars_asp.rulebook import Rule
+from mars_asp.statements import Literal, Signature, Statement, Term
 
 
 class Asked(NamedTuple):
@@ -73,7 +72,7 @@ class Demand:
 
 
 def demand_of(
-    rules: Sequence[Rule],
+    rules: Sequence[Statement],
     asked: Asked,
     values: Iterable[Sequence[str]],
     keys: Mapping[Signature, Sequence[int]],
@@ -83,11 +82,10 @@ def demand_of(
     `values` are the texts of the terms that bind arguments of what is `asked`. `keys` are, for all
     given predicates, the positions of arguments by which their facts can be found.
     """
-    plain = plain_rules(rules)
-    if plain is None or negates_itself(plain):
+    if not are_forced(rules) or negates_itself(rules):
         return None
     writer = _Writer(keys)
-    for rule in plain:
+    for rule in rules:
         writer.rules.setdefault(rule.head.signature, []).append(rule)
     if not writer.is_derived(asked.signature):
         return None
@@ -101,7 +99,12 @@ def demand_of(
     )
 
 
-def negates_itself(rules: Iterable[Plain]) -> bool:
+def are_forced(rules: Iterable[Statement]) -> bool:
+    """Whether each rule forces one atom, by literals that are known."""
+    return all(rule.known and rule.forces for rule in rules)
+
+
+def negates_itself(rules: Iterable[Statement]) -> bool:
     """Say whether recursion leads through anything but positive literals."""
     reads: dict[Signature, set[Signature]] = {}
     others: set[tuple[Signature, Signature]] = set()
@@ -109,7 +112,7 @@ def negates_itself(rules: Iterable[Plain]) -> bool:
         head = rule.head.signature
         rest = {literal.signature for part in rule.parts for literal in part}
         read = reads.setdefault(head, set())
-        read |= rest | {literal.signature for literal in rule.body}
+        read |= rule.reads
         others |= {(head, each) for each in rest}
     behind = {read: _behind(read, reads) for _, read in others}
     return any(head in behind[read] for head, read in others)
@@ -133,7 +136,7 @@ class _Writer:
     """Writes one demand program."""
 
     keys: Mapping[Signature, Sequence[int]]
-    rules: dict[Signature, list[Plain]] = field(default_factory=dict)
+    rules: dict[Signature, list[Statement]] = field(default_factory=dict)
     #: What is asked about, in the order in which it is found.
     seen: dict[Asked, None] = field(default_factory=dict)
     #: The predicates of which everything is needed.
@@ -170,9 +173,9 @@ class _Writer:
             guards = [asked for asked in self.seen if asked.signature == signature]
             for rule in rules:
                 if signature in self.whole:
-                    yield rule.text(())
+                    yield rule.with_body(())
                 else:
-                    yield from (rule.text((_needed(asked, rule),)) for asked in guards)
+                    yield from (rule.with_body((_needed(asked, rule),)) for asked in guards)
 
     def _demand(self, asked: Asked) -> Iterator[str]:
         """Yield what atoms that are asked for ask for in turn, and which of them could be true."""
@@ -180,7 +183,7 @@ class _Writer:
             terms = rule.head.terms
             bound = {name for place in asked.bound for name in terms[place].variables}
             joined = [_needed(asked, rule)]
-            yield from self._join(rule.body, joined, bound)
+            yield from self._join(rule.body.positive, joined, bound)
             for part in rule.parts:
                 inner, known = [*joined], {*bound}
                 yield from self._join((each for each in part if each.binds), inner, known)
@@ -251,14 +254,14 @@ class _Writer:
             if each not in self.whole:
                 self.whole.add(each)
                 for rule in self.rules.get(each, ()):
-                    waiting += [x.signature for part in (rule.body, *rule.parts) for x in part]
+                    waiting += rule.reads
 
     def _may(self, asked: Asked, terms: Sequence[str]) -> str:
         unknown = self.unknown.get(asked, set())
         return asked.atom("_may", (t for p, t in enumerate(terms) if p not in unknown))
 
 
-def _needed(asked: Asked, rule: Plain) -> str:
+def _needed(asked: Asked, rule: Statement) -> str:
     """Return the literal that asks for the head of a rule."""
     return asked.atom("_need", (rule.head.terms[place].pattern for place in asked.bound))
 

@@ -11,33 +11,42 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
-from clingo import ast
+from clingo.ast import AST
 
 from mars_asp import gate, pack
+from mars_asp import statements as reader
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
 from mars_asp.pack import (
+    CONSEQUENCE,
     EXTENSIBLE,
-    children,
-    declared,
     misused_heads,
-    named_kinds,
-    predicates,
     refused_rules,
     unknown_predicates,
 )
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
+from mars_asp.statements import (
+    Piece,
+    RuleSyntaxError,
+    Signature,
+    Statement,
+    declared,
+    pieces,
+    replaced,
+    statements,
+    tree,
+    unsigned,
+)
 
 KEYS = ("id", "because", "help")
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _HOLE = re.compile(r"\{([^{}]*)\}")
-_KIND = re.compile(r"consequence\(([a-z]\w*),")
 
 
 @dataclass(frozen=True)
 class Rule:
-    """One rule as it is written, with its metadata and its syntax tree."""
+    """One rule as it is written, with its metadata and what it says."""
 
     id: str
     because: str | None
@@ -47,33 +56,47 @@ class Rule:
     stage: str
 
     @cached_property
-    def ast(self) -> ast.AST:
-        """Return clingo's syntax tree of the text."""
-        statements: list[ast.AST] = []
-        ast.parse_string(self.text, statements.append)
-        return next(s for s in statements if s.ast_type == ast.ASTType.Rule)
+    def ast(self) -> AST:
+        """Return clingo's syntax tree of the text, for further rules to be made of it."""
+        return tree(self.text)
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """Return what the rule says, without pools."""
+        return statements(self.text)
 
     @cached_property
-    def heads(self) -> frozenset[tuple[str, int]]:
-        """Return the predicates that the head can derive, as (name, arity)."""
-        return frozenset(_head_signatures(self.ast))
+    def heads(self) -> frozenset[Signature]:
+        """Return the predicates that the head can derive, without signs of classical negation."""
+        return frozenset(unsigned(each) for one in self.statements for each in one.derives)
 
     @cached_property
-    def reads(self) -> frozenset[tuple[str, int]]:
-        """Return the predicates that the body reads, and the head unless it is a plain atom."""
-        nodes = [*self.ast.body, *([self.ast.head] if self.is_choice else [])]
-        return frozenset((name, arity) for n in nodes for name, arity, _ in predicates(n))
-
-    def __getstate__(self) -> dict[str, object]:
-        """Keep what most questions need of the tree, which itself cannot be kept."""
-        written = {field.name: getattr(self, field.name) for field in fields(self)}
-        known = {"heads": self.heads, "reads": self.reads, "is_choice": self.is_choice}
-        return {**written, **known}
+    def reads(self) -> frozenset[Signature]:
+        """Return the predicates that the rule reads, without signs, and those that it offers."""
+        read = frozenset(unsigned(each) for one in self.statements for each in one.reads)
+        return read | self.heads if self.is_choice else read
 
     @cached_property
     def is_choice(self) -> bool:
-        """Say whether the rule offers atoms instead of forcing them."""
-        return self.ast.head.ast_type not in (ast.ASTType.Literal, ast.ASTType.Disjunction)
+        """Whether the rule offers atoms instead of forcing them."""
+        return any(statement.offers for statement in self.statements)
+
+    @cached_property
+    def kinds(self) -> frozenset[str] | None:
+        """Return the kinds of consequence that the rule names; `None` where it can derive any."""
+        kinds = {
+            head.literal.terms[0].constant
+            for statement in self.statements
+            for head in statement.heads
+            if head.literal.signature == CONSEQUENCE
+        }
+        return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Keep what most questions need of what the rule says."""
+        written = {field.name: getattr(self, field.name) for field in fields(self)}
+        known = {name: getattr(self, name) for name in ("heads", "reads", "is_choice", "kinds")}
+        return {**written, **known}
 
     @property
     def holes(self) -> tuple[str, ...]:
@@ -102,6 +125,12 @@ class Rulebook:
         return "\n".join(text for at, text in self.texts if at == stage)
 
     @cached_property
+    def replaced(self) -> frozenset[str]:
+        """Return the constants that packs replace by other values."""
+        packs = self.texts[len(self.texts) - self.packs :]
+        return frozenset().union(*(replaced(text) for _, text in packs))
+
+    @cached_property
     def by_id(self) -> dict[str, Rule]:
         """Return the rules by their ids."""
         return {rule.id: rule for rule in self.rules}
@@ -109,15 +138,7 @@ class Rulebook:
 
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
     """Return the kinds of consequence that rules name in their heads."""
-    return frozenset().union(*(kinds_of(rule) or () for rule in rulebook.rules))
-
-
-def kinds_of(rule: Rule) -> frozenset[str] | None:
-    """Return the kinds of consequence that a rule names; `None` where it can derive any."""
-    plain = _KIND.match(rule.text)
-    if plain is not None:
-        return frozenset({plain[1]})
-    return named_kinds(rule.ast) if ("consequence", 4) in rule.heads else frozenset()
+    return frozenset().union(*(rule.kinds or () for rule in rulebook.rules))
 
 
 def rules_directory() -> Path:
@@ -145,7 +166,7 @@ def load_rulebook(
         first, before = len(rules), len(texts)
         _load_file(path, str(path), "base", rules, texts, problems, True)
         problems += _reserved(rules[first:], own)
-        problems += (p for r in rules[first:] for p in misused_heads(r.ast, r.heads, r.span))
+        problems += (p for r in rules[first:] for p in misused_heads(r.statements, r.span))
         problems += [
             found for _, text in texts[before:] for found in refused_rules(text, str(path))
         ]
@@ -165,7 +186,7 @@ def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -
         for path in sorted(folder.glob("*.lp"))
     ]
     name = "-".join(("rules", *stages))
-    makers = map(Path, (__file__, gate.__file__, pack.__file__))
+    makers = map(Path, (__file__, gate.__file__, pack.__file__, reader.__file__))
     version = version_of((*makers, *(path for path, _ in found)))
     kept: _BuiltIn | None = None if strict else recall(name, version)
     if kept is not None:
@@ -180,23 +201,6 @@ def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -
     return tuple(rules), tuple(texts)
 
 
-def _head_signatures(statement: ast.AST) -> Iterator[tuple[str, int]]:
-    head = statement.head
-    if head.ast_type == ast.ASTType.Literal:
-        yield from _named(head)
-    for element in getattr(head, "elements", ()):
-        condition = getattr(element, "condition", element)
-        literal = getattr(condition, "literal", getattr(element, "literal", None))
-        if literal is not None and literal.ast_type == ast.ASTType.ConditionalLiteral:
-            literal = literal.literal
-        if literal is not None:
-            yield from _named(literal)
-
-
-def _named(literal: ast.AST) -> Iterator[tuple[str, int]]:
-    return ((name, arity) for name, arity, _ in predicates(literal.atom))
-
-
 def _load_file(
     path: Path,
     shown: str,
@@ -208,26 +212,18 @@ def _load_file(
 ) -> None:
     try:
         text = gate.gate_text(path, shown)
-        statements: list[ast.AST] = []
-        # Columns count bytes in clingo: what is not ASCII becomes one byte before it is parsed.
-        masked = re.sub(r"[^\x00-\x7f]", "`", text)
-        _parse(masked, shown, statements)
+        written = tuple(pieces(text))
     except MarsError as error:
         problems += error.diagnostics
         return
+    except RuleSyntaxError as error:
+        problems += (_syntax(note, shown) for note in error.notes[:20])
+        return
     texts.append((stage, text))
-    found = list(_rules_of(statements, text, shown, stage, path.stem, problems))
+    found = list(_rules_of(written, shown, stage, path.stem, problems))
     if strict:
         problems += [problem for rule in found for problem in _wrong_holes(rule)]
     rules += found
-
-
-def _parse(text: str, shown: str, statements: list[ast.AST]) -> None:
-    notes: list[str] = []
-    try:
-        ast.parse_string(text, statements.append, logger=lambda _, note: notes.append(note))
-    except RuntimeError:
-        raise MarsError(tuple(_syntax(note, shown) for note in notes[:20])) from None
 
 
 def _syntax(note: str, shown: str) -> Diagnostic:
@@ -237,36 +233,30 @@ def _syntax(note: str, shown: str) -> Diagnostic:
 
 
 def _rules_of(
-    statements: Iterable[ast.AST],
-    text: str,
+    written: Iterable[Piece],
     shown: str,
     stage: str,
     stem: str,
     problems: list[Diagnostic],
 ) -> Iterator[Rule]:
-    lines = text.splitlines()
     pending: dict[str, tuple[str, Span]] = {}
     last_line = 0
-    for statement in statements:
-        if statement.ast_type == ast.ASTType.Comment:
-            begin = statement.location.begin
-            match = _METADATA.match(statement.value.replace("`", "`"))
+    for piece in written:
+        if piece.sort == "comment":
+            match = _METADATA.match(piece.text)
             if match:
-                written = _METADATA.match(lines[begin.line - 1][begin.column - 1 :])
-                span = point(shown, begin.line, begin.column)
-                _note_metadata(pending, written or match, span, problems)
-                last_line = begin.line
+                _note_metadata(pending, match, point(shown, *piece.begin), problems)
+                last_line = piece.begin[0]
             continue
-        if statement.ast_type != ast.ASTType.Rule:
+        if piece.sort == "other":
             problems += _unbound(pending)
             pending = {}
             continue
-        begin, end = statement.location.begin, statement.location.end
-        span = Span(shown, begin.line, begin.column, end.line, end.column)
-        if pending and begin.line != last_line + 1:
+        span = Span(shown, *piece.begin, *piece.end)
+        if pending and span.line != last_line + 1:
             problems += _unbound(pending)
             pending = {}
-        rule = _rule(pending, span, lines, stage, stem)
+        rule = _rule(pending, span, piece.text, stage, stem)
         problems += _wrong_id(rule, pending, stem)
         pending = {}
         yield rule
@@ -297,22 +287,15 @@ def _note_metadata(
 
 
 def _rule(
-    metadata: dict[str, tuple[str, Span]],
-    span: Span,
-    lines: Sequence[str],
-    stage: str,
-    stem: str,
+    metadata: dict[str, tuple[str, Span]], span: Span, text: str, stage: str, stem: str
 ) -> Rule:
-    written = list(lines[span.line - 1 : span.end_line])
-    written[-1] = written[-1][: span.end_column - 1]
-    written[0] = written[0][span.column - 1 :]
     given = {key: value for key, (value, _) in metadata.items()}
     return Rule(
         given.get("id", f"{stem}:{span.line}"),
         given.get("because"),
         given.get("help"),
         span,
-        "\n".join(written),
+        text,
         stage,
     )
 
@@ -331,7 +314,7 @@ def _wrong_id(rule: Rule, metadata: dict[str, tuple[str, Span]], stem: str) -> I
 def _wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
     if not rule.holes:
         return
-    bound = _variables(rule.ast)
+    bound = frozenset().union(*(statement.bound for statement in rule.statements))
     for hole in rule.holes:
         if hole not in bound:
             near = nearest(hole, bound)
@@ -342,31 +325,6 @@ def _wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
                 rule.span,
                 help=f"did you mean `{{{near}}}`?" if near else None,
             )
-
-
-def _variables(statement: ast.AST) -> set[str]:
-    """Return the variables outside of aggregates and negated literals of a rule's body."""
-    found: set[str] = set()
-    for literal in statement.body:
-        if literal.ast_type != ast.ASTType.Literal or literal.sign != ast.Sign.NoSign:
-            continue
-        atom = literal.atom
-        if atom.ast_type in (ast.ASTType.BodyAggregate, ast.ASTType.Aggregate):
-            guards = (atom.left_guard, atom.right_guard)
-            for guard in guards:
-                if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
-                    found |= set(_names(guard.term))
-        else:
-            found |= set(_names(atom))
-    return found
-
-
-def _names(node: ast.AST) -> Iterator[str]:
-    if node.ast_type == ast.ASTType.Variable:
-        yield node.name
-        return
-    for child in children(node):
-        yield from _names(child)
 
 
 def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
@@ -418,7 +376,7 @@ def _unknown(
         known = {signature for rule in rules for signature in rule.heads}
         known |= {signature for _, text in texts for signature in declared(text)}
         for rule in rules[built_in:]:
-            yield from unknown_predicates(rule.ast, known, rule.span)
+            yield from unknown_predicates(rule.statements, known, rule.span)
 
 
 def _pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:

@@ -5,24 +5,24 @@ grounded without the others, give it as all of them together do. Of their instan
 facts, `mars_asp.magic` says which the question can need.
 """
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import clingo
 
 from mars_asp.atom import Fact
-from mars_asp.literals import plain_rules
 from mars_asp.lookup import KEYS, Lookup
-from mars_asp.magic import Asked, Demand, demand_of, negates_itself
-from mars_asp.pack import has_rules_alone
+from mars_asp.magic import Asked, Demand, are_forced, demand_of, negates_itself
+from mars_asp.pack import CONSEQUENCE
+from mars_asp.reach import reachable_rules, reads
 from mars_asp.resolve import UNRESOLVABLE
-from mars_asp.rulebook import Rule, Rulebook, kinds_of
+from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
+from mars_asp.statements import Statement, has_rules_alone, statements_of
 from mars_asp.symbols import symbol_of, term_of
-from mars_asp.trace.demand import names_read, reachable_rules
 
-_CONSEQUENCE = ("consequence", 4)
-_NAMED = re.compile(r"\bconsequence\(\s*([a-z]\w*)\s*,")
+#: A rule, and what is read of it.
+_Read: TypeAlias = tuple[Rule, tuple[Statement, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,28 +47,30 @@ def slice_for(
     are looked for.
     """
     name, first = _asked(subject, rulebook)
-    base = [rule for rule in rulebook.rules if rule.stage == "base"]
+    rules = [rule for rule in rulebook.rules if rule.stage == "base"]
+    read = statements_of(rule.text for rule in rules)
+    base = [(rule, read[rule.text]) for rule in rules]
     if rulebook.packs and not _has_one_answer(base, rulebook):
         return None
-    if not any(name == head for rule in base for head, _ in rule.heads):
+    if not any(name == head for rule in rules for head, _ in rule.heads):
         return None
-    asked = {name: frozenset({first})}
-    derived = {head for rule in base for head, _ in rule.heads}
-    every = derived.union(*(names_read(rule.text) for rule in base))
+    asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
     # What could matter says which facts to make, and these which rules can fire at all.
-    possible = _behind(base, asked, every)
-    demand = _demand(subject, name, possible)
+    possible = _behind(base, asked, None)
+    demand = _demand(subject, name, [one for _, variants in possible for one in variants])
     if demand is None:
         facts = tuple(facts_of(_read(possible, name)))
         text = None
     else:
         facts, text = _needed(demand, facts_of, lookup_of)
-    rules = _behind(base, asked, derived | {fact.atom.name for fact in facts})
-    read = _read(rules, name)
-    needed = tuple(fact for fact in facts if fact.atom.name in read)
+    derived = {head for _, variants in base for one in variants for head, _ in one.derives}
+    behind = _behind(base, asked, derived | {fact.atom.name for fact in facts})
+    names = _read(behind, name)
+    needed = tuple(fact for fact in facts if fact.atom.name in names)
+    sliced = tuple(rule for rule, _ in behind)
     if text is None:
-        text = "\n".join(rule.text for rule in rules)
-    return Slice(Rulebook(rules, (("base", text),)), needed)
+        text = "\n".join(rule.text for rule in sliced)
+    return Slice(Rulebook(sliced, (("base", text),)), needed)
 
 
 def slice_for_resolution(
@@ -107,24 +109,24 @@ def slice_for_resolution(
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
     """Return the kinds of consequence that rules read by name; `None` where they read any."""
-    kinds: set[str] = set()
-    for rule in rules:
-        if _CONSEQUENCE in rule.reads:
-            _, _, body = rule.text.partition(":-")
-            named = _NAMED.findall(body)
-            if len(named) < body.count(_CONSEQUENCE[0]):
-                return None
-            kinds.update(named)
-    return frozenset(kinds)
+    texts = [rule.text for rule in rules if CONSEQUENCE in rule.reads]
+    kinds = {
+        literal.terms[0].constant
+        for variants in statements_of(texts).values()
+        for statement in variants
+        for literal in statement.read
+        if literal.signature == CONSEQUENCE
+    }
+    return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
 
 
 def _is_read(rule: Rule, kinds: Set[str]) -> bool:
     """Say whether a rule derives anything besides consequences of other kinds."""
-    named = kinds_of(rule)
+    named = rule.kinds
     return named is None or not named or not named.isdisjoint(kinds)
 
 
-def _has_one_answer(base: Sequence[Rule], rulebook: Rulebook) -> bool:
+def _has_one_answer(base: Iterable[_Read], rulebook: Rulebook) -> bool:
     """Say whether rules with packs have just one answer, whatever the facts are.
 
     So it is where packs hold rules alone, each of which forces one atom, and recursion leads
@@ -132,14 +134,14 @@ def _has_one_answer(base: Sequence[Rule], rulebook: Rulebook) -> bool:
     """
     if any(not has_rules_alone(text) for _, text in rulebook.texts[-rulebook.packs :]):
         return False
-    plain = plain_rules(base)
-    if plain is None or negates_itself(plain):
+    every = [statement for _, variants in base for statement in variants]
+    if not are_forced(every) or negates_itself(every):
         return False
     # What is classically negated excludes what is not.
-    return not any(rule.head.signature[0].startswith("-") for rule in plain)
+    return not any(statement.head.is_negated for statement in every)
 
 
-def _demand(subject: str, name: str, rules: Sequence[Rule]) -> Demand | None:
+def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | None:
     """Return how to find out which instances a question needs, if that can be told."""
     symbol = _term(subject)
     if name == "consequence" and (symbol is None or symbol.name != name):
@@ -190,13 +192,15 @@ class _Context:
 
 
 def _behind(
-    rules: Sequence[Rule], asked: Mapping[str, frozenset[str]], present: Set[str]
-) -> tuple[Rule, ...]:
-    return tuple(rules[number] for number in reachable_rules(rules, asked, present))
+    rules: Sequence[_Read], asked: Mapping[str, frozenset[str]], present: Set[str] | None
+) -> tuple[_Read, ...]:
+    found = reachable_rules([variants for _, variants in rules], asked, present)
+    return tuple(rules[number] for number in found)
 
 
-def _read(rules: Iterable[Rule], asked: str) -> frozenset[str]:
-    return frozenset({asked}).union(*(names_read(rule.text) for rule in rules))
+def _read(rules: Iterable[_Read], asked: str) -> frozenset[str]:
+    names = (name for _, variants in rules for name, _ in reads(variants))
+    return frozenset({asked, *names})
 
 
 def _asked(subject: str, rulebook: Rulebook) -> tuple[str, str]:
@@ -204,8 +208,8 @@ def _asked(subject: str, rulebook: Rulebook) -> tuple[str, str]:
     kind, bracket, _ = subject.partition("(")
     if not bracket:
         return "", ""
-    if any(rule.text.startswith(f"consequence({kind},") for rule in rulebook.rules):
-        return "consequence", kind
+    if kind in consequence_kinds(rulebook):
+        return CONSEQUENCE[0], kind
     symbol = _term(subject)
     return ("", "") if symbol is None else (symbol.name, str((*symbol.arguments, "")[0]))
 

@@ -13,7 +13,7 @@ from mars_asp.resolve import costs_of
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding, Resolution
 
-_VIOLATION, _CAUTION = "violation(", "caution("
+_VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
 _CONVERTERS = frozenset({"converts"})
 _SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
 
@@ -74,7 +74,7 @@ def judge_specification(
     Raises:
         MarsError: rules that clingo refuses.
     """
-    judges = [rule for rule in rulebook.rules if rule.text.startswith((_VIOLATION, _CAUTION))]
+    judges = [r for r in rulebook.rules if {_VIOLATION, _CAUTION} & r.heads]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     facts = facts_text(specification_facts(specification, project))
     text = f"{rulebook.text('verify')}\n{said}\n{facts}"
@@ -91,7 +91,7 @@ def judge_specification(
         named = dict(zip(rule.holes, values.arguments, strict=True))
         message = fill(rule.because, named, shown) or str(head)
         help_text = fill(rule.help, named, shown)
-        if rule.text.startswith(_CAUTION):
+        if _CAUTION in rule.heads:
             cautions[message] = Caution(message, help_text, rule)
         else:
             clause = head.arguments[0].number

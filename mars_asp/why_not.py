@@ -20,9 +20,10 @@ from mars_asp.explain import explainer_for
 from mars_asp.model import NODE_NAMES, node_kind
 from mars_asp.project import Project, project_facts
 from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_resolved, synthesise
-from mars_asp.rulebook import Rulebook, consequence_kinds, kinds_of
+from mars_asp.rulebook import Rulebook, consequence_kinds
 from mars_asp.source import point
 from mars_asp.spelling import nearest
+from mars_asp.statements import declared, statements_of
 from mars_asp.subject import wrong_subject
 from mars_asp.symbols import symbol_of
 from mars_asp.term import as_term
@@ -43,8 +44,6 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
     "inheritance_node": lambda name: clingo.Function("inheritance_node", [name]),
 }
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
-_DEFINED = re.compile(r"^#defined\s+(\w+)/(\d+)\s*\.", re.MULTILINE)
-_NAME = re.compile(r"[a-z_][\w']*")
 #: Of many atoms that would do, so many are tried for the cheapest realisation.
 MOST_TRIED = 100
 
@@ -149,7 +148,7 @@ def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
     """Leave out rules that could give any kind of consequence where others name the one asked."""
     if pattern.name != "consequence" or not isinstance(trace, Missing):
         return trace
-    named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
+    named = tuple(a for a in trace.attempts if a.rule.kinds is not None)
     return replace(trace, attempts=named or trace.attempts)
 
 
@@ -179,13 +178,15 @@ class _Vocabulary:
         self._path = project.configuration.path
         self._predicates = {head for rule in rulebook.rules for head in rule.heads}
         self._kinds = consequence_kinds(rulebook)
-        self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
+        self._any_kind = any(rule.kinds is None for rule in rulebook.rules)
         self._constants: set[str] = set()
-        for rule in rulebook.rules:
-            self._constants |= set(_NAME.findall(rule.text))
-        for _, text in rulebook.texts:
-            self._predicates |= {(name, int(arity)) for name, arity in _DEFINED.findall(text)}
         self._strings: set[str] = {name.text for name in project.configuration.modules}
+        for variants in statements_of(rule.text for rule in rulebook.rules).values():
+            for statement in variants:
+                self._constants |= statement.names
+                self._strings |= statement.strings
+        for _, text in rulebook.texts:
+            self._predicates |= declared(text)
         for fact in facts:
             symbol = symbol_of(fact.atom)
             self._predicates.add((symbol.name, len(symbol.arguments)))

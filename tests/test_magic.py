@@ -10,6 +10,7 @@ from mars_asp.atom import Fact
 from mars_asp.magic import Asked, demand_of
 from mars_asp.rulebook import Rulebook
 from mars_asp.source import Span
+from mars_asp.statements import Statement
 from mars_asp.trace import Explainer
 from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.text import trace_json
@@ -122,6 +123,10 @@ def _explained(
     return trace_json(explainer.why([atom], True)[atom])
 
 
+def read(rulebook: Rulebook) -> list[Statement]:
+    return [statement for rule in rulebook.rules for statement in rule.statements]
+
+
 def _checked(seed: int) -> tuple[int, int]:
     """Compare what is asked of one random program; return how many facts that took, and of all."""
     rng = random.Random(seed)
@@ -141,7 +146,7 @@ def _checked(seed: int) -> tuple[int, int]:
     for atom in [*rng.sample(told, min(3, len(told))), rng.choice(never)]:
         arity = len(atom.arguments)
         asked = Asked(atom.name, arity, tuple(range(arity)))
-        demand = demand_of(rulebook.rules, asked, [tuple(map(str, atom.arguments))], KEYS)
+        demand = demand_of(read(rulebook), asked, [tuple(map(str, atom.arguments))], KEYS)
         assert demand is not None
         context = Given(given)
         asking = _grounded(demand.program, context)
@@ -178,12 +183,12 @@ REFUSED = [
 
 @pytest.mark.parametrize("text", REFUSED)
 def test_choices_and_loops_through_negation_have_no_demand(text: str) -> None:
-    rules = rulebook_of(text).rules
+    rules = read(rulebook_of(text))
     assert demand_of(rules, Asked("a", 1, (0,)), [("1",)], KEYS) is None
 
 
 def test_only_what_leads_to_the_question_is_asked_for() -> None:
-    rules = rulebook_of("a(X) :- e(X, Y), not f(Y, _), not g(_). c(X) :- f(X, _).").rules
+    rules = read(rulebook_of("a(X) :- e(X, Y), not f(Y, _), not g(_). c(X) :- f(X, _)."))
     demand = demand_of(rules, Asked("a", 1, (0,)), [("1",)], KEYS)
     assert demand is not None
     assert demand.found == {"e", "f"}

@@ -13,7 +13,7 @@ from mars_asp.explain import explain, explainer_for
 from mars_asp.facts import ANNOTATIONS, WIRING
 from mars_asp.lookup import KEYS
 from mars_asp.project import Project, load_project, project_facts, project_lookup
-from mars_asp.rulebook import Rulebook, kinds_of, load_rulebook
+from mars_asp.rulebook import Rulebook, load_rulebook
 from mars_asp.slicing import Slice, slice_for, slice_for_resolution
 from mars_asp.trace.text import trace_json
 from tests.documents import ROOT
@@ -60,7 +60,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
     part = slice_for_resolution(RULEBOOK, lambda names: project_facts(project, wanted=names))
     assert part is not None
-    kinds = {kind for rule in part.rulebook.rules for kind in kinds_of(rule) or ()}
+    kinds = {kind for rule in part.rulebook.rules for kind in rule.kinds or ()}
     assert kinds == {"simple_inheritance", "similar_inheritance", "emergent_functionality"}
     assert len(part.facts) < len(project_facts(project)) * 0.7
     # A rule that reads consequences of any kind needs all of them.
@@ -69,7 +69,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     rules = (*RULEBOOK.rules, replace(reader, text=text))
     part = slice_for_resolution(Rulebook(rules, RULEBOOK.texts), lambda _: ())
     assert part is not None
-    assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rulebook.rules)
+    assert any("data_divergence" in (rule.kinds or ()) for rule in part.rulebook.rules)
 
 
 #: What the configurations of the project leave out.

@@ -5,7 +5,7 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.apart import shapes
 from mars_asp.apart.shapes import NOTHING, OWN, UNKNOWN, Shape
-from mars_asp.apart.statements import Literal, Scope, Signature, Statement
+from mars_asp.statements import Literal, Scope, Signature, Statement
 
 #: Positions from 0 of the arguments that hold names and identifiers, by predicate.
 Positions: TypeAlias = Mapping[Signature, tuple[int, ...]]
@@ -50,7 +50,7 @@ def _told(statement: Statement, head: Literal, condition: Scope, own: Shapes) ->
     best: tuple[Shape, ...] = (NOTHING,) * len(head.terms)
     for group in groups_of(positive, own):
         known = {**_assigned(statement, group, own), **group.shapes}
-        found = tuple(shapes.put_together(term, known) for term in head.terms)
+        found = tuple(shapes.put_together(term.structure, known) for term in head.terms)
         if sum(map(bool, found)) > sum(map(bool, best)):
             best = found
     return best
@@ -59,14 +59,14 @@ def _told(statement: Statement, head: Literal, condition: Scope, own: Shapes) ->
 def _assigned(statement: Statement, group: Group, own: Shapes) -> dict[str, Shape]:
     """Return the shapes of variables that have the value of an aggregate over a group's part."""
     found: dict[str, Shape] = {}
-    for pattern, elements in statement.assigned:
+    for structure, elements in statement.assigned:
         shape = UNKNOWN
         for number, term in elements:
             positive = (*statement.body.positive, *statement.inner[number].positive)
             groups = (g for g in groups_of(positive, own) if group.members <= g.members)
             known = next((g.shapes for g in groups), {})
             shape = shapes.either(shape, shapes.put_together(term, known))
-        found.update(shapes.take_apart(pattern, shape))
+        found.update(shapes.take_apart(structure, shape))
     return found
 
 
@@ -92,7 +92,7 @@ def bound(literal: Literal, own: Shapes) -> Mapping[str, Shape]:
     """Return what the variables of a literal hold, if it is true."""
     found: Mapping[str, Shape] = {}
     for term, shape in zip(literal.terms, own[literal.signature], strict=True):
-        found = _merged(found, shapes.take_apart(term, shape))
+        found = _merged(found, shapes.take_apart(term.structure, shape))
     return found
 
 

@@ -5,15 +5,13 @@ from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
-from clingo import ast
-
-from mars_asp import pack
-from mars_asp.apart import groups, shapes, statements
+from mars_asp import statements
+from mars_asp.apart import groups, shapes
 from mars_asp.apart.groups import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
 from mars_asp.apart.shapes import OWN
-from mars_asp.apart.statements import Cost, Program, Scope, Signature, Statement, program_of
 from mars_asp.disjoint import DisjointSets
 from mars_asp.kept import made_of
+from mars_asp.statements import Cost, Program, Scope, Signature, Statement, program_of
 
 
 class Portion(NamedTuple):
@@ -42,8 +40,7 @@ def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
     `base` and `resolution` are the texts of the rules; `given` says of given predicates which
     arguments are names or identifiers of what a fact connects.
     """
-    own = (__file__, groups.__file__, shapes.__file__, statements.__file__)
-    makers = (*own, pack.__file__, ast.__file__)
+    makers = (__file__, groups.__file__, shapes.__file__, statements.__file__)
     key = (base, resolution, tuple(sorted(given.items())))
     made = made_of("apart", map(Path, makers), [key], lambda _: _apart(base, resolution, given))
     return made[key]
@@ -116,7 +113,7 @@ def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
             main = groups_of(statement.body.positive, own)
             known = main[0].shapes if main else {}
             terms = enumerate(statement.cost.terms)
-            found = {at for at, term in terms if shapes.put_together(term, known)}
+            found = {at for at, term in terms if shapes.put_together(term.structure, known)}
             level = statement.cost.level
             places[level] = places.get(level, found) & found
     return all(places.values())
@@ -157,7 +154,7 @@ def _deciding(program: Program, derived: Set[Signature]) -> Iterator[Sequence[St
 
 def _meet(one: Cost, other: Cost) -> bool:
     """Say whether a tuple of one cost could be one of the other."""
-    pairs = zip(one.constants, other.constants, strict=False)
+    pairs = ((a.constant, b.constant) for a, b in zip(one.terms, other.terms, strict=False))
     return one.level == other.level and not any(a and b and a != b for a, b in pairs)
 
 

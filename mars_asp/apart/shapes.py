@@ -10,41 +10,19 @@ An empty shape promises nothing; `UNKNOWN` is that of what no rule was seen to d
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
-from clingo import ast
+from mars_asp.statements import Functor, Structure
 
-#: A function by its name and arity, or what is no function.
-Functor: TypeAlias = tuple[str, int]
 Shape: TypeAlias = Mapping[Functor, Mapping[int, "Shape"]]
 
+#: Stands for what is no function.
 LEAF: Functor = ("", -1)
 OWN: Shape = {LEAF: {}}
 NOTHING: Shape = {}
 UNKNOWN: Shape = {("", -2): {}}
 #: Terms that are nested deeper promise nothing, so that recursion ends.
 _DEEPEST = 8
-
-
-class Function(NamedTuple):
-    """A function or tuple in a rule."""
-
-    functor: Functor
-    arguments: "tuple[Pattern, ...]"
-
-
-#: A term in a rule: a variable's name, a function, or what promises nothing, such as a sum.
-Pattern: TypeAlias = "str | Function | None"
-
-
-def pattern_of(term: ast.AST) -> Pattern:
-    """Return a term of clingo's syntax tree as a pattern."""
-    if term.ast_type == ast.ASTType.Variable:
-        return None if term.name == "_" else str(term.name)
-    if term.ast_type == ast.ASTType.Function and term.arguments and not term.external:
-        arguments = tuple(map(pattern_of, term.arguments))
-        return Function((term.name, len(arguments)), arguments)
-    return None
 
 
 def either(one: Shape, other: Shape) -> Shape:
@@ -95,30 +73,30 @@ def share(one: Shape, other: Shape) -> bool:
     )
 
 
-def take_apart(pattern: Pattern, shape: Shape) -> dict[str, Shape]:
-    """Return what a shape promises of the variables in a pattern."""
-    if isinstance(pattern, str):
-        return {pattern: shape} if shape else {}
+def take_apart(structure: Structure, shape: Shape) -> dict[str, Shape]:
+    """Return what a shape promises of the variables in a structure."""
+    if isinstance(structure, str):
+        return {structure: shape} if shape else {}
     found: dict[str, Shape] = {}
-    if pattern is not None:
-        unknown = dict.fromkeys(range(len(pattern.arguments)), UNKNOWN)
-        inside = unknown if shape is UNKNOWN else shape.get(pattern.functor, {})
+    if structure is not None:
+        unknown = dict.fromkeys(range(len(structure.arguments)), UNKNOWN)
+        inside = unknown if shape is UNKNOWN else shape.get(structure.functor, {})
         for at, inner in inside.items():
-            for name, known in take_apart(pattern.arguments[at], inner).items():
+            for name, known in take_apart(structure.arguments[at], inner).items():
                 found[name] = both(found.get(name, UNKNOWN), known)
     return found
 
 
-def put_together(pattern: Pattern, shapes: Mapping[str, Shape], depth: int = _DEEPEST) -> Shape:
-    """Return the shape of a pattern by those of its variables."""
-    if isinstance(pattern, str):
-        return _cut(shapes.get(pattern, NOTHING), depth)
-    if pattern is None or not depth:
+def put_together(structure: Structure, shapes: Mapping[str, Shape], depth: int = _DEEPEST) -> Shape:
+    """Return the shape of a structure by those of its variables."""
+    if isinstance(structure, str):
+        return _cut(shapes.get(structure, NOTHING), depth)
+    if structure is None or not depth:
         return NOTHING
-    arguments: Sequence[Pattern] = pattern.arguments
+    arguments: Sequence[Structure] = structure.arguments
     inside = {at: put_together(inner, shapes, depth - 1) for at, inner in enumerate(arguments)}
     told = {at: shape for at, shape in inside.items() if shape}
-    return {pattern.functor: told} if told else NOTHING
+    return {structure.functor: told} if told else NOTHING
 
 
 def _cut(shape: Shape, depth: int) -> Shape:

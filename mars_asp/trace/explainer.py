@@ -6,9 +6,10 @@ from types import MappingProxyType
 
 import clingo
 
+from mars_asp.reach import reachable_rules
 from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.statements import statements_of
 from mars_asp.term import Signature, Term, arguments, as_symbol, as_term, atoms, state
-from mars_asp.trace.demand import reachable_rules
 from mars_asp.trace.firings import Firing, read_firings
 from mars_asp.trace.given import GivenFacts
 from mars_asp.trace.proofs import Proofs
@@ -36,6 +37,7 @@ class Explainer:
         be asked for.
         """
         self.rules: Sequence[Rule] = rulebook.rules
+        self._rulebook = rulebook
         self.rewriter = Rewriter(frozenset((name, arity) for name, arity, _ in opened))
         self._control = control
         self._given = given
@@ -60,11 +62,13 @@ class Explainer:
         asked: dict[str, list[Term]] = {}
         firsts: dict[str, set[Term | None]] = {}
         for atom in atoms:
-            name, term = atom.name, as_term(atom)
-            asked.setdefault(asking_name(name if atom.positive else f"-{name}"), []).append(term)
+            name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
+            asked.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
         told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
-        numbers = reachable_rules(self.rules, told, self._present())
+        read = statements_of(rule.text for rule in self.rules)
+        rules = [read[rule.text] for rule in self.rules]
+        numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
     def firings(self, text: str, asked: Mapping[str, Sequence[Term]]) -> list[Firing]:
@@ -90,11 +94,13 @@ class Explainer:
     def _present(self) -> frozenset[str]:
         """Return the names of the predicates that have an atom."""
         atoms = self._control.symbolic_atoms
-        return frozenset(name for (name, _, _), true in self._opened.items() if true) | frozenset(
-            name
+        opened = {(name, positive) for (name, _, positive), true in self._opened.items() if true}
+        found = {
+            (name, positive)
             for name, arity, positive in atoms.signatures
             if any(True for _ in atoms.by_signature(name, arity, positive))
-        )
+        }
+        return frozenset(name if positive else f"-{name}" for name, positive in opened | found)
 
     def _copy_open(self, text: str) -> None:
         """Copy the true atoms of the open predicates that rules read, once."""

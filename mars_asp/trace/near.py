@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import clingo
 from clingo import ast
 
-from mars_asp.pack import unsigned
 from mars_asp.rulebook import Rule
+from mars_asp.statements import sign_and_function
 from mars_asp.trace.order import in_order, needs, provided
 from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
 from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms
@@ -144,7 +144,7 @@ class NearMisses:
             if literal.sign == ast.Sign.Negation:
                 shown = terms.atom(symbol)
                 return (), f"holds({shown})", [self._rewriter.source(shown, symbol)]
-            sign, function = unsigned(symbol)
+            sign, function = sign_and_function(symbol)
             named = [terms.named(argument) for argument in function.arguments]
             bound |= variables_of(named) - variables_of(function.arguments)
             parts = [pattern_term(argument, bound) for argument in named]
@@ -171,7 +171,7 @@ class _Match:
 
     def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
         """Match an atom; return whether that can succeed."""
-        sign, function = unsigned(head)
+        sign, function = sign_and_function(head)
         kind = (function.name, len(function.arguments), not sign)
         if kind != (pattern.name, len(pattern.arguments), pattern.positive):
             return False

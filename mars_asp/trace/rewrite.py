@@ -31,11 +31,11 @@ from typing import TypeAlias
 
 from clingo import ast
 
-from mars_asp import pack
+from mars_asp import statements
 from mars_asp.atom import term_text
 from mars_asp.kept import made_of
-from mars_asp.pack import unsigned
 from mars_asp.rulebook import Rule
+from mars_asp.statements import sign_and_function
 from mars_asp.trace import groups, scope
 from mars_asp.trace.groups import elements_of, group_key, needed_of
 from mars_asp.trace.scope import (
@@ -79,7 +79,7 @@ class Rewriter:
         """
         keys = {number: self._key(rules[number]) for number in numbers}
         first = {key: number for number, key in reversed(keys.items())}
-        makers = (__file__, groups.__file__, pack.__file__, scope.__file__, ast.__file__)
+        makers = (__file__, groups.__file__, statements.__file__, scope.__file__, ast.__file__)
         made = made_of(
             "firings", map(Path, makers), first, lambda key: self._written(first[key], rules)
         )
@@ -281,12 +281,12 @@ class Terms:
 
     def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
         """Return an atom's text with every argument a term that matches as it evaluates."""
-        sign, symbol = unsigned(symbol)
+        sign, symbol = sign_and_function(symbol)
         return _text(sign, symbol, [self._argument(a, fresh_complex) for a in symbol.arguments])
 
     def negated(self, symbol: ast.AST) -> tuple[str, str]:
         """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
-        sign, symbol = unsigned(symbol)
+        sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
         pattern = [_anonymous(argument) for argument in named]
         return _text(sign, symbol, list(map(str, named))), _text(sign, symbol, pattern)
@@ -329,7 +329,7 @@ class Terms:
 
 
 def _signature(symbol: ast.AST) -> Signature:
-    _, symbol = unsigned(symbol)
+    _, symbol = sign_and_function(symbol)
     return symbol.name, len(symbol.arguments)
 
 

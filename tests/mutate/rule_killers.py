@@ -17,9 +17,9 @@ import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.pack import predicates
 from mars_asp.rule_cases import STAGES, case_facts, find_cases, run_case, stages_of
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
+from mars_asp.statements import children, sign_and_function
 from tests.documents import ROOT
 from tests.mutate.children import ask, limit
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
@@ -237,6 +237,17 @@ def _circular(files: Iterable[RuleFile]) -> set[tuple[str, str]]:
 
 
 def _signatures(statement: Statement) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
-    heads = {(name, arity) for name, arity, _ in predicates(statement.tree.head)}
-    bodies = {(n, arity) for node in statement.tree.body for n, arity, _ in predicates(node)}
-    return heads, bodies
+    heads = set(_predicates(statement.tree.head))
+    return heads, {each for node in statement.tree.body for each in _predicates(node)}
+
+
+def _predicates(node: ast.AST) -> Iterator[tuple[str, int]]:
+    """Yield the predicates in a tree, without signs."""
+    if node.ast_type != ast.ASTType.SymbolicAtom:
+        for child in children(node):
+            yield from _predicates(child)
+        return
+    _, symbol = sign_and_function(node.symbol)
+    pooled = symbol.ast_type == ast.ASTType.Pool
+    for variant in symbol.arguments if pooled else (symbol,):
+        yield variant.name, len(variant.arguments)

@@ -1,0 +1,559 @@
+"""Rules as all that reasons about them reads them: frozen values from clingo's own parse.
+
+Nothing else reads what a rule says, neither its text nor its tree; explanations alone write
+further rules from trees. To walk a tree takes a thousand times as long as to read what was made of
+it, so that is kept from one command to the next.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Literal as Choice
+from typing import NamedTuple, TypeAlias
+
+from clingo import SymbolType, ast
+
+from mars_asp.kept import made_of
+
+#: A predicate: its name, with `-` before if it is classically negated, and its arity.
+Signature: TypeAlias = tuple[str, int]
+#: A line and a column in the text of a rule, both from 1; columns count characters.
+Place: TypeAlias = tuple[int, int]
+#: A function by its name and arity.
+Functor: TypeAlias = tuple[str, int]
+
+_TYPE = ast.ASTType
+_AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+_SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
+_NO_PLACE: Place = (1, 1)
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+#: What a file of rules is made of.
+Sort: TypeAlias = Choice["comment", "rule", "other"]
+_SORTS: Mapping[object, Sort] = {_TYPE.Comment: "comment", _TYPE.Rule: "rule"}
+
+
+class Function(NamedTuple):
+    """A function or tuple in a rule."""
+
+    functor: Functor
+    arguments: "tuple[Structure, ...]"
+
+
+#: What a term is made of: a variable's name, a function, or `None` for a value or what is computed.
+Structure: TypeAlias = "str | Function | None"
+
+
+class Term(NamedTuple):
+    """A term in a rule, as clingo writes it.
+
+    `is_pattern` is whether it only takes values apart; `is_constant` whether it is one value.
+    """
+
+    text: str
+    is_pattern: bool
+    is_variable: bool
+    is_constant: bool
+    variables: frozenset[str]
+    structure: Structure
+    place: Place
+
+    @property
+    def pattern(self) -> str:
+        """Return the term, or any value where it says more than a pattern does."""
+        return self.text if self.is_pattern else "_"
+
+    @property
+    def constant(self) -> str | None:
+        """Return the text of the one value that it is; `None` where it may be others."""
+        return self.text if self.is_constant else None
+
+
+class Literal(NamedTuple):
+    """A predicate with its terms, and whether only its true instances matter.
+
+    So it is with positive literals, but not behind a condition: `p(X) : q(X)` fails where there is
+    a `q(X)` without a `p(X)`.
+    """
+
+    signature: Signature
+    terms: tuple[Term, ...]
+    binds: bool
+    place: Place
+
+    @property
+    def is_negated(self) -> bool:
+        """Whether the predicate is classically negated."""
+        return self.signature[0].startswith("-")
+
+
+class Scope(NamedTuple):
+    """Literals that share their variables: the positive ones, which bind them, and the others."""
+
+    positive: tuple[Literal, ...]
+    others: tuple[Literal, ...] = ()
+
+    @property
+    def literals(self) -> tuple[Literal, ...]:
+        """Return all of its literals."""
+        return (*self.positive, *self.others)
+
+
+class Cost(NamedTuple):
+    """The tuple of a cost; equal tuples of one `level`, a priority and a length, count once."""
+
+    terms: tuple[Term, ...]
+    level: str
+
+
+class Head(NamedTuple):
+    """An atom that a head can give, and the condition under which it does."""
+
+    literal: Literal
+    condition: Scope
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A rule, constraint or cost without pools.
+
+    `written` are the texts of the head and of each literal of the body; `place` is where the head
+    begins. `inner` are the elements of aggregates and conditions in its body; `assigned` are terms
+    of the body that have the value that one of the elements, by its number, has in a term.
+
+    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
+    whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
+    a choice or none. `bound` are the variables outside of aggregates and negated literals of the
+    body, `names` the constants and function names anywhere, `strings` the strings.
+    """
+
+    text: str
+    written: tuple[str, ...]
+    place: Place
+    heads: tuple[Head, ...]
+    body: Scope
+    inner: tuple[Scope, ...]
+    assigned: tuple[tuple[Structure, tuple[tuple[int, Structure], ...]], ...]
+    forces: bool
+    offers: bool
+    known: bool
+    cost: Cost | None
+    bound: frozenset[str]
+    names: frozenset[str]
+    strings: frozenset[str]
+
+    @property
+    def head(self) -> Literal:
+        """Return the atom that it forces."""
+        return self.heads[0].literal
+
+    @cached_property
+    def derives(self) -> frozenset[Signature]:
+        """Return the predicates of its head."""
+        return frozenset(head.literal.signature for head in self.heads)
+
+    @property
+    def literals(self) -> tuple[Literal, ...]:
+        """Return all literals that name a predicate."""
+        return (*(head.literal for head in self.heads), *self.read)
+
+    @property
+    def read(self) -> tuple[Literal, ...]:
+        """Return the literals of its body and conditions."""
+        scopes = (self.body, *self.inner, *(head.condition for head in self.heads))
+        return tuple(literal for scope in scopes for literal in scope.literals)
+
+    @cached_property
+    def reads(self) -> frozenset[Signature]:
+        """Return the predicates of its body and conditions."""
+        return frozenset(literal.signature for literal in self.read)
+
+    @property
+    def parts(self) -> tuple[tuple[Literal, ...], ...]:
+        """Return what its body reads besides positive literals that stand by themselves.
+
+        Those of one element or condition stand together.
+        """
+        return (
+            *((literal,) for literal in self.body.others),
+            *(scope.literals for scope in self.inner),
+        )
+
+    def with_body(self, more: Iterable[str]) -> str:
+        """Return the rule with more literals before those of its body."""
+        head, *body = self.written
+        literals = "; ".join((*more, *body))
+        return f"{head} :- {literals}." if literals else f"{head}."
+
+
+class Piece(NamedTuple):
+    """A comment, rule or other statement of a file: its text, and where it begins and ends."""
+
+    sort: Sort
+    text: str
+    begin: Place
+    end: Place
+
+
+class RuleSyntaxError(Exception):
+    """A text is no rules; `notes` are what clingo says of it."""
+
+    def __init__(self, notes: Sequence[str]) -> None:
+        """Take what clingo says."""
+        super().__init__(*notes)
+        self.notes = notes
+
+
+class Program(NamedTuple):
+    """Statements, and the predicates that tell answers apart."""
+
+    statements: tuple[Statement, ...]
+    projected: frozenset[Signature]
+
+
+# ---- Texts ---------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=4096)
+def statements(text: str) -> tuple[Statement, ...]:
+    """Return a rule, without its pools."""
+    place = _places(text)
+    return tuple(_statement(node, place) for node in tree(text).unpool())
+
+
+def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
+    """Return each of some rules without its pools, by their texts, kept between commands."""
+    return made_of("statements", map(Path, (__file__, ast.__file__)), texts, statements)
+
+
+def program_of(text: str) -> Program | None:
+    """Return what a text says; `None` where a statement is of a sort that is not known here."""
+    found: list[Statement] = []
+    projected = []
+    for node in parsed(text):
+        if node.ast_type == _TYPE.ProjectSignature:
+            projected.append((node.name if node.positive else f"-{node.name}", node.arity))
+        elif node.ast_type in (_TYPE.Rule, _TYPE.Minimize):
+            found += (_statement(each, lambda _: _NO_PLACE) for each in node.unpool())
+        elif node.ast_type not in _SILENT:
+            return None
+    if not all(statement.known for statement in found):
+        return None
+    return Program(tuple(found), frozenset(projected))
+
+
+def unsigned(signature: Signature) -> Signature:
+    """Return a predicate without the sign of classical negation."""
+    name, arity = signature
+    return name.removeprefix("-"), arity
+
+
+def pieces(text: str) -> Iterator[Piece]:
+    """Yield the comments, rules and other statements of a text, in order.
+
+    Raises:
+        RuleSyntaxError: clingo cannot parse it.
+    """
+    # Columns count bytes in clingo: what is not ASCII becomes one byte before it is parsed.
+    notes: list[str] = []
+    try:
+        nodes = parsed(_NOT_ASCII.sub("`", text), notes.append)
+    except RuntimeError:
+        raise RuleSyntaxError(notes) from None
+    # Clingo ends lines at LF alone; other ends may stand in comments and strings.
+    lines = text.split("\n")
+    for node in nodes:
+        begin, end = node.location.begin, node.location.end
+        written = lines[begin.line - 1 : end.line]
+        written[-1] = written[-1][: end.column - 1]
+        written[0] = written[0][begin.column - 1 :]
+        yield Piece(
+            _SORTS.get(node.ast_type, "other"),
+            "\n".join(written),
+            (begin.line, begin.column),
+            (end.line, end.column),
+        )
+
+
+def declared(text: str) -> set[Signature]:
+    """Return the predicates that a text declares as given, by `#defined`, without signs."""
+    if "#defined" not in text:
+        return set()
+    return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}
+
+
+def replaced(text: str) -> set[str]:
+    """Return the constants that a text replaces by other values, by `#const`."""
+    if "#const" not in text:
+        return set()
+    return {str(node.name) for node in parsed(text) if node.ast_type == _TYPE.Definition}
+
+
+def has_rules_alone(text: str) -> bool:
+    """Whether a text holds nothing but rules, and what says nothing of answers."""
+    return all(node.ast_type in (_TYPE.Rule, *_SILENT) for node in parsed(text))
+
+
+def rules_and_others(text: str) -> tuple[int, str]:
+    """Return how many rules a text holds, and all of it that is no rule."""
+    nodes = [node for node in parsed(text) if node.ast_type not in (_TYPE.Program, _TYPE.Comment)]
+    others = [str(node) for node in nodes if node.ast_type != _TYPE.Rule]
+    return len(nodes) - len(others), "\n".join(others)
+
+
+# ---- Trees ---------------------------------------------------------------------------------------
+
+
+def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST]:
+    """Return clingo's trees of a text; `note` takes what clingo says of it.
+
+    Raises:
+        RuntimeError: clingo cannot parse it.
+    """
+    found: list[ast.AST] = []
+    ast.parse_string(text, found.append, logger=lambda _, said: note(said) if note else None)
+    return found
+
+
+def tree(text: str) -> ast.AST:
+    """Return clingo's tree of the text of a rule."""
+    return next(node for node in parsed(text) if node.ast_type == _TYPE.Rule)
+
+
+def sign_and_function(symbol: ast.AST) -> tuple[str, ast.AST]:
+    """Return the sign of classical negation, or nothing, and an atom without it."""
+    sign = ""
+    while symbol.ast_type == _TYPE.UnaryOperation:
+        sign, symbol = "" if sign else "-", symbol.argument
+    return sign, symbol
+
+
+def children(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if isinstance(child, ast.ASTSequence):
+            yield from child
+        elif child is not None:
+            yield child
+
+
+def _below(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and all below it."""
+    yield node
+    for child in children(node):
+        yield from _below(child)
+
+
+def _places(text: str) -> Callable[[ast.AST], Place]:
+    """Return what says where a node of the tree of a text begins; clingo counts bytes."""
+    lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
+
+    def place(node: ast.AST) -> Place:
+        begin = node.location.begin
+        if lines is None:
+            return begin.line, begin.column
+        return begin.line, len(
+            lines[begin.line - 1][: begin.column - 1].decode(errors="ignore")
+        ) + 1
+
+    return place
+
+
+def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
+    reader = _Reader(place)
+    for literal in node.body:
+        reader.read(literal)
+    cost, where = None, node
+    heads: list[Head] = []
+    forces = offers = False
+    if node.ast_type == _TYPE.Minimize:
+        terms = tuple(map(reader.term, node.terms))
+        cost = Cost(terms, f"{node.priority}/{len(terms)}")
+        written = (str(node.weight), *map(str, node.body))
+    else:
+        where = node.head
+        heads, forces, offers = reader.head(node.head)
+        written = (str(node.head), *map(str, node.body))
+    names, strings = _words(node)
+    return Statement(
+        str(node),
+        written,
+        place(where),
+        tuple(heads),
+        Scope(tuple(reader.positive), tuple(reader.others)),
+        tuple(reader.inner),
+        tuple(reader.assigned),
+        forces,
+        offers,
+        reader.known,
+        cost,
+        frozenset(reader.bound),
+        names,
+        strings,
+    )
+
+
+def _words(node: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the constants and names of functions in a tree, and the strings."""
+    names, strings = set(), set()
+    for each in _below(node):
+        if each.ast_type == _TYPE.Function:
+            names.add(each.name)
+        elif each.ast_type == _TYPE.SymbolicTerm:
+            if each.symbol.type == SymbolType.Function:
+                names.add(each.symbol.name)
+            elif each.symbol.type == SymbolType.String:
+                strings.add(each.symbol.string)
+    return frozenset(names), frozenset(strings)
+
+
+class _Reader:
+    """Reads one statement, literal by literal."""
+
+    def __init__(self, place: Callable[[ast.AST], Place]) -> None:
+        self._place = place
+        self.positive: list[Literal] = []
+        self.others: list[Literal] = []
+        self.inner: list[Scope] = []
+        self.assigned: list[tuple[Structure, tuple[tuple[int, Structure], ...]]] = []
+        self.bound: set[str] = set()
+        #: Whether all that was read is of a known sort.
+        self.known = True
+
+    def head(self, head: ast.AST) -> tuple[list[Head], bool, bool]:
+        """Return the atoms of a head, and whether it forces one and whether it offers them."""
+        if head.ast_type == _TYPE.Literal:
+            if head.atom.ast_type == _TYPE.BooleanConstant:
+                self.known &= head.sign == ast.Sign.NoSign
+                return [], False, False
+            forces = _is_symbolic(head) and head.sign == ast.Sign.NoSign
+            self.known &= forces
+            found = [Head(self.literal(head), Scope(()))] if _is_symbolic(head) else []
+            return found, forces, False
+        elements = getattr(head, "elements", ())
+        if head.ast_type == _TYPE.HeadAggregate:
+            elements = [element.condition for element in elements]
+        elif head.ast_type == _TYPE.TheoryAtom:
+            elements = ()
+        self.known &= head.ast_type == _TYPE.Aggregate
+        heads = []
+        for element in elements:
+            condition, literal = self._scope(element.condition), element.literal
+            if _is_symbolic(literal):
+                heads.append(Head(self.literal(literal), condition))
+                self.known &= literal.sign == ast.Sign.NoSign
+            elif (
+                literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.BooleanConstant
+            ):
+                self.known = False
+        return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
+
+    def read(self, literal: ast.AST) -> None:
+        """Read a literal of the body."""
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            condition = self._scope(literal.condition)
+            self.known &= _is_plain(literal.literal)
+            then: tuple[Literal, ...] = ()
+            if _is_symbolic(literal.literal):
+                then = (self.literal(literal.literal)._replace(binds=False),)
+            self.inner.append(Scope(condition.positive, (*condition.others, *then)))
+        elif literal.ast_type == _TYPE.Literal and literal.atom.ast_type in _AGGREGATES:
+            if literal.atom.ast_type == _TYPE.BodyAggregate:
+                self._read_aggregate(literal)
+            else:
+                elements = literal.atom.elements
+                self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
+            if literal.sign == ast.Sign.NoSign:
+                for guard in (literal.atom.left_guard, literal.atom.right_guard):
+                    if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                        self.bound |= _variables(guard.term)
+        else:
+            scope = self._scope((literal,))
+            self.positive += scope.positive
+            self.others += scope.others
+            if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
+                self.bound |= _variables(literal)
+
+    def _read_aggregate(self, literal: ast.AST) -> None:
+        elements = []
+        for element in literal.atom.elements:
+            first = _structure(element.terms[0]) if element.terms else None
+            elements.append((len(self.inner), first))
+            self.inner.append(self._scope(element.condition))
+        guard = literal.atom.left_guard
+        ends = (ast.AggregateFunction.Min, ast.AggregateFunction.Max)
+        if literal.sign == ast.Sign.NoSign and guard is not None and literal.atom.function in ends:
+            # Of no elements the value is no function, so a function is that of an element.
+            structure = _structure(guard.term)
+            if guard.comparison == ast.ComparisonOperator.Equal and isinstance(structure, Function):
+                self.assigned.append((structure, tuple(elements)))
+
+    def _scope(self, literals: Iterable[ast.AST]) -> Scope:
+        literals = tuple(literals)
+        self.known &= all(map(_is_plain, literals))
+        found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
+        positive = tuple(literal for literal in found if literal.binds)
+        return Scope(positive, tuple(literal for literal in found if not literal.binds))
+
+    def literal(self, literal: ast.AST) -> Literal:
+        """Return a literal of a predicate."""
+        sign, symbol = sign_and_function(literal.atom.symbol)
+        terms = tuple(map(self.term, symbol.arguments))
+        binds = literal.sign == ast.Sign.NoSign
+        return Literal((sign + symbol.name, len(terms)), terms, binds, self._place(symbol))
+
+    def term(self, term: ast.AST) -> Term:
+        """Return a term."""
+        is_pattern = _is_pattern(term)
+        variables = _variables(term) if is_pattern else frozenset()
+        closed = is_pattern and not _is_open(term)
+        return Term(
+            str(term),
+            is_pattern,
+            closed and term.ast_type == _TYPE.Variable,
+            closed and not variables,
+            variables,
+            _structure(term),
+            self._place(term),
+        )
+
+
+def _is_plain(literal: ast.AST) -> bool:
+    return literal.ast_type == _TYPE.Literal and literal.atom.ast_type in (
+        _TYPE.SymbolicAtom,
+        _TYPE.Comparison,
+        _TYPE.BooleanConstant,
+    )
+
+
+def _is_symbolic(literal: ast.AST) -> bool:
+    return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
+
+
+def _is_pattern(term: ast.AST) -> bool:
+    """Whether a term only takes values apart."""
+    if term.ast_type == _TYPE.Function:
+        return not term.external and all(map(_is_pattern, term.arguments))
+    return term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm)
+
+
+def _is_open(term: ast.AST) -> bool:
+    """Whether a pattern holds an anonymous variable."""
+    return any(node.ast_type == _TYPE.Variable and node.name == "_" for node in _below(term))
+
+
+def _variables(node: ast.AST) -> frozenset[str]:
+    """Return the names of the variables in a tree, but for anonymous ones."""
+    names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
+    return frozenset(name for name in names if name != "_")
+
+
+def _structure(term: ast.AST) -> Structure:
+    if term.ast_type == _TYPE.Variable:
+        return None if term.name == "_" else str(term.name)
+    if term.ast_type == _TYPE.Function and term.arguments and not term.external:
+        arguments = tuple(map(_structure, term.arguments))
+        return Function((term.name, len(arguments)), arguments)
+    return None
