@@ -90,7 +90,7 @@ def analyse(
             is none.
     """
     facts = tuple(facts)
-    speakers = tuple(rule for rule in rulebook.rules if CONSEQUENCE in rule.heads)
+    speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     text = facts_text(facts)
     grounding = Grounding(f"{rulebook.text('base')}\n{said}\n{text}")

@@ -103,7 +103,7 @@ def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule
             tuple(
                 no_severity(
                     word,
-                    severity_place(speakers[number].statements, speakers[number].span),
+                    severity_place(speakers[number].text, speakers[number].span),
                     speakers[number].text.partition("\n")[0],
                 )
                 for number, word in sorted(wrong)

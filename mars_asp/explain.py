@@ -23,6 +23,7 @@ from mars_asp.slicing import Slice, slice_for, slice_for_resolution
 from mars_asp.solve import Resolution
 from mars_asp.spelling import nearest
 from mars_asp.subject import absent_subject, quoted, unconcerned, wrong_subject
+from mars_asp.symbols import symbol_in
 from mars_asp.synthesis import Introduced, Node
 from mars_asp.term import as_term
 from mars_asp.trace import Explainer, Trace
@@ -247,10 +248,7 @@ def _asked_atom(
         MarsError: it names none.
     """
     names = {name.text for name in project.configuration.modules}
-    try:
-        symbol = clingo.parse_term(quoted(subject, names), logger=lambda *_: None)
-    except RuntimeError:
-        symbol = None
+    symbol = symbol_in(quoted(subject, names))
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
         atom = analysis.grounding.control.symbolic_atoms[symbol]

@@ -8,7 +8,7 @@ import clingo
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
-from mars_asp.statements import Place, Signature, Statement, unsigned
+from mars_asp.statements import Place, Signature, Statement, argument_place, masked, unsigned
 
 _PLACE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: error: (.*)", re.DOTALL)
 _UNSAFE = re.compile(r"note: '(\w+)' is unsafe")
@@ -28,7 +28,8 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
     notes: list[str] = []
     control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
     try:
-        control.add("base", [], text)
+        # Clingo's columns count bytes, and it cuts what it says of a text between them.
+        control.add("base", [], masked(text))
         control.ground([("nothing", [])])
     except RuntimeError:
         for match in filter(None, map(_PLACE.match, notes)):
@@ -66,12 +67,13 @@ def unknown_predicates(
             )
 
 
-def misused_heads(rule: Sequence[Statement], span: Span) -> Iterator[Diagnostic]:
+def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
     """Yield what is wrong with a head that tells of a consequence: a choice, or no severity.
 
-    `span` is where the rule stands, for the places of what it says count from its beginning.
+    `text` is that of the rule, `span` where it stands, for the places of what it says count from
+    its beginning.
     """
-    for statement in rule:
+    for number, statement in enumerate(rule):
         told = sorted({unsigned(each) for each in statement.derives} & EXTENSIBLE)
         if told and not statement.forces:
             name, arity = told[0]
@@ -97,7 +99,7 @@ def misused_heads(rule: Sequence[Statement], span: Span) -> Iterator[Diagnostic]
         elif statement.derives == {CONSEQUENCE}:
             term = statement.head.terms[1]
             if not term.variables and term.text not in SEVERITIES:
-                yield no_severity(term.text, _place(span, term.place))
+                yield no_severity(term.text, severity_place(text, span, number))
 
 
 def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
@@ -108,9 +110,12 @@ def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagno
     return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
 
 
-def severity_place(rule: Sequence[Statement], span: Span) -> Span:
-    """Return where the head of a rule that stands at `span` says how severe a consequence is."""
-    return _place(span, rule[0].head.terms[1].place)
+def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
+    """Return where the head of a rule that stands at `span` says how severe a consequence is.
+
+    Of a rule with pools, `variant` is the number of the one that is meant.
+    """
+    return _place(span, argument_place(rule, variant, 1))
 
 
 def _place(span: Span, place: Place) -> Span:

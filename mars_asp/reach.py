@@ -5,7 +5,7 @@ A rule with a premise of which no atom holds cannot have fired.
 
 from collections.abc import Iterable, Mapping, Sequence, Set
 
-from mars_asp.statements import Literal, Signature, Statement
+from mars_asp.statements import Literal, Signature, Statement, constants
 
 
 def reachable_rules(
@@ -28,7 +28,7 @@ def reachable_rules(
             if present is None or _names(statement.body.positive) <= present:
                 for signature in statement.derives:
                     deriving.setdefault(signature, []).append(number)
-                fixed = replaced.isdisjoint(statement.names)
+                fixed = not replaced or replaced.isdisjoint(constants(statement.text).names)
                 if any(_is_asked(head.literal, asked, fixed) for head in statement.heads):
                     waiting.append(number)
     found: set[int] = set()

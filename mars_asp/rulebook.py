@@ -11,8 +11,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
-from clingo.ast import AST
-
 from mars_asp import gate, pack
 from mars_asp import statements as reader
 from mars_asp.diagnostic import Diagnostic, MarsError
@@ -31,6 +29,8 @@ from mars_asp.statements import (
     RuleSyntaxError,
     Signature,
     Statement,
+    Tree,
+    bound_variables,
     declared,
     pieces,
     replaced,
@@ -56,7 +56,7 @@ class Rule:
     stage: str
 
     @cached_property
-    def ast(self) -> AST:
+    def ast(self) -> Tree:
         """Return clingo's syntax tree of the text, for further rules to be made of it."""
         return tree(self.text)
 
@@ -69,6 +69,11 @@ class Rule:
     def heads(self) -> frozenset[Signature]:
         """Return the predicates that the head can derive, without signs of classical negation."""
         return frozenset(unsigned(each) for one in self.statements for each in one.derives)
+
+    def derives(self, signature: Signature) -> bool:
+        """Whether the head can derive a predicate, or its contrary."""
+        # What does not name it need not be read.
+        return signature[0] in self.text and signature in self.heads
 
     @cached_property
     def reads(self) -> frozenset[Signature]:
@@ -166,7 +171,7 @@ def load_rulebook(
         first, before = len(rules), len(texts)
         _load_file(path, str(path), "base", rules, texts, problems, True)
         problems += _reserved(rules[first:], own)
-        problems += (p for r in rules[first:] for p in misused_heads(r.statements, r.span))
+        problems += (p for r in rules[first:] for p in misused_heads(r.statements, r.text, r.span))
         problems += [
             found for _, text in texts[before:] for found in refused_rules(text, str(path))
         ]
@@ -314,7 +319,7 @@ def _wrong_id(rule: Rule, metadata: dict[str, tuple[str, Span]], stem: str) -> I
 def _wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
     if not rule.holes:
         return
-    bound = frozenset().union(*(statement.bound for statement in rule.statements))
+    bound = bound_variables(rule.text)
     for hole in rule.holes:
         if hole not in bound:
             near = nearest(hole, bound)

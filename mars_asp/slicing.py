@@ -19,7 +19,7 @@ from mars_asp.reach import reachable_rules, reads
 from mars_asp.resolve import UNRESOLVABLE
 from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
 from mars_asp.statements import Statement, has_rules_alone, statements_of
-from mars_asp.symbols import symbol_of, term_of
+from mars_asp.symbols import symbol_in, symbol_of, term_of
 
 #: A rule, and what is read of it.
 _Read: TypeAlias = tuple[Rule, tuple[Statement, ...]]
@@ -148,7 +148,7 @@ def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | Non
         kind, _, rest = subject.partition("(")
         about = rest.removesuffix(")")
         # A name is shown without quotes, any other term as it is written.
-        subjects = {str(clingo.String(about)), str(_parsed(about) or clingo.String(about))}
+        subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
         return demand_of(rules, Asked("consequence", 4, (0, 2)), values, KEYS)
     if symbol is None or not symbol.arguments:
@@ -216,12 +216,5 @@ def _asked(subject: str, rulebook: Rulebook) -> tuple[str, str]:
 
 def _term(text: str) -> clingo.Symbol | None:
     """Return what a text says, if it is a function term."""
-    symbol = _parsed(text)
+    symbol = symbol_in(text)
     return symbol if symbol is not None and symbol.type == clingo.SymbolType.Function else None
-
-
-def _parsed(text: str) -> clingo.Symbol | None:
-    try:
-        return clingo.parse_term(text, logger=lambda *_: None)
-    except RuntimeError:
-        return None

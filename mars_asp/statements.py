@@ -8,7 +8,7 @@ it, so that is kept from one command to the next.
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Literal as Choice
 from typing import NamedTuple, TypeAlias
@@ -24,11 +24,18 @@ Place: TypeAlias = tuple[int, int]
 #: A function by its name and arity.
 Functor: TypeAlias = tuple[str, int]
 
+#: A tree of clingo, for further rules to be made of.
+Tree: TypeAlias = ast.AST
+
 _TYPE = ast.ASTType
 _AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
 _SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
 _NO_PLACE: Place = (1, 1)
+_NONE: frozenset[str] = frozenset()
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+#: What was read by this process, by the texts of rules; of more than so many none is remembered.
+_read: "dict[str, tuple[Statement, ...]]" = {}
+_MOST = 20_000
 #: What a file of rules is made of.
 Sort: TypeAlias = Choice["comment", "rule", "other"]
 _SORTS: Mapping[object, Sort] = {_TYPE.Comment: "comment", _TYPE.Rule: "rule"}
@@ -57,7 +64,6 @@ class Term(NamedTuple):
     is_constant: bool
     variables: frozenset[str]
     structure: Structure
-    place: Place
 
     @property
     def pattern(self) -> str:
@@ -124,8 +130,7 @@ class Statement:
 
     `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
     whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
-    a choice or none. `bound` are the variables outside of aggregates and negated literals of the
-    body, `names` the constants and function names anywhere, `strings` the strings.
+    a choice or none.
     """
 
     text: str
@@ -139,9 +144,6 @@ class Statement:
     offers: bool
     known: bool
     cost: Cost | None
-    bound: frozenset[str]
-    names: frozenset[str]
-    strings: frozenset[str]
 
     @property
     def head(self) -> Literal:
@@ -187,6 +189,13 @@ class Statement:
         return f"{head} :- {literals}." if literals else f"{head}."
 
 
+class Constants(NamedTuple):
+    """The names of constants and functions in a rule, and its strings."""
+
+    names: frozenset[str]
+    strings: frozenset[str]
+
+
 class Piece(NamedTuple):
     """A comment, rule or other statement of a file: its text, and where it begins and ends."""
 
@@ -215,16 +224,31 @@ class Program(NamedTuple):
 # ---- Texts ---------------------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=4096)
 def statements(text: str) -> tuple[Statement, ...]:
     """Return a rule, without its pools."""
-    place = _places(text)
-    return tuple(_statement(node, place) for node in tree(text).unpool())
+    if text not in _read:
+        _remember({text: _statements(text)})
+    return _read[text]
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     """Return each of some rules without its pools, by their texts, kept between commands."""
-    return made_of("statements", map(Path, (__file__, ast.__file__)), texts, statements)
+    asked = tuple(texts)
+    new = [text for text in asked if text not in _read]
+    if new:
+        _remember(made_of("statements", map(Path, (__file__, ast.__file__)), new, _statements))
+    return {text: _read[text] for text in asked}
+
+
+def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:
+    if len(_read) > _MOST:
+        _read.clear()
+    _read.update(found)
+
+
+def _statements(text: str) -> tuple[Statement, ...]:
+    place = _places(text)
+    return tuple(_statement(node, place) for node in tree(text).unpool())
 
 
 def program_of(text: str) -> Program | None:
@@ -243,10 +267,54 @@ def program_of(text: str) -> Program | None:
     return Program(tuple(found), frozenset(projected))
 
 
+def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
+    """Return what stands for itself in each of some rules, kept between commands."""
+    return made_of("constants", map(Path, (__file__, ast.__file__)), texts, constants)
+
+
+def constants(text: str) -> Constants:
+    """Return what stands for itself in a rule."""
+    names, strings = set(), set()
+    for node in _below(tree(text)):
+        if node.ast_type == _TYPE.Function:
+            names.add(node.name)
+        elif node.ast_type == _TYPE.SymbolicTerm:
+            if node.symbol.type == SymbolType.Function:
+                names.add(node.symbol.name)
+            elif node.symbol.type == SymbolType.String:
+                strings.add(node.symbol.string)
+    return Constants(frozenset(names), frozenset(strings))
+
+
+def bound_variables(text: str) -> frozenset[str]:
+    """Return the variables outside of aggregates and negated literals of a rule's body."""
+    found: set[str] = set()
+    for literal in tree(text).body:
+        if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+            continue
+        if literal.atom.ast_type not in _AGGREGATES:
+            found |= _variables(literal)
+            continue
+        for guard in (literal.atom.left_guard, literal.atom.right_guard):
+            if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                found |= _variables(guard.term)
+    return frozenset(found)
+
+
+def argument_place(text: str, variant: int, at: int) -> Place:
+    """Return where an argument of the head of a rule, in one of its variants, begins."""
+    return _places(text)(tree(text).unpool()[variant].head.atom.symbol.arguments[at])
+
+
 def unsigned(signature: Signature) -> Signature:
     """Return a predicate without the sign of classical negation."""
     name, arity = signature
     return name.removeprefix("-"), arity
+
+
+def masked(text: str) -> str:
+    """Return a text with one byte for each character that has several, for clingo counts bytes."""
+    return _NOT_ASCII.sub("`", text)
 
 
 def pieces(text: str) -> Iterator[Piece]:
@@ -255,10 +323,9 @@ def pieces(text: str) -> Iterator[Piece]:
     Raises:
         RuleSyntaxError: clingo cannot parse it.
     """
-    # Columns count bytes in clingo: what is not ASCII becomes one byte before it is parsed.
     notes: list[str] = []
     try:
-        nodes = parsed(_NOT_ASCII.sub("`", text), notes.append)
+        nodes = parsed(masked(text), notes.append)
     except RuntimeError:
         raise RuleSyntaxError(notes) from None
     # Clingo ends lines at LF alone; other ends may stand in comments and strings.
@@ -312,7 +379,15 @@ def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST
         RuntimeError: clingo cannot parse it.
     """
     found: list[ast.AST] = []
-    ast.parse_string(text, found.append, logger=lambda _, said: note(said) if note else None)
+
+    def logger(_: object, said: str) -> None:
+        if note is not None:
+            note(said)
+
+    if not text.isascii():
+        # What clingo says of a text it cuts between bytes, which its own Python cannot read.
+        ast.parse_string(masked(text), lambda _: None, logger=logger)
+    ast.parse_string(text, found.append, logger=logger)
     return found
 
 
@@ -369,14 +444,13 @@ def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
     heads: list[Head] = []
     forces = offers = False
     if node.ast_type == _TYPE.Minimize:
-        terms = tuple(map(reader.term, node.terms))
+        terms = tuple(map(_term, node.terms))
         cost = Cost(terms, f"{node.priority}/{len(terms)}")
         written = (str(node.weight), *map(str, node.body))
     else:
         where = node.head
         heads, forces, offers = reader.head(node.head)
         written = (str(node.head), *map(str, node.body))
-    names, strings = _words(node)
     return Statement(
         str(node),
         written,
@@ -389,24 +463,7 @@ def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
         offers,
         reader.known,
         cost,
-        frozenset(reader.bound),
-        names,
-        strings,
     )
-
-
-def _words(node: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the constants and names of functions in a tree, and the strings."""
-    names, strings = set(), set()
-    for each in _below(node):
-        if each.ast_type == _TYPE.Function:
-            names.add(each.name)
-        elif each.ast_type == _TYPE.SymbolicTerm:
-            if each.symbol.type == SymbolType.Function:
-                names.add(each.symbol.name)
-            elif each.symbol.type == SymbolType.String:
-                strings.add(each.symbol.string)
-    return frozenset(names), frozenset(strings)
 
 
 class _Reader:
@@ -418,7 +475,6 @@ class _Reader:
         self.others: list[Literal] = []
         self.inner: list[Scope] = []
         self.assigned: list[tuple[Structure, tuple[tuple[int, Structure], ...]]] = []
-        self.bound: set[str] = set()
         #: Whether all that was read is of a known sort.
         self.known = True
 
@@ -465,28 +521,22 @@ class _Reader:
             else:
                 elements = literal.atom.elements
                 self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
-            if literal.sign == ast.Sign.NoSign:
-                for guard in (literal.atom.left_guard, literal.atom.right_guard):
-                    if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
-                        self.bound |= _variables(guard.term)
         else:
             scope = self._scope((literal,))
             self.positive += scope.positive
             self.others += scope.others
-            if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
-                self.bound |= _variables(literal)
 
     def _read_aggregate(self, literal: ast.AST) -> None:
         elements = []
         for element in literal.atom.elements:
-            first = _structure(element.terms[0]) if element.terms else None
+            first = _term(element.terms[0]).structure if element.terms else None
             elements.append((len(self.inner), first))
             self.inner.append(self._scope(element.condition))
         guard = literal.atom.left_guard
         ends = (ast.AggregateFunction.Min, ast.AggregateFunction.Max)
         if literal.sign == ast.Sign.NoSign and guard is not None and literal.atom.function in ends:
             # Of no elements the value is no function, so a function is that of an element.
-            structure = _structure(guard.term)
+            structure = _term(guard.term).structure
             if guard.comparison == ast.ComparisonOperator.Equal and isinstance(structure, Function):
                 self.assigned.append((structure, tuple(elements)))
 
@@ -500,24 +550,9 @@ class _Reader:
     def literal(self, literal: ast.AST) -> Literal:
         """Return a literal of a predicate."""
         sign, symbol = sign_and_function(literal.atom.symbol)
-        terms = tuple(map(self.term, symbol.arguments))
+        terms = tuple(map(_term, symbol.arguments))
         binds = literal.sign == ast.Sign.NoSign
         return Literal((sign + symbol.name, len(terms)), terms, binds, self._place(symbol))
-
-    def term(self, term: ast.AST) -> Term:
-        """Return a term."""
-        is_pattern = _is_pattern(term)
-        variables = _variables(term) if is_pattern else frozenset()
-        closed = is_pattern and not _is_open(term)
-        return Term(
-            str(term),
-            is_pattern,
-            closed and term.ast_type == _TYPE.Variable,
-            closed and not variables,
-            variables,
-            _structure(term),
-            self._place(term),
-        )
 
 
 def _is_plain(literal: ast.AST) -> bool:
@@ -532,28 +567,25 @@ def _is_symbolic(literal: ast.AST) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
 
 
-def _is_pattern(term: ast.AST) -> bool:
-    """Whether a term only takes values apart."""
-    if term.ast_type == _TYPE.Function:
-        return not term.external and all(map(_is_pattern, term.arguments))
-    return term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm)
-
-
-def _is_open(term: ast.AST) -> bool:
-    """Whether a pattern holds an anonymous variable."""
-    return any(node.ast_type == _TYPE.Variable and node.name == "_" for node in _below(term))
+def _term(term: ast.AST) -> Term:
+    kind, text = term.ast_type, str(term)
+    if kind == _TYPE.SymbolicTerm:
+        return Term(text, True, False, True, _NONE, None)
+    if kind == _TYPE.Variable:
+        if text == "_":
+            return Term(text, True, False, False, _NONE, None)
+        return Term(text, True, True, False, frozenset((text,)), text)
+    if kind != _TYPE.Function or term.external:
+        return Term(text, False, False, False, _NONE, None)
+    inside = tuple(map(_term, term.arguments))
+    is_pattern = all(each.is_pattern for each in inside)
+    variables = _NONE.union(*(each.variables for each in inside)) if is_pattern else _NONE
+    is_constant = all(each.is_constant for each in inside)
+    structure = Function((term.name, len(inside)), tuple(each.structure for each in inside))
+    return Term(text, is_pattern, False, is_constant, variables, structure if inside else None)
 
 
 def _variables(node: ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
     names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
     return frozenset(name for name in names if name != "_")
-
-
-def _structure(term: ast.AST) -> Structure:
-    if term.ast_type == _TYPE.Variable:
-        return None if term.name == "_" else str(term.name)
-    if term.ast_type == _TYPE.Function and term.arguments and not term.external:
-        arguments = tuple(map(_structure, term.arguments))
-        return Function((term.name, len(arguments)), arguments)
-    return None

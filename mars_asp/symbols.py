@@ -3,6 +3,7 @@
 import clingo
 
 from mars_asp.atom import Atom, Term
+from mars_asp.statements import masked
 
 
 def symbol_of(term: Term) -> clingo.Symbol:
@@ -26,3 +27,14 @@ def term_of(symbol: clingo.Symbol) -> Term:
     if symbol.type == kinds.Function and symbol.positive:
         return Atom(symbol.name, tuple(map(term_of, symbol.arguments)))
     return Atom(str(symbol))
+
+
+def symbol_in(text: str) -> clingo.Symbol | None:
+    """Return the ground term that a text of a user's is; `None` where it is none."""
+    try:
+        if not text.isascii():
+            # What clingo says of a text it cuts between bytes, which its own Python cannot read.
+            clingo.parse_term(masked(text), logger=lambda *_: None)
+        return clingo.parse_term(text, logger=lambda *_: None)
+    except RuntimeError:
+        return None

@@ -74,7 +74,7 @@ def judge_specification(
     Raises:
         MarsError: rules that clingo refuses.
     """
-    judges = [r for r in rulebook.rules if {_VIOLATION, _CAUTION} & r.heads]
+    judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     facts = facts_text(specification_facts(specification, project))
     text = f"{rulebook.text('verify')}\n{said}\n{facts}"
@@ -91,7 +91,7 @@ def judge_specification(
         named = dict(zip(rule.holes, values.arguments, strict=True))
         message = fill(rule.because, named, shown) or str(head)
         help_text = fill(rule.help, named, shown)
-        if _CAUTION in rule.heads:
+        if rule.derives(_CAUTION):
             cautions[message] = Caution(message, help_text, rule)
         else:
             clause = head.arguments[0].number

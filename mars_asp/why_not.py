@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import clingo
-from clingo import ast
 
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.atom import Fact
@@ -23,12 +22,12 @@ from mars_asp.resolve import UNRESOLVABLE, Synthesis, is_resolved, synthesise
 from mars_asp.rulebook import Rulebook, consequence_kinds
 from mars_asp.source import point
 from mars_asp.spelling import nearest
-from mars_asp.statements import declared, statements_of
+from mars_asp.statements import constants_of, declared
 from mars_asp.subject import wrong_subject
 from mars_asp.symbols import symbol_of
 from mars_asp.term import as_term
 from mars_asp.trace import absence
-from mars_asp.trace.pattern import fits, hole, is_hole, pattern_of, shown_pattern
+from mars_asp.trace.pattern import fits, hole, is_hole, pattern_in, shown_pattern
 from mars_asp.trace.values import Absent, Missing, Trace
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
@@ -181,10 +180,9 @@ class _Vocabulary:
         self._any_kind = any(rule.kinds is None for rule in rulebook.rules)
         self._constants: set[str] = set()
         self._strings: set[str] = {name.text for name in project.configuration.modules}
-        for variants in statements_of(rule.text for rule in rulebook.rules).values():
-            for statement in variants:
-                self._constants |= statement.names
-                self._strings |= statement.strings
+        for found in constants_of(rule.text for rule in rulebook.rules).values():
+            self._constants |= found.names
+            self._strings |= found.strings
         for _, text in rulebook.texts:
             self._predicates |= declared(text)
         for fact in facts:
@@ -239,17 +237,11 @@ class _Vocabulary:
         return any(name == known for known, _ in self._predicates)
 
     def _atom(self, subject: str) -> clingo.Symbol:
-        statements: list[ast.AST] = []
-        try:
-            ast.parse_string(f"{subject}.", statements.append, logger=lambda *_: None)
-            (rule,) = statements[1:]
-            if rule.body or rule.head.sign != ast.Sign.NoSign:
-                raise ValueError(subject)
-            found = pattern_of(rule.head.atom.symbol)
-        except (RuntimeError, ValueError, AttributeError):
+        found = pattern_in(subject)
+        if found is None:
             raise self._wrong(
                 f"`{subject}` is no atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
-            ) from None
+            )
         kind = (found.name, len(found.arguments))
         if kind not in self._predicates:
             raise self._other_arity(*kind)

@@ -164,3 +164,19 @@ def test_imports_point_one_way() -> None:
                 if LAYERS.index(imported) > LAYERS.index(layer):
                     wrong.append(f"{path.relative_to(ROOT)} imports {node.module}")
     assert wrong == []
+
+
+#: Who walks clingo's trees: the reader of rules, and those who write explanation rules from them.
+WRITERS = ("groups", "near", "order", "pattern", "rewrite", "scope")
+TREES = ["statements.py", *(f"trace/{name}.py" for name in WRITERS)]
+
+
+def test_one_place_reads_rules() -> None:
+    found = []
+    for path in sorted((ROOT / "mars_asp").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [each.name for each in node.names] if isinstance(node, ast.ImportFrom) else []
+            module = node.module if isinstance(node, ast.ImportFrom) else None
+            if module == "clingo.ast" or (module == "clingo" and "ast" in names):
+                found.append(path.relative_to(ROOT / "mars_asp").as_posix())
+    assert found == TREES

@@ -303,11 +303,15 @@ class _Claims:
 
 
 def faults(
-    traces: Iterable[Trace], given: Set[clingo.Symbol], true: Set[clingo.Symbol]
+    traces: Iterable[Trace],
+    given: Set[clingo.Symbol],
+    true: Set[clingo.Symbol],
+    constants: Iterable[str] = (),
 ) -> list[str]:
     """Return what is wrong with traces: a step, a leaf, or an atom among its own reasons.
 
-    Of the other derivations of a step no more is asked here than that its rule gives it.
+    `constants` are the `#const` statements of the program. Of the other derivations of a step no
+    more is asked here than that its rule gives it.
     """
     claims = _Claims(given)
     asked = tuple(traces)
@@ -319,7 +323,7 @@ def faults(
         claims.step(other)
         for premise in other.premises:
             claims.look(premise)
-    held = _solved(claims.lines, true)
+    held = _solved((*constants, *claims.lines), true)
     return claims.wrong + [said for atom, said in claims.said.items() if atom not in held]
 
 

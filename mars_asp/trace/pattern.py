@@ -6,6 +6,7 @@ A hole is the term `_any("X")`, any value; holes of one name stand for one value
 import clingo
 from clingo import ast
 
+from mars_asp.statements import parsed
 from mars_asp.trace.scope import variables_of
 
 _HOLE = "_any"
@@ -96,6 +97,17 @@ def pattern_is_open(term: ast.AST) -> bool:
     if term.ast_type == ast.ASTType.Variable:
         return bool(term.name == "_")
     return term.ast_type == ast.ASTType.Function and any(map(pattern_is_open, term.arguments))
+
+
+def pattern_in(text: str) -> clingo.Symbol | None:
+    """Return what a user writes, an atom that may have variables, as a pattern, if it is one."""
+    try:
+        (rule,) = parsed(f"{text}.")[1:]
+        if rule.body or rule.head.sign != ast.Sign.NoSign:
+            return None
+        return pattern_of(rule.head.atom.symbol)
+    except (RuntimeError, ValueError, AttributeError):
+        return None
 
 
 def pattern_of(term: ast.AST) -> clingo.Symbol:
