@@ -59,7 +59,7 @@ def unknown_predicates(
                 "rule-unknown",
                 "error",
                 f"nothing gives or derives `{name}/{arity}`",
-                _place(span, place),
+                placed(span, place),
                 help=f"did you mean {' or '.join(others)}?"
                 if others
                 else f"`rules/vocabulary.lp` says what is given; write `#defined {name}/{arity}.` "
@@ -83,7 +83,7 @@ def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[
                 "rule-head",
                 "error",
                 f"`{name}/{arity}` stands {where}",
-                _place(span, statement.place),
+                placed(span, statement.place),
                 help="what is found follows from the facts: write a rule with this head alone",
             )
             return
@@ -93,7 +93,7 @@ def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[
                 "rule-head",
                 "error",
                 f"`-{name}/{arity}` says what is not found",
-                _place(span, statement.place),
+                placed(span, statement.place),
                 help="only what is found is reported: leave out the rule",
             )
         elif statement.derives == {CONSEQUENCE}:
@@ -115,9 +115,10 @@ def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
 
     Of a rule with pools, `variant` is the number of the one that is meant.
     """
-    return _place(span, argument_place(rule, variant, 1))
+    return placed(span, argument_place(rule, variant, 1))
 
 
-def _place(span: Span, place: Place) -> Span:
+def placed(span: Span, place: Place) -> Span:
+    """Return where something stands in a file that has a place in the rule at `span`."""
     line, column = place
     return point(span.path, span.line + line - 1, column + (span.column - 1) * (line == 1))

@@ -1,7 +1,8 @@
 """Rule files: their texts, gated, and the metadata that stands above their rules.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes) and a `help`; `%*! predicate(Arguments) ... *%` documents a predicate.
+`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits.
+`%*! predicate(Arguments) ... *%` documents a predicate.
 """
 
 import re
@@ -13,6 +14,7 @@ from typing import TypeAlias
 
 from mars_asp import gate, pack
 from mars_asp import statements as reader
+from mars_asp.arithmetic import overflows
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.kept import keep, recall, version_of
 from mars_asp.pack import (
@@ -39,7 +41,7 @@ from mars_asp.statements import (
     unsigned,
 )
 
-KEYS = ("id", "because", "help")
+KEYS = ("id", "because", "help", "fits")
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _HOLE = re.compile(r"\{([^{}]*)\}")
 
@@ -54,6 +56,8 @@ class Rule:
     span: Span
     text: str
     stage: str
+    #: Why what the rule computes fits into 32 bits, where that does not show.
+    fits: str | None = None
 
     @cached_property
     def ast(self) -> Tree:
@@ -225,6 +229,8 @@ def _load_file(
         problems += (_syntax(note, shown) for note in error.notes[:20])
         return
     texts.append((stage, text))
+    if strict:
+        problems += overflows(text, shown)
     found = list(_rules_of(written, shown, stage, path.stem, problems))
     if strict:
         problems += [problem for rule in found for problem in _wrong_holes(rule)]
@@ -302,6 +308,7 @@ def _rule(
         span,
         text,
         stage,
+        given.get("fits"),
     )
 
 

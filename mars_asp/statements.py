@@ -30,6 +30,16 @@ Tree: TypeAlias = ast.AST
 _TYPE = ast.ASTType
 _AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
 _SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
+_BINARY = {
+    ast.BinaryOperator.Plus: "+",
+    ast.BinaryOperator.Minus: "-",
+    ast.BinaryOperator.Multiplication: "*",
+    ast.BinaryOperator.Power: "**",
+    ast.BinaryOperator.Division: "/",
+}
+_UNARY = {ast.UnaryOperator.Minus: "-", ast.UnaryOperator.Absolute: "|"}
+#: Terms with others inside, the negation of which is no operation.
+_COMPOUND = (_TYPE.Function, _TYPE.Pool)
 _NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
@@ -126,7 +136,7 @@ class Statement:
 
     `written` are the texts of the head and of each literal of the body; `place` is where the head
     begins. `inner` are the elements of aggregates and conditions in its body; `assigned` are terms
-    of the body that have the value that one of the elements, by its number, has in a term.
+    of the body that have a value made of what the elements, by their numbers, have in a term.
 
     `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
     whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
@@ -187,6 +197,26 @@ class Statement:
         head, *body = self.written
         literals = "; ".join((*more, *body))
         return f"{head} :- {literals}." if literals else f"{head}."
+
+
+class Number(NamedTuple):
+    """A number in a rule as it is written, whatever clingo makes of it."""
+
+    value: int
+    place: Place
+
+
+class Operation(NamedTuple):
+    """A sum, a product or another operation in a rule."""
+
+    sign: str
+    operands: "tuple[Operand, ...]"
+    text: str
+    place: Place
+
+
+#: What is computed with: numbers, variables, constants, operations, and `None` for anything else.
+Operand: TypeAlias = "Number | Operation | str | None"
 
 
 class Constants(NamedTuple):
@@ -348,6 +378,19 @@ def declared(text: str) -> set[Signature]:
     if "#defined" not in text:
         return set()
     return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}
+
+
+def operands(text: str) -> tuple[Operand, ...]:
+    """Return the numbers and operations of a text that stand in no other operation."""
+    reader = _ArithmeticReader(text)
+    return tuple(operand for node in parsed(text) for operand in reader.outermost(node))
+
+
+def definitions(text: str) -> dict[str, Operand]:
+    """Return what each constant stands for that a text replaces, by `#const`."""
+    reader = _ArithmeticReader(text)
+    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
+    return {str(node.name): reader.operand(node.value, []) for node in nodes}
 
 
 def replaced(text: str) -> set[str]:
@@ -533,12 +576,10 @@ class _Reader:
             elements.append((len(self.inner), first))
             self.inner.append(self._scope(element.condition))
         guard = literal.atom.left_guard
-        ends = (ast.AggregateFunction.Min, ast.AggregateFunction.Max)
-        if literal.sign == ast.Sign.NoSign and guard is not None and literal.atom.function in ends:
-            # Of no elements the value is no function, so a function is that of an element.
-            structure = _term(guard.term).structure
-            if guard.comparison == ast.ComparisonOperator.Equal and isinstance(structure, Function):
-                self.assigned.append((structure, tuple(elements)))
+        counts = literal.atom.function == ast.AggregateFunction.Count
+        if literal.sign == ast.Sign.NoSign and guard is not None and not counts:
+            if guard.comparison == ast.ComparisonOperator.Equal:
+                self.assigned.append((_term(guard.term).structure, tuple(elements)))
 
     def _scope(self, literals: Iterable[ast.AST]) -> Scope:
         literals = tuple(literals)
@@ -589,3 +630,54 @@ def _variables(node: ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
     names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
     return frozenset(name for name in names if name != "_")
+
+
+class _ArithmeticReader:
+    """Reads what is computed in a text."""
+
+    def __init__(self, text: str) -> None:
+        self._lines = text.encode().split(b"\n")
+        self._place = _places(text)
+
+    def outermost(self, node: ast.AST) -> Iterator[Operand]:
+        """Yield the numbers and operations in a tree that stand in no other operation."""
+        rest: list[ast.AST] = []
+        operand = self.operand(node, rest)
+        if isinstance(operand, Number | Operation):
+            yield operand
+        for child in rest:
+            yield from self.outermost(child)
+
+    def operand(self, node: ast.AST, rest: list[ast.AST]) -> Operand:
+        """Return a node as an operand; below what is none, `rest` gets the nodes."""
+        match node.ast_type:
+            case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
+                return Number(self._number(node), self._place(node))
+            case _TYPE.SymbolicTerm:
+                return str(node) if node.symbol.type == SymbolType.Function else None
+            case _TYPE.Variable:
+                return str(node)
+            case _TYPE.Function if not node.arguments and not node.external:
+                return str(node.name)
+            case _TYPE.BinaryOperation:
+                sign, inside = _BINARY.get(node.operator_type), [node.left, node.right]
+            case _TYPE.UnaryOperation if node.argument.ast_type not in _COMPOUND:
+                sign, inside = _UNARY.get(node.operator_type), [node.argument]
+            case _:
+                rest += children(node)
+                return None
+        operands = tuple(self.operand(each, rest) for each in inside)
+        return Operation(sign or "", operands, self._written(node), self._place(node))
+
+    def _written(self, node: ast.AST) -> str:
+        """Return what stands in the text: a number that does not fit is another in the tree."""
+        begin, end = node.location.begin, node.location.end
+        if begin.line != end.line:
+            return str(node)
+        return str(self._lines[begin.line - 1][begin.column - 1 : end.column - 1], "utf-8")
+
+    def _number(self, node: ast.AST) -> int:
+        try:
+            return int(self._written(node), 0)
+        except ValueError:
+            return int(node.symbol.number)

@@ -5,7 +5,7 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.apart import shapes
 from mars_asp.apart.shapes import NOTHING, OWN, UNKNOWN, Shape
-from mars_asp.statements import Literal, Scope, Signature, Statement
+from mars_asp.statements import Function, Literal, Scope, Signature, Statement
 
 #: Positions from 0 of the arguments that hold names and identifiers, by predicate.
 Positions: TypeAlias = Mapping[Signature, tuple[int, ...]]
@@ -60,6 +60,9 @@ def _assigned(statement: Statement, group: Group, own: Shapes) -> dict[str, Shap
     """Return the shapes of variables that have the value of an aggregate over a group's part."""
     found: dict[str, Shape] = {}
     for structure, elements in statement.assigned:
+        # Of no elements the value is no function, so a function is that of an element.
+        if not isinstance(structure, Function):
+            continue
         shape = UNKNOWN
         for number, term in elements:
             positive = (*statement.body.positive, *statement.inner[number].positive)

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
+from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.risks import risks
 from mars_asp.rule_cases import STAGES
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
 from mars_asp.source import point
@@ -23,8 +25,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        load_rulebook([Path(path) for path in packs], ("repair", *STAGES), strict=True)
-        print("nothing wrong")
+        rulebook = load_rulebook([Path(path) for path in packs], ("repair", *STAGES), strict=True)
+        found = tuple(risks(rulebook.rules))
+        report(found, arguments)
+        if not found:
+            print("nothing wrong")
         return 0
     if arguments.action == "show" and not arguments.what:
         print("mars-asp rules: `show` needs the ID of a rule; `list` names them", file=sys.stderr)

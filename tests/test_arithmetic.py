@@ -1,0 +1,133 @@
+"""Numbers in rules that do not fit into 32 bits, which clingo would wrap without a word."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import clingo
+import pytest
+
+from mars_asp.arithmetic import LEAST, MOST, overflows
+from mars_asp.cli import run_here
+from mars_asp.risks import risks
+from mars_asp.rule_cases import STAGES
+from mars_asp.rulebook import Rule, load_rulebook
+from mars_asp.source import Span
+from mars_asp.statements import pieces
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("p(2147483647).", []),
+        ("p(-2147483648).", []),
+        ("p(- 2147483648, 2147483647 - 1, 2 ** 30 * 2 - 1).", [(1, 33, "2 ** 30 * 2")]),
+        ("p(2147483648).", [(1, 3, "2147483648")]),
+        ("p(X) :- q(X), X < 3000000000.", [(1, 19, "3000000000")]),
+        ("p(0xffffffff).", [(1, 3, "4294967295")]),
+        ("p(2147483647+1).", [(1, 3, "2147483647+1")]),
+        ('p("größer", 2147483647 + 1).', [(1, 13, "2147483647 + 1")]),
+        ("p(-2147483647 - 2).", [(1, 3, "-2147483647 - 2")]),
+        ("p(f(1;65536*65536)).", [(1, 7, "65536*65536")]),
+        ("-p(2**31). -p(X) :- X = 1..2147483648.", [(1, 4, "2**31"), (1, 28, "2147483648")]),
+        ("p(10**1000000000000).", [(1, 7, "1000000000000")]),
+        ("p(10**100000).", [(1, 3, "10**100000")]),
+        ("p(|-2147483648|).", [(1, 3, "|-2147483648|")]),
+        ("p(-(-2147483648)).", [(1, 3, "-(-2147483648)")]),
+        ("p(-2147483648 / -1, 5 / 0, 2 ** -1).", [(1, 3, "-2147483648 / -1")]),
+        ("#const most = 2147483647.\np(most + 1).", [(2, 3, "most + 1")]),
+        ("#const a = b + 1. #const b = a. p(a + b).", []),
+        ("#const most = 2147483648.", [(1, 15, "2147483648")]),
+        ("#minimize { 2147483648@1, X : p(X) }.", [(1, 13, "2147483648")]),
+        ("p(%* 2147483648 *% 1). % 2147483648", []),
+        ('p("2147483648", "2147483647 + 1").', []),
+        ("p(2147483647\n  + 1).", [(1, 3, "(2147483647+1)")]),
+    ],
+)
+def test_what_does_not_fit_is_named_where_it_stands(
+    text: str, wrong: list[tuple[int, int, str]]
+) -> None:
+    found = [(d.span.line, d.span.column, d.message.split("`")[1]) for d in overflows(text, "a.lp")]
+    assert found == wrong
+
+
+@pytest.mark.parametrize("sign", ["+", "-", "*", "/", "**"])
+def test_what_fits_is_what_clingo_computes(sign: str) -> None:
+    numbers = (LEAST, LEAST + 1, -65536, -3, -1, 0, 1, 2, 7, 46340, 46341, 65536, MOST - 1, MOST)
+    for left in numbers:
+        for right in numbers:
+            if sign == "**" and not 0 <= right <= 64:
+                continue
+            if (sign == "/" and right == 0) or (left, right, sign) == (LEAST, -1, "/"):
+                continue
+            exact = {
+                "+": left + right,
+                "-": left - right,
+                "*": left * right,
+                "/": 0 if right == 0 else abs(left) // abs(right) * (1 if left * right > 0 else -1),
+                "**": left**right if sign == "**" else 0,
+            }[sign]
+            text = f"p(({left}){sign}({right}))."
+            assert bool(list(overflows(text, "a.lp"))) == (not LEAST <= exact <= MOST), text
+            if LEAST <= exact <= MOST and sign != "/":
+                control = clingo.Control(["--warn=none"])
+                control.add("base", [], text)
+                control.ground()
+                (atom,) = control.symbolic_atoms
+                assert atom.symbol.arguments[0].number == exact, text
+
+
+@pytest.mark.parametrize(
+    ("text", "risky"),
+    [
+        ("p(X * Y) :- q(X, Y).", ["X * Y"]),
+        ("p(X ** Y) :- q(X, Y).", ["X ** Y"]),
+        ("p(2 * X, X / Y, X \\ Y) :- q(X, Y).", []),
+        ("p(I + 1) :- q(I).", []),
+        ("p(P + 1) :- priority(_, P).", ["P + 1"]),
+        ("p(2 * P) :- priority(_, P).", ["2 * P"]),
+        ("p(R) :- priority(R, P), P > R + 1.", []),
+        ("p(P - Q, P - 1) :- priority(_, P), priority(_, Q).", []),
+        ("p(P - Q - Q) :- priority(_, P), priority(_, Q).", ["P - Q - Q"]),
+        ("q(f(P)) :- priority(_, P). p(Q + 1) :- q(f(Q)).", ["Q + 1"]),
+        ("h(H) :- H = #max { P : priority(_, P) }. p(H + 1) :- h(H).", ["H + 1"]),
+        ("n(N) :- N = #count { P : priority(_, P) }. p(N + 1) :- n(N).", []),
+        ("p :- #sum { P + 1, R : hold(R, P) } > 3.", ["P + 1"]),
+        ("p((P' - P) * (Q' - Q)) :- q(P, P', Q, Q').", ["(P' - P) * (Q' - Q)"]),
+    ],
+)
+def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[str]) -> None:
+    rules = [
+        Rule("a", None, None, Span("a.lp", *each.begin, *each.end), each.text, "base")
+        for each in pieces(text)
+        if each.sort == "rule"
+    ]
+    found = [(each.message.split("`")[1], each.span.column) for each in risks(rules)]
+    assert not list(risks(replace(rule, fits="it does") for rule in rules))
+    assert [written for written, _ in found] == risky
+    assert all(text.startswith(written, column - 1) for written, column in found)
+
+
+@pytest.mark.parametrize("words", ["analyse", "check", "synthesise", "explain big(Camera)"])
+def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot, pack = tmp_path / "robot.mars", tmp_path / "big.lp"
+    robot.write_text("@configuration\n@modules Camera\n", encoding="utf-8")
+    pack.write_text('consequence(big, note, "Camera", 2147483647+1).\n', encoding="utf-8")
+    verb, *subject = words.split()
+    assert run_here([verb, str(robot), *subject, "--rules", str(pack)]) == 2
+    assert f"{pack}:1:34: error: `2147483647+1` does not fit" in capsys.readouterr().err
+
+
+def test_lint_tells_risks_and_is_content(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "risk.lp"
+    pack.write_text("late(R, H + 1) :- hold(R, H).\n", encoding="utf-8")
+    assert run_here(["rules", "lint", str(pack)]) == 0
+    assert f"{pack}:1:9: warning: `H + 1` may not fit" in capsys.readouterr().err
+
+
+def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
+    rules = load_rulebook(stages=("repair", *STAGES), strict=True).rules
+    assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in risks(rules)] == []
