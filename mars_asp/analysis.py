@@ -174,8 +174,23 @@ def _form(text: str) -> tuple[str, tuple[str, ...]]:
 
 
 def shown(symbol: clingo.Symbol) -> str:
-    """Return a term as a message shows it: a string without its quotes."""
-    return symbol.string if symbol.type == clingo.SymbolType.String else str(symbol)
+    """Return a term as a message shows it: a string without its quotes, a list in words."""
+    if symbol.type == clingo.SymbolType.String:
+        return symbol.string
+    names, more = _listed(symbol)
+    if not names:
+        return str(symbol)
+    *others, last = [*names, *([f"{more} more"] if more else [])]
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
+    """Return the names in a list `and("A",and("B",N))`, and how many more N says there are."""
+    names: list[str] = []
+    while symbol.match("and", 2):
+        first, symbol = symbol.arguments
+        names.append(f"`{shown(first)}`")
+    return names, symbol.number if symbol.type == clingo.SymbolType.Number else 0
 
 
 def _saying(number: int, rule: Rule) -> str:

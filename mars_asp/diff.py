@@ -30,7 +30,7 @@ Signature: TypeAlias = tuple[str, ...]
 Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Facts about the whole configuration, which stand at lines that do not say them.
-_OBSERVED = frozenset({"place", "closed_walk", "resembles", "in_words"})
+_OBSERVED = frozenset({"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ from mars_asp.model import (
 from mars_asp.modes import parse_mode
 from mars_asp.source import Span
 from mars_asp.spelling import resemblances
-from mars_asp.walks import shortest_closed_walks
+from mars_asp.walks import knots
 
 ANY = Atom("any")
 NONE = Atom("none")
@@ -122,8 +122,8 @@ def plain(number: Decimal) -> str:
 HEADING = frozenset({"architecture", "period"})
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
-    "place uses_data_from is_controlled_by is_mounted_on priority hold allocation required_mode"
-    " required_rate".split()
+    "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
+    " required_mode required_rate".split()
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
 ANNOTATIONS = frozenset(
@@ -184,7 +184,7 @@ class Compiler:
             (self.annotations, ANNOTATIONS),
             (self.words, {"in_words"}),
             (self.resemblances, {"resembles"}),
-            (self.walks, {"closed_walk"}),
+            (self.knots, {"closed_walk", "entangled", "spelt"}),
         )
         for tell, predicates in parts:
             if self.wanted is None or self.wanted & predicates:
@@ -258,6 +258,9 @@ class Compiler:
                 self.add(span, "is_controlled_by", number, controlled, controller)
                 if relationship.priority is not None:
                     self.add(span, "priority", number, relationship.priority)
+                    # Elsewhere a list says what numbers say.
+                    if self.configuration.architecture == "flat" and not relationship.listed:
+                        self.add(span, "stated_priority", number)
                 if relationship.hold_ms is not None:
                     self.add(span, "hold", number, relationship.hold_ms)
                 if relationship.allocation is not None:
@@ -358,25 +361,30 @@ class Compiler:
                 span = places.get(stranger, self.configuration.span)
                 self.add(span, "resembles", stranger, near)
 
-    def walks(self) -> None:
-        """Tell the shortest closed walk of every knot of relationships of one kind."""
+    def knots(self) -> None:
+        """Tell what relationships of one kind lead back to itself, and the shortest way round."""
         data, control, mounts = [], [], []
         spans = {}
         for number, relationship in self.numbered:
             spans[number] = relationship.span
             match relationship:
                 case Data(client, source):
-                    data.append((client, source, number))
+                    data.append((source, client, number))
                 case Control(controlled, controller):
                     control.append((controlled, controller, number))
                 case Mount(mounting, mounted):
                     mounts.append((mounting, mounted, number))
         for kind, edges in (("data", data), ("control", control), ("mount", mounts)):
-            for index, walk in enumerate(shortest_closed_walks(edges)):
-                for step, (start, end, number) in enumerate(walk):
+            for index, knot in enumerate(knots(edges)):
+                for step, (start, end, number) in enumerate(knot.walk):
                     self.add(
                         spans[number], "closed_walk", Atom(kind), index, step, start, end, number
                     )
+                span = spans[knot.walk[0][2]]
+                for name in knot.nodes:
+                    self.add(span, "entangled", Atom(kind), index, name)
+                names = [start for start, _, _ in knot.walk]
+                self.add(span, "spelt", Atom(kind), index, " -> ".join([*names, names[0]]))
 
 
 def numbered(

@@ -136,6 +136,7 @@ class Control:
     """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
 
     `allocation` says who of several carries out an inherited function; `None` is the nearest.
+    `listed` is whether the priority is the controller's place in a list, not a number.
     """
 
     controlled: str
@@ -144,6 +145,7 @@ class Control:
     priority: int | None = None
     hold_ms: int | None = None
     allocation: Allocation | None = None
+    listed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,22 @@
 """Closed walks in relationships: what a graph shows, not what it means."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TypeAlias
 
 Edge: TypeAlias = tuple[str, str, int]
 
 
-def shortest_closed_walks(edges: Iterable[Edge]) -> tuple[tuple[Edge, ...], ...]:
-    """Return for each strongly connected part of a graph one of its shortest cycles.
+@dataclass(frozen=True, slots=True)
+class Knot:
+    """A strongly connected part of a graph: its nodes, sorted, and one of its shortest cycles."""
+
+    nodes: tuple[str, ...]
+    walk: tuple[Edge, ...]
+
+
+def knots(edges: Iterable[Edge]) -> tuple[Knot, ...]:
+    """Return the strongly connected parts of a graph that have a cycle.
 
     An edge is (start, end, identifier). A walk begins at its least name; of equally short ones
     the least is taken, so the order of the edges does not matter. Parts with more than
@@ -25,13 +34,14 @@ def shortest_closed_walks(edges: Iterable[Edge]) -> tuple[tuple[Edge, ...], ...]
 
     graph = networkx.DiGraph(list(best))
     parts = sorted(sorted(part) for part in networkx.strongly_connected_components(graph))
-    walks = []
+    found = []
     for part in parts:
         cycle = _shortest_cycle(part, successors)
         if cycle:
             steps = zip(cycle, (*cycle[1:], cycle[0]), strict=True)
-            walks.append(tuple((start, end, best[start, end]) for start, end in steps))
-    return tuple(walks)
+            walk = tuple((start, end, best[start, end]) for start, end in steps)
+            found.append(Knot(tuple(part), walk))
+    return tuple(found)
 
 
 _EXACT = 400

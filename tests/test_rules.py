@@ -79,6 +79,10 @@ def test_what_the_current_folder_is_called_gives_a_case_no_stage(
 #: Heads of rules whose premises hold together or not at all, so that none can fail alone.
 TOGETHER = (
     "carried(M, N + 1, B', R)",
+    "consequence(data_cycle, warning, M, cycle)",
+    "participant(data_cycle, M, cycle, around(M'), M')",
+    "placed(R, X, P, I, C)",
+    "lifted(X, M, P, C)",
     "participant(module_conflict, M, cycle, I, M')",
     "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",

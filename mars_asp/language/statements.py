@@ -192,6 +192,7 @@ class Builder:
                     rank,
                     self._whole(hold, HOLD),
                     None if allocation is None else cast("Allocation", str(allocation)),
+                    len(controllers) > 1,
                 )
             )
 

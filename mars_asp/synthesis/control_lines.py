@@ -133,7 +133,8 @@ class ControlLines:
         priority = hold = None
         if feed.number is not None:
             stated = self._stated(feed.number)
-            priority = stated.priority
+            ignored = stated.listed and draft.architecture == "flat"
+            priority = None if ignored else stated.priority
             hold = None if self._is_arbitrated(feed.signal) else stated.hold_ms
         allocation = self._allocation.get(feed.receiver)
         draft.lines.append(Control(receiver, feeder, draft.span, priority, hold, allocation))

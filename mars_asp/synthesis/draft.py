@@ -42,6 +42,7 @@ class Draft:
     def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
         """Index what the configuration says."""
         self.span = configuration.span
+        self.architecture = configuration.architecture
         self.relationships = dict(numbered(configuration.relationships))
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
         #: The place of each relationship in the file, by its identifier.

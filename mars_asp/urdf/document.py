@@ -11,7 +11,7 @@ from mars_asp.source import Span
 from mars_asp.spelling import nearest
 from mars_asp.urdf.angles import FARTHEST, OPEN
 from mars_asp.urdf.elements import Element, read_elements
-from mars_asp.walks import shortest_closed_walks
+from mars_asp.walks import knots
 
 KINDS = ("fixed", "revolute", "continuous", "prismatic")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
@@ -203,10 +203,12 @@ class _Reader:
                 found = f"`{joint.child}` is the child of `{first.name}` and of `{joint.name}`"
                 self.note(joint, found, "a link hangs on one joint: delete the other")
         edges = [(joint.child, joint.parent, number) for number, joint in enumerate(joints)]
-        for walk in shortest_closed_walks(edges):
-            names = ", ".join(f"`{joints[number].name}`" for _, _, number in walk)
-            found = f"joints lead back to `{walk[0][0]}`: {names}"
-            self.note(joints[walk[0][2]], found, "the links of a robot make a tree: delete one")
+        for knot in knots(edges):
+            names = ", ".join(f"`{joints[number].name}`" for _, _, number in knot.walk)
+            found = f"joints lead back to `{knot.walk[0][0]}`: {names}"
+            self.note(
+                joints[knot.walk[0][2]], found, "the links of a robot make a tree: delete one"
+            )
 
 
 def _number(word: str) -> Decimal | None:
