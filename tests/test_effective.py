@@ -96,13 +96,20 @@ def random_robot(seed: int) -> Robot:
     controllers = [f"C{index}" for index in range(rng.randint(1, 5))]
     functions = list(TRANSLATIONS)
     own = {m: frozenset(rng.sample(functions, rng.choice((0, 0, 1, 1, 2, 3)))) for m in modules}
+    riding = rng.random() < 0.4
+    if riding:  # One carries all others, which only inherit.
+        own = {m: frozenset(functions if m == modules[0] else ()) for m in modules}
     mounts = {
         module: (rng.choice(modules[:index]), rng.choice(("", "", "x", "y", "z")))
         for index, module in enumerate(modules)
         if index and rng.random() < 0.85
     }
     named = {
-        c: frozenset(rng.sample([*functions, "Rotn_X"], rng.choice((0, 0, 1, 1, 2))))
+        c: frozenset(
+            rng.sample(
+                [*functions, "Rotn_X"], rng.choice((0, 0, 1, 1, 2) if not riding else (0, 0, 0, 1))
+            )
+        )
         for c in controllers
     }
     priorities: tuple[int | None, ...] = rng.choice(
