@@ -168,12 +168,7 @@ def random_mounts(seed: int) -> str:
     for driver in ("D0", "D1", "D2", "D3")[: rng.randint(1, 4)]:
         led = [name for name in some if rng.random() < 0.6]
         common = {*FUNCTIONS, GRASP}.intersection(*(offered[name] for name in led))
-        if any(GRASP in offered[name] for name in led):
-            # What a silent controller commands of a gripper that stands on motors is not tried.
-            said = rng.sample(sorted(common), min(len(common), rng.randint(1, 2)))
-            led = [name for name in led if said or GRASP not in offered[name]]
-        else:
-            said = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
+        said = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
         for name in led:
             rank = rng.choice(ranked)
             lines.append(f"{name} is_controlled_by {driver} {rank}{rng.choice(held)}")
