@@ -82,13 +82,13 @@ def _way(
 
     A turn about the up axis counts; tilts and the vertices of modules are left out.
     """
-    chain = plan.chain(name)
+    chain = plan.inheriting.chain(name)
     if scenario.robot["module"] in chain:
         chain = chain[: chain.index(scenario.robot["module"]) + 1]
     ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
     way = []
     for mounting in reversed(chain[:-1]):
-        across = plan.mounts[mounting].transformation
+        across = plan.inheriting.mounts[mounting].transformation
         translation = across.translation if across else (0, 0, 0)
         turns = across.rotations if across else ()
         turn = sum(float(angle) for axis, angle in turns if axis.lower() == scenario.up)

@@ -5,6 +5,7 @@ modules by mounts, control and data relationships. Nothing here decides anything
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Literal, TypeAlias
@@ -129,6 +130,8 @@ class Mount:
 
 
 Allocation: TypeAlias = Literal["root", "split"]
+#: Which of those that give a function alone take it, nearest first, by the allocation.
+TAKING: Mapping[str | None, slice] = {None: slice(1), "root": slice(-1, None), "split": slice(None)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +191,19 @@ class Conversion:
 
 
 @dataclass(frozen=True, slots=True)
+class StandIn:
+    """The module that an InheritanceNode of a specification stands for.
+
+    `evident` is whether mounts and controllers tell it, so that no comment has to be printed.
+    """
+
+    node: str
+    module: str
+    span: Span
+    evident: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Configuration:
     """A configuration or a specification, which has the same body.
 
@@ -207,6 +223,7 @@ class Configuration:
     relationships: tuple[Relationship, ...] = ()
     declared: tuple[Module, ...] = ()
     conversions: tuple[Conversion, ...] = ()
+    stand_ins: tuple[StandIn, ...] = ()
 
 
 NodeKind: TypeAlias = Literal[

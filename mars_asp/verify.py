@@ -129,6 +129,8 @@ def specification_facts(specification: Configuration, project: Project) -> Itera
             continue
         yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)
+    for each in specification.stand_ins:
+        yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
 
 
 def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:

@@ -237,7 +237,8 @@ def _offered(text: str, bodies: Sequence[str]) -> Mapping[str, set[str]]:
 def random_control(seed: int) -> str:
     """Return a random configuration of controllers that all command `Trans_Z`, for a run.
 
-    Riders have no motion and are carried by what has one, through mounts that turn nothing.
+    Riders have no motion and are carried by what has one, through mounts that turn nothing. Some
+    carry an onlooker, which is turned and which nobody commands.
     """
     rng = random.Random(seed)
     wheels = [f"W{index}" for index in range(rng.randint(1, 3))]
@@ -259,9 +260,15 @@ def random_control(seed: int) -> str:
                 ranked[place] if rng.random() < 0.8 and place < len(ranked) else rng.randint(0, 3)
             )
             lines.append(f"{name} is_controlled_by {driver} {rank}{rng.choice(held)}")
+    onlookers = [f"T{index}" for index in range(rng.choice([0, 1, 2]))]
+    for i, name in enumerate(onlookers):
+        turn = rng.choice(["(y,90,_,_,_,_,_)", "(y,180,_,_,_,_,_)", "(x,-90,y,45,_,_,_)"])
+        lines.append(
+            f"{name} is_mounted_on {rng.choice([*wheels, *riders, *onlookers[:i]])} {turn}"
+        )
     rng.shuffle(lines)
     blocks = [_block(name, "@Trans_Z") for name in wheels]
-    blocks += [_block(name) for name in riders]
+    blocks += [_block(name) for name in (*riders, *onlookers)]
     blocks += [_block(name, "@ControlOut Trans_Z", "Command lead();") for name in drivers]
-    names = ", ".join([*wheels, *riders, *drivers])
+    names = ", ".join([*onlookers, *wheels, *riders, *drivers])
     return "\n".join([f"@configuration{kind}", f"@modules {names}", *lines, *blocks])

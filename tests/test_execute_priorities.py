@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import pytest
 
 from mars_asp.execute import Behaviour, Executor
+from mars_asp.language import parse_text, print_configuration
 from mars_asp.model import Configuration, Module
 from tests.execute_builders import Inbox, ms
 from tests.in_force import Reading, Script, Told
@@ -84,7 +85,9 @@ def compare_run(seed: int) -> str | None:
     sent, periods = scripts(seed, project.configuration)
     reading = Reading(project.configuration, sent, periods)
     modules = {module.name: module for module in project.configuration.declared}
-    told = executed(found.specification.configuration, modules, sent, periods)
+    # Read from its text, which has to say for whom InheritanceNodes stand.
+    text = print_configuration(found.specification.configuration)
+    told = executed(parse_text(text, "s.mars").configuration, modules, sent, periods)
     for name, got in told.items():
         wanted = changes(reading.told(name, END)) if name in reading.heard else []
         if got != wanted:

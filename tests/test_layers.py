@@ -26,6 +26,8 @@ LAYERS = [
     "frames",
     "supports",
     "physical",
+    "sharing",
+    "inheritance_nodes",
     "urdf",
     "kept",
     "gate",

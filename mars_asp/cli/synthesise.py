@@ -124,6 +124,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
     }
     configuration = project.configuration
     said = {conversion.transformer: conversion for conversion in configuration.conversions}
+    stands_for = {each.node: each.module for each in found.specification.configuration.stand_ins}
     listed: list[dict[str, object]] = []
     for name in (name.text for name in configuration.modules):
         kind = node_kind(name) if configuration.kind == "specification" else None
@@ -133,6 +134,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
                 "kind": kind or _kind(described.get(name)),
                 "origin": "declared",
                 **_conversion_json(said.get(name)),
+                **({"stands_for": stands_for[name]} if name in stands_for else {}),
             }
         )
     listed.extend(
@@ -141,6 +143,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
             "kind": node.kind,
             "origin": "introduced",
             **_conversion_json(node.conversion),
+            **({} if node.stands_for is None else {"stands_for": node.stands_for}),
         }
         for node in found.specification.nodes
     )

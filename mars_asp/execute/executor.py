@@ -1,6 +1,6 @@
 """A specification at work: every module and node built and joined, stepped in simulated time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -122,6 +122,12 @@ class Executor:
             if plan.kind(node) == "inheritance_node"
             for provider in plan.unknown_providers(node)
         ]
+        problems += [
+            problem
+            for node in plan.names
+            if plan.kind(node) == "inheritance_node"
+            for problem in _stands_for_none(plan, node, spans.get(node, whole))
+        ]
         if problems:
             raise MarsError(problems)
 
@@ -167,11 +173,13 @@ class Executor:
             return DataTransformer(self._converter(name), plan.data_out[name])
         if kind == "inheritance_node":
             led = plan.led_by_both(name)
-            own = frozenset() if led is None else plan.functions(led)
+            own = frozenset() if led is None else plan.inheriting.functions(led)
             providers = plan.providers(name)
-            functions = {provider: plan.functions(provider) for provider in providers}
+            functions = {provider: plan.inheriting.functions(provider) for provider in providers}
             carrying = plan.carrying(name, self._position)
-            return InheritanceNode(providers, functions, carrying, plan.allocation(name), own)
+            return InheritanceNode(
+                providers, functions, carrying, plan.inheriting.allocation(name), own
+            )
         return ControlSplitter(plan.control_out[name])
 
     def _position(self, name: str) -> Mapping[str, float]:
@@ -277,3 +285,18 @@ def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
     message = f"nothing says which functions `{name}` provides to `{node}`"
     help_text = f"describe `{name}`: name its source by `--sources`, or repeat its block"
     return Diagnostic("undescribed", "error", message, span, (), help_text)
+
+
+def _stands_for_none(plan: Plan, node: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield what keeps an InheritanceNode from standing for one module."""
+    named = plan.inheriting.stands_for(node)
+    if len(named) > 1:
+        names = " or ".join(f"`{name}`" for name in sorted(named))
+        message = f"`{node}` may stand for {names}, which move in different ways"
+        help_text = f"say which in a comment before its line: `// {node}: {min(named)}`"
+        yield Diagnostic("stand-in", "error", message, span, (), help_text)
+    for each in plan.configuration.stand_ins:
+        if each.node == node and each.module not in plan.inheriting.riders(node):
+            message = f"`{node}` feeds what does not carry `{each.module}`, whom its comment names"
+            help_text = "name the module whose commands the node passes on"
+            yield Diagnostic("stand-in", "error", message, each.span, (), help_text)

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 from mars_asp.execute.delivery import Offer
 from mars_asp.execute.link import Failures, Link, Message
-from mars_asp.model import GRASP
+from mars_asp.model import GRASP, TAKING
 
 if TYPE_CHECKING:
-    from mars_asp.execute.sharing import Carrying
+    from mars_asp.sharing import Carrying
 
 
 class DataSplitter:
@@ -76,7 +76,7 @@ class InheritanceNode:
     ) -> None:
         self.providers, self.functions, self.carrying = providers, functions, carrying
         self.own = own
-        self.taking = {None: slice(1), "root": slice(-1, None), "split": slice(None)}[allocation]
+        self.allocation = allocation
         self.moving: set[str] = set()
 
     def receive(self, message: Message) -> None:
@@ -101,20 +101,12 @@ class InheritanceNode:
                 link.fail(LookupError(f"nothing provides {names} at this posture"))
 
     def shares(self, function: str) -> list[tuple[str, str, float]]:
-        """Return who does what for one unit of a function: provider, native function, rate."""
-        able = [(name, alone) for name in self.providers if (alone := self._alone(name, function))]
-        taking = able[self.taking]
-        if not taking and self.carrying is not None:
-            together = self.carrying.together(function)
-            return [(joint.module, joint.function, share) for joint, share in together.items()]
-        return [
-            (name, native, share / len(taking))
-            for name, alone in taking
-            for native, share in alone.items()
-        ]
+        """Return who does what for one unit of a function: provider, native function, rate.
 
-    def _alone(self, name: str, function: str) -> Mapping[str, float]:
-        """Return what a provider does for a function alone; a grasp has no direction."""
-        if self.carrying is None or function == GRASP:
-            return {function: 1.0} if function in self.functions[name] else {}
-        return self.carrying.alone(name, function)
+        A grasp has no direction.
+        """
+        if self.carrying is not None and function != GRASP:
+            return self.carrying.shares(function, self.allocation)
+        able = [name for name in self.providers if function in self.functions[name]]
+        taking = able[TAKING[self.allocation]]
+        return [(name, function, 1 / len(taking)) for name in taking]

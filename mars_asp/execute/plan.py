@@ -9,12 +9,12 @@ from mars_asp.execute.behaviour import Behaviour
 from mars_asp.execute.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execute.link import Link
 from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.inheritance_nodes import InheritanceNodes
 from mars_asp.model import (
     MOTION_FUNCTIONS,
     Configuration,
     Control,
     Data,
-    Function,
     Mode,
     Module,
     Mount,
@@ -23,7 +23,7 @@ from mars_asp.model import (
 )
 
 if TYPE_CHECKING:
-    from mars_asp.execute.sharing import Carrying
+    from mars_asp.sharing import Carrying
 
 DEFAULT_HOLD = 200 * MILLISECOND
 
@@ -45,7 +45,7 @@ class Plan:
         self.data_out: defaultdict[str, list[Link]] = defaultdict(list)
         self.control_in: defaultdict[str, list[Link]] = defaultdict(list)
         self.control_out: defaultdict[str, list[Link]] = defaultdict(list)
-        self.mounts: dict[str, Mount] = {}
+        self.inheriting = InheritanceNodes(configuration, self.modules)
         for relationship in configuration.relationships:
             self._add(relationship)
         ends = (end for link in self.links for end in (link.source, link.client))
@@ -54,7 +54,6 @@ class Plan:
 
     def _add(self, relationship: Mount | Control | Data) -> None:
         if isinstance(relationship, Mount):
-            self.mounts.setdefault(relationship.mounting, relationship)
             return
         if isinstance(relationship, Data):
             hz = None if relationship.hz is None else Fraction(relationship.hz)
@@ -204,83 +203,41 @@ class Plan:
             for link in self.control_out[name]
         )
 
-    def chain(self, name: str) -> list[str]:
-        """Return what a module is mounted on, itself first."""
-        chain = [name]
-        while chain[-1] in self.mounts and self.mounts[chain[-1]].mounted not in chain:
-            chain.append(self.mounts[chain[-1]].mounted)
-        return chain
-
     def providers(self, node: str) -> dict[str, Link]:
         """Return an InheritanceNode's outputs by provider, nearest to the commanded one first."""
         links = self._provider_links(node)
-        return {name: links[name] for name in self.way_down(node) if name in links}
-
-    def way_down(self, node: str) -> list[str]:
-        """Return the module that an InheritanceNode stands for and what carries it.
-
-        It is the one farthest out whose mounts pass through every provider.
-        """
-        links = self._provider_links(node)
-        chains = [self.chain(name) for name in self.names]
-        through = [chain for chain in chains if links.keys() <= set(chain)]
-        return max(through, key=len, default=list(links))
+        way = self.inheriting.way_down(node)
+        return {name: links[name] for name in way if name in links}
 
     def carrying(
         self, node: str, position: Callable[[str], Mapping[str, float]]
     ) -> "Carrying | None":
-        """Return how an InheritanceNode's providers move the module, none where nothing is mounted.
+        """Return how an InheritanceNode's providers move its module, none where nothing is mounted.
 
         `position` gives the present values of a module's motions in degrees and mm.
         """
-        chain, providers = self.way_down(node), list(self.providers(node))
-        mounts = [self.mounts[name] for name in chain[:-1] if name in self.mounts]
-        if not mounts:
-            return None
-        from mars_asp.execute.sharing import Carrying  # noqa: PLC0415 -- numpy
-        from mars_asp.frames import build_robot  # noqa: PLC0415 -- numpy
-
-        modules = dict(self.modules)
-        for name in providers:
-            if name not in modules and len(providers) == 1:
-                # Who alone carries out what is inherited can do it, though nothing describes it.
-                span = self.configuration.span
-                every = tuple(Function(function, span) for function in MOTION_FUNCTIONS)
-                modules[name] = Module(name, span, functions=every)
-        return Carrying(build_robot(mounts, modules), chain[0], providers, position)
+        rider = self.inheriting.way_down(node)[:1]
+        return (
+            self.inheriting.carrying(rider[0], list(self.providers(node)), position)
+            if rider
+            else None
+        )
 
     def unknown_providers(self, node: str) -> list[str]:
         """Return which of several providers nothing describes, so that none can be chosen."""
         providers = self._provider_links(node)
         return [n for n in providers if n not in self.modules] if len(providers) > 1 else []
 
-    def functions(self, name: str) -> frozenset[str]:
-        """Return the native functions that a module states."""
-        functions = self.modules[name].functions if name in self.modules else ()
-        return frozenset(function.name for function in functions)
-
     def led_by_both(self, node: str) -> str | None:
-        """Return the module that an InheritanceNode stands for and its controller commands, too.
+        """Return the module that an InheritanceNode stands for where its controllers lead it, too.
 
-        It stands on all the node's providers, and is the farthest out of those that do. Such a
-        controller names functions that the module has and others: one that names none commands
-        what the module has, and the node then stands for somebody else.
+        They name functions that the module has and others.
         """
-        providers = self._provider_links(node).keys()
-        named = [
-            frozenset(f for service in self.services(name) for f in service.commands)
-            for name in self._commanders(node)
-        ]
-        beside = [link for into in self.control_in[node] for link in self.control_out[into.source]]
-        riders = [
-            name
-            for link in beside
-            if link.client != node
-            for name in self._effectors(link.client)
-            if providers <= set(self.chain(name)[1:])
-            and any(said & self.functions(name) and said - self.functions(name) for said in named)
-        ]
-        return max(riders, key=lambda name: len(self.chain(name)), default=None)
+        through = self.inheriting.commanders(node)
+        for name in self.inheriting.stands_for(node)[:1]:
+            if not set(through).isdisjoint(self.inheriting.commanders(name)):
+                return name
+        return None
 
     def left_to_providers(self) -> dict[str, frozenset[str]]:
         """Return what InheritanceNodes carry out for modules that are led by both, by module."""
@@ -296,14 +253,14 @@ class Plan:
                 if carrying is not None
                 and (carrying.support(function) or carrying.anyone(function))
             }
-            left[name] = left.get(name, frozenset()) | given - self.functions(name)
+            left[name] = left.get(name, frozenset()) | given - self.inheriting.functions(name)
         return left
 
     def _provider_links(self, node: str) -> dict[str, Link]:
         return {
             effector: link
             for link in self.control_out[node]
-            for effector in self._effectors(link.client)
+            for effector in self.inheriting.reached(link.client)
         }
 
     def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
@@ -316,21 +273,4 @@ class Plan:
             commander
             for link in self.control_in[name]
             for commander in self._commanders(link.source, seen | {name})
-        ]
-
-    def allocation(self, node: str) -> str | None:
-        """Return which of similar providers an InheritanceNode takes, `None` the nearest."""
-        stated = (link.allocation for link in self.control_in[node])
-        return next((allocation for allocation in stated if allocation is not None), None)
-
-    def _effectors(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
-        """Return the modules that commands to a name end in, behind arbiters and splitters."""
-        if name in seen:
-            return []
-        if self.kind(name) not in ("arbitration_node", "control_splitter"):
-            return [name]
-        return [
-            effector
-            for link in self.control_out[name]
-            for effector in self._effectors(link.client, seen | {name})
         ]

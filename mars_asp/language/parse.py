@@ -4,7 +4,7 @@ import importlib.util
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -17,8 +17,9 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.statements import Builder, Raw, Statements
-from mars_asp.model import Configuration, Conversion
+from mars_asp.model import Configuration, Conversion, StandIn, ends_of
 from mars_asp.source import point
+from mars_asp.spelling import nearest
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
@@ -29,6 +30,10 @@ ABSTRACT = "no converter declared"
 _CONVERSION = re.compile(
     r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
     rf"(?P<converter>[A-Za-z_]\w*|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
+)
+_STAND_IN = re.compile(
+    r"(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):[ \t]*(?P<module>[A-Za-z_]\w*)[ \t]*(?= -- |$)",
+    re.MULTILINE,
 )
 
 
@@ -118,11 +123,17 @@ def parse_text(text: str, path: str) -> Parsed:
     for base, raw in _statements(layout, problems):
         builder.add(base, raw)
     configuration = builder.configuration(complete=not problems)
-    problems += builder.problems
+    stand_ins: tuple[StandIn, ...] = ()
+    if configuration.kind == "specification":
+        stand_ins = tuple(_stand_ins(layout, blocks))
+    problems += (*builder.problems, *_contrary(stand_ins))
     if problems:
         raise MarsError(problems)
     said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
-    configuration = replace(configuration, declared=blocks.modules, conversions=said)
+    warnings += tuple(_about_nobody(configuration, stand_ins))
+    configuration = replace(
+        configuration, declared=blocks.modules, conversions=said, stand_ins=stand_ins
+    )
     lines = text.split("\n")
     written = tuple("\n".join(lines[first - 1 : last]) for first, last in blocks.lines)
     return Parsed(configuration, warnings, written)
@@ -183,6 +194,45 @@ def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
         for match in _CONVERSION.finditer(layout.text)
         if layout.position(match.start())[0] not in inside
     )
+
+
+def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
+    """Yield what comments of InheritanceNodes say, outside of module blocks."""
+    inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
+    for match in _STAND_IN.finditer(layout.text):
+        if layout.position(match.start())[0] not in inside:
+            span = layout.span(match.start("node"), match.end("module"))
+            yield StandIn(match["node"], match["module"], span)
+
+
+def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
+    """Yield an error for each node that is said to stand for two modules."""
+    first: dict[str, str] = {}
+    for each in stand_ins:
+        module = first.setdefault(each.node, each.module)
+        if module != each.module:
+            message = f"`{each.node}` is said to stand for `{module}` and for `{each.module}`"
+            help_text = "an InheritanceNode stands for one module: keep one comment"
+            yield Diagnostic("stand-in", "error", message, each.span, help=help_text)
+
+
+def _about_nobody(
+    configuration: Configuration, stand_ins: Iterable[StandIn]
+) -> Iterator[Diagnostic]:
+    """Yield a warning for each comment of a node, or about a module, that is not there."""
+    known = {name.text for name in configuration.modules}
+    known.update(name for each in configuration.relationships for name in ends_of(each))
+    for each in stand_ins:
+        for name, sort in ((each.node, "node"), (each.module, "module")):
+            if name not in known:
+                near = nearest(name, known)
+                yield Diagnostic(
+                    "stand-in",
+                    "warning",
+                    f"the comment names `{name}`, which is no {sort} of the specification",
+                    each.span,
+                    help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
+                )
 
 
 @cache

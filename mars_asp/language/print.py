@@ -97,9 +97,13 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     names = [name.text for name in configuration.modules]
     yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
     conversions = {c.transformer: c for c in configuration.conversions}
+    modules = {each.node: each.module for each in configuration.stand_ins if not each.evident}
     for relationship in configuration.relationships:
         if isinstance(relationship, Data) and relationship.client in conversions:
             yield _conversion(conversions[relationship.client])
+        if isinstance(relationship, Control) and relationship.controlled in modules:
+            node = relationship.controlled
+            yield f"// {node}: {modules.pop(node)}"
         yield print_relationship(relationship)
     for module in configuration.declared:
         yield ""

@@ -160,8 +160,9 @@ class ControlLines:
     def _module(self, module: Symbol) -> str:
         """Return the name of a module, or of the node that stands for what it inherits."""
         if _is_inherited(module):
-            term = f"inheritance_node({module.arguments[0]})"
-            return self._draft.node("inheritance_node", term)
+            (stands_for,) = module.arguments
+            term = f"inheritance_node({stands_for})"
+            return self._draft.node("inheritance_node", term, stands_for=stands_for.string)
         return module.string
 
     def _arbiter(self, signal: Signal) -> str:

@@ -28,12 +28,16 @@ NODE_PREDICATES: Mapping[NodeKind, tuple[str, int]] = {
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """An introduced module: its name, its kind and the term by which the rules know it."""
+    """An introduced module: its name, its kind and the term by which the rules know it.
+
+    An InheritanceNode stands for a module, a DataTransformer does a conversion.
+    """
 
     name: str
     kind: NodeKind
     term: str
     conversion: Conversion | None = None
+    stands_for: str | None = None
 
 
 class Draft:
@@ -76,13 +80,19 @@ class Draft:
         found = (atom.arguments for atom in self.atoms(name))
         return [arguments for arguments in found if len(arguments) == arity]
 
-    def node(self, kind: NodeKind, term: str, conversion: Conversion | None = None) -> str:
+    def node(
+        self,
+        kind: NodeKind,
+        term: str,
+        conversion: Conversion | None = None,
+        stands_for: str | None = None,
+    ) -> str:
         """Return the name of a node, introducing it where it is new."""
         if term not in self.nodes:
             name = self._free_name(kind)
             if conversion is not None:
                 conversion = replace(conversion, transformer=name)
-            self.nodes[term] = Node(name, kind, term, conversion)
+            self.nodes[term] = Node(name, kind, term, conversion, stands_for)
         return self.nodes[term].name
 
     def pass_over(self, kind: NodeKind, count: int, name: str) -> bool:

@@ -4,13 +4,23 @@ What is introduced, and where, the rules have decided; here nodes get their name
 order, as in the figures of the paper.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from clingo import Symbol
 
-from mars_asp.model import Configuration, Control, Data, Module, Mount, Name, Relationship
+from mars_asp.inheritance_nodes import InheritanceNodes
+from mars_asp.model import (
+    Configuration,
+    Control,
+    Data,
+    Module,
+    Mount,
+    Name,
+    Relationship,
+    StandIn,
+)
 from mars_asp.synthesis.control_lines import ControlLines
 from mars_asp.synthesis.data_lines import DataLines
 from mars_asp.synthesis.draft import Draft, Node
@@ -79,7 +89,20 @@ def specify(
         declared=(),
         conversions=(*configuration.conversions, *conversions),
     )
+    every = {**modules, **{module.name: module for module in configuration.declared}}
+    printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
     return Specification(nodes, introduced.purposes, printed)
+
+
+def _stand_ins(
+    nodes: Iterable[Node], printed: Configuration, modules: Mapping[str, Module]
+) -> Iterator[StandIn]:
+    """Yield the module that each new InheritanceNode stands for; a comment says what is open."""
+    read = InheritanceNodes(printed, modules)
+    for node in nodes:
+        if node.stands_for is not None:
+            evident = read.stands_alike(node.name, node.stands_for)
+            yield StandIn(node.name, node.stands_for, printed.span, evident)
 
 
 def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:

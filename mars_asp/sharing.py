@@ -16,7 +16,7 @@ from mars_asp.frames import (
     jacobian,
     take_posture,
 )
-from mars_asp.model import GRASP, MOTION_FUNCTIONS
+from mars_asp.model import GRASP, MOTION_FUNCTIONS, TAKING
 from mars_asp.supports import columns_with_share, fewest_groups, spanned
 
 #: From motion function to what it is commanded for one unit of a function of the module.
@@ -55,6 +55,24 @@ class Carrying:
         index = MOTION_FUNCTIONS.index(function)
         columns = jacobian(self.rest, self.name, [carrier])[: 3 if index < 3 else 6]
         return _shares(joints, columns, index)
+
+    def shares(self, function: str, allocation: str | None) -> list[tuple[str, str, float]]:
+        """Return who does what for one unit of a function: carrier, native function, rate.
+
+        Carriers stand nearest first. Of those that give it alone the nearest takes it, with the
+        allocation `root` the farthest, with `split` each an equal share; what nobody gives alone,
+        a least support makes up at the present posture.
+        """
+        able = [(name, alone) for name in self.carriers if (alone := self.alone(name, function))]
+        taking = able[TAKING[allocation]]
+        if not taking:
+            together = self.together(function)
+            return [(joint.module, joint.function, share) for joint, share in together.items()]
+        return [
+            (name, native, share / len(taking))
+            for name, alone in taking
+            for native, share in alone.items()
+        ]
 
     def anyone(self, function: str) -> bool:
         """Say whether a carrier alone gives a function at rest."""
