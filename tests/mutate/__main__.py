@@ -45,14 +45,14 @@ def _judged(arguments: argparse.Namespace) -> Iterator[Verdict]:
     everything = arguments.rules is None and arguments.python is None
     if everything or arguments.rules is not None:
         files = rule_files()
-        rules = [m for f in files if _named(f.path, arguments.rules) for m in rule_mutants(f)]
-        chosen = _sample(rules, arguments)
+        named = [file for file in files if _named(file.path, arguments.rules)]
+        chosen = [m for file in named for m in _sample([*rule_mutants(file)], arguments)]
         cases, stronger = arguments.cases, not arguments.cases_only
         yield from judge_rules(files, chosen, arguments.jobs, cases, stronger)
     if everything or arguments.python is not None:
         modules = [path for path in TESTS if _named(path, arguments.python)]
-        found = [mutant for path in modules for mutant in python_mutants(path)]
-        yield from judge_python(_sample(found, arguments), arguments.jobs)
+        chosen = [m for path in modules for m in _sample([*python_mutants(path)], arguments)]
+        yield from judge_python(chosen, arguments.jobs)
 
 
 def _sample(mutants: Sequence[Made], arguments: argparse.Namespace) -> Sequence[Made]:
@@ -72,7 +72,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--python", nargs="*", metavar="FILE", help="mutate these modules alone")
     parser.add_argument("--cases", type=Path, default=CASES, help="a folder of cases")
     parser.add_argument("--cases-only", action="store_true", help="let only cases judge")
-    parser.add_argument("--sample", type=int, metavar="N", help="try N mutants, chosen at random")
+    parser.add_argument(
+        "--sample", type=int, metavar="N", help="try N mutants of each file, by chance"
+    )
     parser.add_argument("--seed", type=int, default=0, help="for the choice (default 0)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N")
     parser.add_argument("--list-survivors", action="store_true", help="list equivalent ones, too")

@@ -26,8 +26,12 @@ class _Child(Generic[Question]):
 
 
 def limit(seconds: float) -> None:
-    """End this process after so many more seconds of the processor; 0 lifts the limit."""
+    """End this process after so many more seconds of the processor; 0 lifts the limit.
+
+    A process that waits for what never comes ends, too, if much later.
+    """
     signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_REAL, 20 * seconds)
 
 
 def ask(

@@ -1,166 +1,194 @@
 """What notices a mutant of a Python module: the tests that run its line, the shortest first.
 
-pytest runs in a forked child, where the mutated module is put in the place of the module before any
-test imports it. Which tests run which line is found once, by tracing the tests as they are.
+pytest imports and collects the tests once. Each test then runs in a forked child, which finds the
+lines that it runs; and for each mutant a child puts the mutant in the place of the module and runs
+tests until one fails.
 """
 
-import importlib.machinery
-import importlib.util
 import os
+import resource
 import sys
 import tempfile
-import time
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from types import CodeType, FrameType
+from types import CodeType
 
 import pytest
+from _pytest.runner import runtestprotocol
 
 from tests.documents import ROOT
 from tests.mutate.children import ask, limit
+from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
-from tests.mutate.python_mutants import mutated_source
+from tests.mutate.python_mutants import compiled_mutants, noting_module
 
-#: The modules that judge or weigh, and the test files that concern them.
+_REPAIRS = ("test_repair", "test_text_edits")
+_EXECUTION = (
+    "test_execute_arbitration",
+    "test_execute_delivery",
+    "test_execute_equivalence",
+    "test_execute_modules",
+    "test_execute_priorities",
+    "test_execute_run",
+    "test_commanded_motion",
+)
+_MOTION = ("test_frames", "test_combinations", "test_physical", "test_wheel", "test_urdf")
+#: The modules that judge, weigh or repair, and the test files that concern them.
 TESTS: Mapping[str, tuple[str, ...]] = {
-    "mars_asp/verify.py": ("test_verify", "test_exhaustive"),
-    "mars_asp/repair.py": ("test_repair",),
-    "mars_asp/edits.py": ("test_repair",),
-    "mars_asp/frames.py": ("test_frames", "test_physical", "test_wheel", "test_execute_run"),
-    "mars_asp/physical.py": ("test_physical", "test_frames"),
-    "mars_asp/execute/plan.py": (
-        "test_execute_arbitration",
-        "test_execute_delivery",
-        "test_execute_modules",
-        "test_execute_run",
+    "mars_asp/verify.py": ("test_verify", "test_realises", "test_standalone", "test_exhaustive"),
+    "mars_asp/repair.py": _REPAIRS,
+    "mars_asp/edits.py": _REPAIRS,
+    "mars_asp/text_edits.py": _REPAIRS,
+    "mars_asp/annotation_edits.py": _REPAIRS,
+    "mars_asp/frames.py": (*_MOTION, *_EXECUTION),
+    "mars_asp/supports.py": (*_MOTION, *_EXECUTION),
+    "mars_asp/physical.py": _MOTION,
+    "mars_asp/execute/plan.py": _EXECUTION,
+    "mars_asp/execute/sharing.py": (*_EXECUTION, "test_combinations"),
+    "mars_asp/optimum.py": (
+        "test_costs",
+        "test_counting",
+        "test_apart",
+        "test_alternatives",
+        "test_time_limit",
+        "test_exhaustive",
     ),
-    "mars_asp/optimum.py": ("test_exhaustive", "test_time_limit", "test_alternatives"),
 }
-#: So many tests are tried at most; a mutant that takes more of the processor runs away.
-_MOST_TESTS = 60
-_SECONDS = 120.0
-_PYTEST = ("-x", "-q", "-p", "no:cacheprovider", "-n", "0", "--hypothesis-seed=0")
+#: Tests that take more seconds of the processor than this are not asked,
+_LONGEST = 15.0
+#: nor are more of them than take so long together.
+_ENOUGH = 60.0
+_WITHOUT = ("cacheprovider", "xdist", "terminal", "faulthandler")
+_OPTIONS = ("-s", "-o", "addopts=", "--hypothesis-seed=0", *(f"-pno:{name}" for name in _WITHOUT))
+_NOTED = "__noted__"
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
     """A test that passes: how long it takes, and the lines that it runs of each module."""
 
-    test: str
+    item: pytest.Item
     seconds: float
     lines: frozenset[tuple[str, int]]
 
 
-def judge_python(mutants: Sequence[Mutant], jobs: int) -> Iterator[Verdict]:
-    """Yield what notices each mutant, in no order."""
-    os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = tempfile.mkdtemp()
-    paths = sorted({mutant.path for mutant in mutants})
-    files = sorted({name for path in paths for name in TESTS[path]})
-    runs = [
-        run
-        for _, found in ask(files, lambda name: _traced(name, frozenset(paths)), jobs)
-        for run in found or ()
-    ]
-    runs.sort(key=lambda run: run.seconds)
+def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
+    """Return what notices each mutant, in no order.
 
-    def answer(mutant: Mutant) -> tuple[str | None]:
-        limit(_SECONDS)
-        return (_failing(mutant, runs),)
+    Raises:
+        RuntimeError: the tests cannot be collected.
+    """
+    if not mutants:
+        return ()
+    files = sorted({name for mutant in mutants for name in TESTS[mutant.path]})
+    judge = _Judge(mutants, jobs)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
+        os.chdir(ROOT)
+        status = pytest.main([*_OPTIONS, *(f"tests/{name}.py" for name in files)], [judge])
+    if status != pytest.ExitCode.OK:
+        raise RuntimeError(f"the tests cannot be collected: {status}")
+    return judge.verdicts
 
-    for mutant, said in ask(mutants, answer, jobs):
-        yield Verdict(mutant, RUNS_AWAY if said is None else said[0])
+
+class _Judge:
+    """A plugin of pytest that, in the place of running the tests, lets them judge mutants."""
+
+    def __init__(self, mutants: Sequence[Mutant], jobs: int) -> None:
+        self.mutants = mutants
+        self.jobs = jobs
+        self.verdicts: list[Verdict] = []
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Judge all mutants."""
+        if session.testsfailed:
+            return False
+        paths = sorted({mutant.path for mutant in self.mutants})
+        places = exchanges(paths)
+        runs = _runs(session.items, places, self.jobs)
+        wanted = set(self.mutants)
+        compiled = {
+            mutant: (code, alone)
+            for path in paths
+            for mutant, code, alone in compiled_mutants(path)
+            if mutant in wanted
+        }
+
+        def answer(mutant: Mutant) -> tuple[str | None]:
+            try:
+                places[mutant.path].put(*compiled[mutant])
+            except Exception:
+                return ("its import",)
+            return (_failing(_concerned(mutant, runs)),)
+
+        for mutant, said in ask(self.mutants, answer, self.jobs):
+            self.verdicts.append(Verdict(mutant, RUNS_AWAY if said is None else said[0]))
+        return True
 
 
-def _failing(mutant: Mutant, runs: Sequence[Run]) -> str | None:
-    """Say what fails with a mutant, if anything does."""
+def _concerned(mutant: Mutant, runs: Sequence[Run]) -> Iterator[Run]:
+    """Yield the tests that run the line of a mutant; if none notes it, those of its module."""
     place = (mutant.path, mutant.line)
-    concerned = tuple(f"tests/{name}.py" for name in TESTS[mutant.path])
-    tests = [run.test for run in runs if place in run.lines]
-    if not tests and all(place not in run.lines for run in runs):
-        tests = [run.test for run in runs if run.test.startswith(concerned)]
-    sys.meta_path.insert(0, _Instead(mutant))
-    status = _pytest(tests[:_MOST_TESTS], ())
-    if status == pytest.ExitCode.OK:
-        return None
-    return "import" if status != pytest.ExitCode.TESTS_FAILED else "tests"
+    tests = [run for run in runs if place in run.lines]
+    if not tests and mutant.before.startswith(": "):
+        tests = [run for run in runs if any(path == mutant.path for path, _ in run.lines)]
+    left = _ENOUGH
+    for run in tests:
+        left -= run.seconds
+        if left > 0:
+            yield run
 
 
-def _pytest(tests: Sequence[str], plugins: Sequence[object]) -> int:
-    """Run tests in silence, with all modules of the project imported anew."""
+def _failing(runs: Iterable[Run]) -> str | None:
+    """Return the first test that fails, if one does; one that takes far too long ends the child."""
+    for run in runs:
+        limit(5 + 4 * run.seconds)
+        if not _passes(run.item):
+            return run.item.nodeid
+    return None
+
+
+def _passes(item: pytest.Item) -> bool:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
-    for name in list(sys.modules):
-        project = name.partition(".")[0] in ("mars_asp", "tests")
-        if project and name != "tests" and not name.startswith(__package__):
-            del sys.modules[name]
-    os.chdir(ROOT)
-    return int(pytest.main([*_PYTEST, *tests], list(plugins)))
-
-
-class _Loader(importlib.machinery.SourceFileLoader):
-    """Loads a module from a source that is not in its file."""
-
-    def __init__(self, name: str, path: str, source: str) -> None:
-        super().__init__(name, path)
-        self.source = source
-
-    def get_code(self, fullname: str) -> CodeType:
-        """Return the code of the source."""
-        return compile(self.source, self.get_filename(fullname), "exec")
-
-
-class _Instead:
-    """Finds a mutated module in the place of the module."""
-
-    def __init__(self, mutant: Mutant) -> None:
-        self.name = mutant.path.removesuffix(".py").replace("/", ".")
-        self.loader = _Loader(self.name, str(ROOT / mutant.path), mutated_source(mutant))
-
-    def find_spec(
-        self, fullname: str, path: object, target: object = None
-    ) -> importlib.machinery.ModuleSpec | None:
-        """Return how the mutated module is loaded."""
-        if fullname != self.name:
-            return None
-        return importlib.util.spec_from_file_location(
-            fullname, self.loader.path, loader=self.loader
-        )
+    os.close(nowhere)
+    return not any(said.failed for said in runtestprotocol(item, log=False))
 
 
 # ---- Which tests run which lines -----------------------------------------------------------------
 
 
-def _traced(name: str, paths: frozenset[str]) -> list[Run]:
-    tracer = _Tracer(paths)
-    _pytest([f"tests/{name}.py"], [tracer])
-    return tracer.runs
+def _runs(items: Sequence[pytest.Item], places: Mapping[str, Exchange], jobs: int) -> list[Run]:
+    """Return the tests that pass, the shortest first."""
+    noting = {path: noting_module(path, _NOTED) for path in places}
+
+    def answer(item: pytest.Item) -> tuple[bool, float, frozenset[tuple[str, int]]]:
+        lines = {path: _put_noting(place, noting[path]) for path, place in places.items()}
+        limit(_LONGEST)
+        begun = _processor()
+        passed = _passes(item)
+        ran = frozenset((path, line) for path, found in lines.items() for line in found)
+        return passed, _processor() - begun, ran
+
+    runs: list[Run] = []
+    for item, found in ask(items, answer, jobs):
+        passed, seconds, lines = found or (False, _LONGEST, frozenset())
+        if lines and passed:
+            runs.append(Run(item, seconds, lines))
+        elif not passed:
+            why = "fails" if found else "takes too long"
+            print(f"{item.nodeid} {why}, and judges nothing", file=sys.stderr)
+    return sorted(runs, key=lambda run: (run.seconds, run.item.nodeid))
 
 
-class _Tracer:
-    """A plugin of pytest that notes which lines of some modules each passing test runs."""
+def _put_noting(place: Exchange, code: CodeType) -> set[int]:
+    lines: set[int] = set()
+    vars(place.module)[_NOTED] = lines.add
+    place.put(code)
+    return lines
 
-    def __init__(self, paths: frozenset[str]) -> None:
-        self.files = {str(ROOT / path): path for path in paths}
-        self.runs: list[Run] = []
 
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, None, None]:
-        """Trace one test."""
-        lines: set[tuple[str, int]] = set()
-        files = self.files
-
-        def line(frame: FrameType, _event: str, _argument: object) -> object:
-            lines.add((files[frame.f_code.co_filename], frame.f_lineno))
-            return line
-
-        def call(frame: FrameType, _event: str, _argument: object) -> object:
-            return line if frame.f_code.co_filename in files else None
-
-        begun = time.process_time()
-        sys.settrace(call)  # type: ignore[arg-type]
-        try:
-            yield
-        finally:
-            sys.settrace(None)
-        self.runs.append(Run(item.nodeid, time.process_time() - begun, frozenset(lines)))
+def _processor() -> float:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)

@@ -5,6 +5,7 @@ import copy
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from types import CodeType
 from typing import TypeAlias
 
 from tests.documents import ROOT
@@ -58,12 +59,40 @@ def python_mutants(path: str) -> Iterator[Mutant]:
         yield mutant
 
 
-def mutated_source(mutant: Mutant) -> str:
-    """Return the module with one change, printed from its tree."""
-    for other, tree in _mutated(mutant.path):
-        if other == mutant:
-            return ast.unparse(ast.fix_missing_locations(tree))
-    raise ValueError(mutant)
+def compiled_mutants(path: str) -> Iterator[tuple[Mutant, CodeType, CodeType | None]]:
+    """Yield the mutants of a module, compiled, its lines where they were.
+
+    Behind the module stands the changed statement alone, where it is one of the module itself and
+    neither a function nor a class.
+    """
+    for mutant, tree in _mutated(path):
+        ast.fix_missing_locations(tree)
+        (around,) = (s for s in tree.body if s.lineno <= mutant.line <= (s.end_lineno or s.lineno))
+        alone = None
+        if not isinstance(around, ast.FunctionDef | ast.ClassDef):
+            alone = compile(ast.Module([around], []), path, "exec")
+        yield mutant, compile(tree, path, "exec"), alone
+
+
+def noting_module(path: str, noted: str) -> CodeType:
+    """Return a module that calls `noted` with the line of each statement that it is about to run.
+
+    Only statements in functions are noted.
+    """
+    tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
+    for node in list(ast.walk(tree)):
+        if isinstance(node, ast.Module | ast.ClassDef):
+            continue
+        for field in _BODIES:
+            held = getattr(node, field, None)
+            if isinstance(held, list) and held and isinstance(held[0], ast.stmt):
+                setattr(node, field, [each for s in held for each in (_note(s, noted), s)])
+    return compile(ast.fix_missing_locations(tree), path, "exec")
+
+
+def _note(statement: ast.stmt, noted: str) -> ast.stmt:
+    call = ast.Call(ast.Name(noted, ast.Load()), [ast.Constant(statement.lineno)], [])
+    return ast.copy_location(ast.Expr(call), statement)
 
 
 def _mutated(path: str) -> Iterator[tuple[Mutant, ast.Module]]:
