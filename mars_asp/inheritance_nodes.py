@@ -109,7 +109,11 @@ class InheritanceNodes:
     def stands_alike(self, node: str, name: str) -> bool:
         """Whether a node is read to move a module as it is to, without a comment."""
         fitting = self._fitting(node, self.riders(node))
-        return name in fitting and len(self._different(node, fitting)) == 1
+        if name not in fitting:
+            return False
+        # It ends at the first that differs: many may ride on one module.
+        others = (other for other in fitting if other != name)
+        return all(self._effect(node, other) == self._effect(node, name) for other in others)
 
     def _different(self, node: str, fitting: Sequence[str]) -> tuple[str, ...]:
         """Return one of the modules, the one on the fewest mounts, for each way to be moved."""
