@@ -97,7 +97,8 @@ def analyse(
     check_packs(grounding.control, rulebook, text)
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)
-        check_severities(grounding.control, _SAID, speakers)
+    # Also where a slice of packs does not count them.
+    check_severities(grounding.control, _SAID, speakers)
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
