@@ -3,9 +3,10 @@
 A line `%= atom atom ...` is one expected answer set, which lines `%+ atom ...` below it continue,
 restricted to the predicates that the case's own `#show` lines name, else to `consequence/4`; no
 such line means that there is none. A case in a folder named after a stage (`resolve`) has the
-rules of that stage, too; of its answer sets the least count. A line `%> id: message` is what the
-rule of that id says; where a case has one, all is compared that is said by rules which derive what
-it shows.
+rules of that stage, too; of its answer sets the least count. A line `%~ 3@30 12@10` is what these
+cost, each level that costs anything with its sum, the highest first. A line `%> id: message` is
+what the rule of that id says; where a case has one, all is compared that is said by rules which
+derive what it shows.
 """
 
 import re
@@ -25,6 +26,7 @@ STAGES = ("resolve", "verify", "cost", "run", "can")
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
+_COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _SAID = "__said"
 _BY_DEFAULT = (("consequence", 4),)
@@ -96,17 +98,17 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     if refused:
         raise MarsError(refused)
     messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
+    costs = [f"%~ {cost}" for cost in _COST.findall(text)]
+    rest = [*messages, *costs]
     expected = tuple(
-        sorted(
-            tuple(sorted([*_atoms(e), *messages])) for e in map(_one_line, _EXPECTED.findall(text))
-        )
+        sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
     )
     wanted = _shown(text) or _BY_DEFAULT
     stages = ("base", *stages_of(path))
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
     program = [_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)]
     program += [_saying(number, rule) for number, rule in enumerate(speakers)]
-    return Outcome(path, expected, _answers("\n".join(program), wanted, speakers))
+    return Outcome(path, expected, _answers("\n".join(program), wanted, speakers, bool(costs)))
 
 
 def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]) -> bool:
@@ -149,7 +151,10 @@ def case_facts(path: Path) -> str:
 
 
 def _answers(
-    program: str, wanted: Sequence[tuple[str, int]], speakers: Sequence[Rule]
+    program: str,
+    wanted: Sequence[tuple[str, int]],
+    speakers: Sequence[Rule],
+    with_costs: bool,
 ) -> tuple[tuple[str, ...], ...]:
     control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
     control.add("base", [], program)
@@ -163,10 +168,17 @@ def _answers(
         atoms = model.symbols(atoms=True)
         answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}
         answer |= {_message(a, speakers) for a in atoms if speakers and a.name == _SAID}
+        if with_costs:
+            answer.add(_cost(model))
         found.add(tuple(sorted(answer)))
 
     control.solve(on_model=keep)
     return tuple(sorted(found))
+
+
+def _cost(model: clingo.Model) -> str:
+    levels = zip(model.cost, model.priority, strict=True)
+    return " ".join(["%~", *(f"{cost}@{level}" for cost, level in levels if cost)])
 
 
 def _one_line(text: str) -> str:

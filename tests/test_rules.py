@@ -59,6 +59,18 @@ def test_messages_are_compared_where_a_case_has_one(tmp_path: Path, rulebook: Ru
     assert not run_case(case, rulebook).passed
 
 
+def test_what_an_answer_costs_is_compared_where_a_case_says_it(
+    tmp_path: Path, rulebook: Rulebook
+) -> None:
+    case = tmp_path / "case.lp"
+    facts = "1 { p(1..2) }. #minimize { 3@30, X : p(X) }. #minimize { 0@20 }. "
+    facts += "#minimize { X@10, X : p(X) }.\n#show p/1.\n%= p(1)\n"
+    case.write_text(facts + "%~ 3@30 1@10\n")
+    assert run_case(case, rulebook).passed
+    case.write_text(facts + "%~ 3@30 2@10\n")
+    assert not run_case(case, rulebook).passed
+
+
 def test_a_wrong_case_is_shown_as_a_difference() -> None:
     outcome = Outcome(Path("x.lp"), (("p(1)", "p(2)"),), (("p(1)", "p(3)"),))
     assert not outcome.passed
