@@ -22,7 +22,7 @@ from mars_asp.gate import gate_text
 from mars_asp.pack import refused_rules
 from mars_asp.rulebook import Rule, Rulebook
 
-STAGES = ("resolve", "verify", "cost", "run", "can")
+STAGES = ("resolve", "verify", "cost", "run", "can", "repair")
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
 _SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)

@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        rulebook = load_rulebook([Path(path) for path in packs], ("repair", *STAGES), strict=True)
+        rulebook = load_rulebook([Path(path) for path in packs], STAGES, strict=True)
         found = tuple(risks(rulebook.rules))
         report(found, arguments)
         if not found:

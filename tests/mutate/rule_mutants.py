@@ -198,9 +198,10 @@ def _own(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
             new = node.update(comparison=int(other))
             yield new, f"flip `{_guard(node)}` -> `{_guard(new)}`"
     elif _is_number(node):
-        for by in (1, -1):
-            new = node.update(symbol=clingo.Number(node.symbol.number + by))
-            yield new, f"constant {node} -> {new}"
+        for number in (node.symbol.number + 1, node.symbol.number - 1):
+            if -(1 << 31) <= number < 1 << 31:
+                new = node.update(symbol=clingo.Number(number))
+                yield new, f"constant {node} -> {new}"
     elif node.ast_type == _TYPE.BodyAggregate and node.function in _SWAPPED:
         yield node.update(function=int(_SWAPPED[node.function])), "swap #min and #max"
 
