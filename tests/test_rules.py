@@ -102,6 +102,7 @@ TOGETHER = (
     "voice(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
     "says(C, S, D, F, R)",
+    "edit(Kind, M, cycle, drop(R), 3) :- about(mount, W, Kind, M)",
 )
 
 
@@ -114,8 +115,8 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
 
 
-#: What several files add to: consequences and their places, verdicts, nodes, what is minimised.
-COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line"}
+#: What several files add to: consequences and their places, verdicts, nodes, costs, edits.
+COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
 
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
