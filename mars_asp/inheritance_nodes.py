@@ -61,28 +61,28 @@ class InheritanceNodes:
             chain.append(self.mounts[chain[-1]].mounted)
         return chain
 
-    def reached(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
+    def reached(self, name: str) -> list[str]:
         """Return the modules that commands to a name end in, behind arbiters and splitters."""
-        if name in seen:
-            return []
-        if self.kind(name) not in _COPYING:
-            return [name]
-        outputs = [line.controlled for line in self._out_of[name]]
-        return [end for output in outputs for end in self.reached(output, seen | {name})]
+        return self._past_copies(name, lambda n: [line.controlled for line in self._out_of[n]])
 
     def commanders(self, node: str) -> list[str]:
         """Return who commands a module or node, before arbiters and splitters."""
-        return [
-            commander for line in self._into[node] for commander in self._speaking(line.controller)
-        ]
 
-    def _speaking(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
+        def heard(name: str) -> list[str]:
+            return [line.controller for line in self._into[name]]
+
+        return [speaker for each in heard(node) for speaker in self._past_copies(each, heard)]
+
+    def _past_copies(
+        self, name: str, onward: Callable[[str], list[str]], seen: frozenset[str] = frozenset()
+    ) -> list[str]:
+        """Return where one comes from a name by a step, through arbiters and splitters."""
         if name in seen:
             return []
         if self.kind(name) not in _COPYING:
             return [name]
-        inputs = [line.controller for line in self._into[name]]
-        return [start for each in inputs for start in self._speaking(each, seen | {name})]
+        seen |= {name}
+        return [end for each in onward(name) for end in self._past_copies(each, onward, seen)]
 
     def allocation(self, node: str) -> Allocation | None:
         """Return which of similar providers a node takes, `None` the nearest."""
