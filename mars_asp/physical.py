@@ -4,7 +4,6 @@ What is inherited, emergent or in conflict is for `rules/physical.lp` to say.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,16 +29,6 @@ from mars_asp.supports import circuits, columns_with_share, fewest_groups, spann
 _SEEDS = (1, 2, 3)
 _ZERO, _GENERIC = Atom("zero"), Atom("generic")
 _MILLION = 1_000_000
-#: How many least supports of one function are told of a module that is controlled.
-_MOST_SUPPORTS = 500
-
-
-@dataclass(frozen=True, slots=True)
-class _Told:
-    """What is told of one module: whether all its supports, and which functions' circuits."""
-
-    all_supports: bool
-    functions: Sequence[str]
 
 
 def frame_facts(
@@ -54,7 +43,6 @@ def frame_facts(
     the module that it is about.
     """
     mounts, known, heirs = _scene(configuration, modules)
-    controlled = {r.controlled for r in configuration.relationships if isinstance(r, Control)}
     functions: dict[str, list[str]] = {}
     for function, name in dict.fromkeys(asked):
         functions.setdefault(name, []).append(function)
@@ -69,9 +57,7 @@ def frame_facts(
         Fact(atom, spans[name])
         for name in robot.order
         if name in heirs
-        for atom in _observations(
-            robot, name, rest, generic, _Told(name in controlled, functions.get(name, ()))
-        )
+        for atom in _observations(robot, name, rest, generic, functions.get(name, ()))
     )
 
 
@@ -106,7 +92,11 @@ def _scene(
 
 
 def _observations(
-    robot: Robot, name: str, rest: Posture, generic: tuple[Posture, ...], told: "_Told"
+    robot: Robot,
+    name: str,
+    rest: Posture,
+    generic: tuple[Posture, ...],
+    asked: Sequence[str],
 ) -> Iterator[Atom]:
     ancestors = robot.ancestors(name)
     yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
@@ -135,8 +125,8 @@ def _observations(
                     for shared in names:
                         yield Atom("combines", (name, provider, posture, function, shared))
     if len(providers) > 1:
-        yield from _supports(robot, name, free, alone, told.all_supports)
-        for function in told.functions:
+        yield from _supports(robot, name, free, alone)
+        for function in asked:
             yield from _circuits(robot, name, free, function)
 
 
@@ -179,10 +169,8 @@ def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str
             yield functions[index], tuple(joints[column].function for column in shared)
 
 
-def _supports(
-    robot: Robot, name: str, free: Matrix, alone: Set[str], every: bool
-) -> Iterator[Atom]:
-    """Tell the sets of fewest carriers that together give what none of them does alone."""
+def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
+    """Tell the sets of fewest and nearest carriers that give together what none does alone."""
     distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
     providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
     joints = [joint for provider in providers for joint in robot.joints[provider]]
@@ -197,8 +185,8 @@ def _supports(
             for found in sets
         ]
         costs.sort()
-        kept = costs[:_MOST_SUPPORTS] if every else [c for c in costs if c[0] == costs[0][0]]
-        for number, (cost, _, found) in enumerate(kept):
+        nearest = [each for each in costs if each[0] == costs[0][0]]
+        for number, (cost, _, found) in enumerate(nearest):
             columns = [c for i in found for c in range(ends[i] - groups[i].shape[1], ends[i])]
             yield Atom("support", (name, function, number, cost))
             for column in columns_with_share(free[:, columns], unit):

@@ -142,9 +142,8 @@ class _Writer:
         literals = [rng.choice(GIVEN)]
         literals += [self.literal() for _ in range(rng.choice((0, 1, 1, 2, 3)))]
         # A comma behind a condition goes on with it.
-        return rng.choice(
-            (", ", "; ") if not any(map(_is_conditional, literals)) else ("; ",)
-        ).join(literals)
+        conditional = any(" : " in literal for literal in literals)
+        return rng.choice(("; ",) if conditional else (", ", "; ")).join(literals)
 
     def literal(self) -> str:
         rng = self.rng
@@ -204,7 +203,3 @@ class _Writer:
             case 2:
                 told, extra = f"K, {severity}, {about}, {case}", f"K = ({kind} ; {other}); "
         return f"consequence({told}) :- {extra}{self.body()}."
-
-
-def _is_conditional(literal: str) -> bool:
-    return " : " in literal and "{" not in literal
