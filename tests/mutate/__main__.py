@@ -2,21 +2,17 @@
 
 import argparse
 import os
-import random
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TypeVar
 
-from tests.mutate.mutant import Mutant, Verdict, known_survivors
+from tests.mutate.mutant import Mutant, Verdict, drawn, known_survivors
 from tests.mutate.python_killers import TESTS, judge_python
 from tests.mutate.python_mutants import python_mutants
 from tests.mutate.rule_killers import CASES, judge_rules
 from tests.mutate.rule_mutants import rule_files, rule_mutants
-
-Made = TypeVar("Made")
 
 
 def main() -> int:
@@ -46,20 +42,19 @@ def _judged(arguments: argparse.Namespace) -> Iterator[Verdict]:
     if everything or arguments.rules is not None:
         files = rule_files()
         named = [file for file in files if _named(file.path, arguments.rules)]
-        chosen = [m for file in named for m in _sample([*rule_mutants(file)], arguments)]
+        chosen = [m for file in named for m in _sample(rule_mutants(file), arguments)]
         cases, stronger = arguments.cases, not arguments.cases_only
         yield from judge_rules(files, chosen, arguments.jobs, cases, stronger)
     if everything or arguments.python is not None:
         modules = [path for path in TESTS if _named(path, arguments.python)]
-        chosen = [m for path in modules for m in _sample([*python_mutants(path)], arguments)]
+        chosen = [m for path in modules for m in _sample(python_mutants(path), arguments)]
         yield from judge_python(chosen, arguments.jobs)
 
 
-def _sample(mutants: Sequence[Made], arguments: argparse.Namespace) -> Sequence[Made]:
+def _sample(mutants: Iterable[Mutant], arguments: argparse.Namespace) -> list[Mutant]:
     if arguments.sample is None:
-        return mutants
-    chosen = random.Random(arguments.seed)
-    return chosen.sample(mutants, min(arguments.sample, len(mutants)))
+        return list(mutants)
+    return drawn(mutants, arguments.sample, arguments.seed)
 
 
 def _wrongly_listed(verdicts: Iterable[Verdict], known: set[tuple[str, str, str]]) -> list[Mutant]:

@@ -1,7 +1,9 @@
 """What a mutant is, and the file of those that are known to be equivalent."""
 
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 
 from tests.documents import ROOT
@@ -59,6 +61,11 @@ class Survivor:
     def key(self) -> tuple[str, str, str]:
         """Return what identifies the mutant."""
         return self.path, self.before, self.after
+
+
+def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
+    """Return so many mutants by chance, each of which stays drawn while others come and go."""
+    return sorted(mutants, key=lambda m: sha256(f"{seed} {m.key}".encode()).digest())[:number]
 
 
 def known_survivors(path: Path = SURVIVORS) -> tuple[Survivor, ...]:

@@ -72,7 +72,9 @@ class Run:
     lines: frozenset[tuple[str, int]]
 
 
-def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
+def judge_python(
+    mutants: Sequence[Mutant], jobs: int, tests: Mapping[str, Sequence[str]] = TESTS
+) -> Sequence[Verdict]:
     """Return what notices each mutant, in no order.
 
     Raises:
@@ -80,7 +82,7 @@ def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
     """
     if not mutants:
         return ()
-    files = sorted({name for mutant in mutants for name in TESTS[mutant.path]})
+    files = sorted({name for mutant in mutants for name in tests[mutant.path]})
     judge = _Judge(mutants, jobs)
     with tempfile.TemporaryDirectory() as folder:
         os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
