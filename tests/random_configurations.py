@@ -123,7 +123,8 @@ def random_twins(seed: int) -> str:
     What a converter costs then counts for each transformer that applies it, for many converters
     and for both twins. Some modules hold several converters.
     """
-    text = re.sub(r"@Converts \d", f"@Converts {seed % 3 + 1}", random_configuration(seed))
+    cost = (1, 2, 1_000_000)[seed % 3]
+    text = re.sub(r"@Converts \d+", f"@Converts {cost}", random_configuration(seed))
     head, modules, *rest = re.split(r"\n(?=[@A-Z])", text)
     parts: dict[str, list[str]] = {"lines": [], "blocks": [], "converters": []}
     for part in re.split(r"\n(?=@module_start|\w+ (?:is|uses)_)", "\n".join(["", *rest]))[1:]:
