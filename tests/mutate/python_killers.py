@@ -44,7 +44,7 @@ TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/supports.py": (*_MOTION, *_EXECUTION),
     "mars_asp/physical.py": _MOTION,
     "mars_asp/execute/plan.py": _EXECUTION,
-    "mars_asp/execute/sharing.py": (*_EXECUTION, "test_combinations"),
+    "mars_asp/sharing.py": (*_EXECUTION, "test_combinations"),
     "mars_asp/optimum.py": (
         "test_costs",
         "test_counting",
