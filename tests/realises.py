@@ -401,9 +401,14 @@ class _ControlJudge:
             refuse(5, f"{sorted(nodes)} for {sorted(self.standing)}")
         reasons: list[str] = []
         unsaid: list[str] = []
+        said = {each.node: each.module for each in self.whole.specification.stand_ins}
         for order in itertools.permutations(sorted(nodes)):
+            assigned = dict(zip(self.standing, order, strict=True))
+            if any(said.get(node, name) != name for name, node in assigned.items()):
+                reasons.append(f"5: the comments of {said}")
+                continue
             try:
-                self.assigned(dict(zip(self.standing, order, strict=True)))
+                self.assigned(assigned)
             except ViolationError as error:
                 reasons.append(str(error))
             except UnsaidError as error:
@@ -455,6 +460,8 @@ class _ControlJudge:
             if any(self.arbiter(k.controller) and k.hold_ms is not None for k in path):
                 raise UnsaidError(f"a hold behind an arbiter before {receiver}")
             moved = self.whole.kind(receiver) == "inheritance_node" and len(heard) == 1
+            if into is None and {k.hold_ms for k in path} - {None} != {hold} - {None}:
+                raise UnsaidError(f"a hold where nothing arbitrates for {receiver}")
             if into is not None and into.hold_ms != hold and not moved:
                 refuse(2, f"the hold of {path[0].controller} at {receiver}")
 
