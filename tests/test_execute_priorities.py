@@ -64,9 +64,12 @@ def changes(told: Told) -> Told:
     return [each for k, each in enumerate(told) if k == 0 or each[1] != told[k - 1][1]]
 
 
-def alike(one: tuple[float, float], other: tuple[float, float]) -> bool:
+def alike(one: tuple[float, float | None], other: tuple[float, float | None]) -> bool:
     """Whether both say the same at one time; a mean depends on the order of its sum."""
-    return all(math.isclose(a, b, rel_tol=1e-12) for a, b in zip(one, other, strict=True))
+    (when, what), (then, that) = one, other
+    if what is None or that is None:
+        return one == other
+    return when == then and math.isclose(what, that, rel_tol=1e-12)
 
 
 def scripted(script: Script, period: int) -> Behaviour:

@@ -13,6 +13,7 @@ import pytest
 from clingo import ast
 
 from mars_asp.atom import Fact
+from mars_asp.diagnostic import MarsError
 from mars_asp.rule_cases import STAGES, case_facts, find_cases, stages_of
 from mars_asp.rulebook import Rule, load_rulebook
 from mars_asp.solve import Grounding
@@ -53,7 +54,10 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     grounding = Grounding(f"{base}\n{text}")
     opened: Mapping[Signature, Sequence[Term]] = {}
     if stage in CHOOSING:
-        opened = grounding.resolve(rulebook.text(stage)).answer.true
+        try:
+            opened = grounding.resolve(rulebook.text(stage)).answer.true
+        except MarsError:  # a case may ask for what has no answer
+            return None
     atoms = grounding.control.symbolic_atoms
     taken = {term for terms in opened.values() for term in terms}
     true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)
