@@ -72,9 +72,7 @@ class Run:
     lines: frozenset[tuple[str, int]]
 
 
-def judge_python(
-    mutants: Sequence[Mutant], jobs: int, tests: Mapping[str, Sequence[str]] = TESTS
-) -> Sequence[Verdict]:
+def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
     """Return what notices each mutant, in no order.
 
     Raises:
@@ -82,7 +80,7 @@ def judge_python(
     """
     if not mutants:
         return ()
-    files = sorted({name for mutant in mutants for name in tests[mutant.path]})
+    files = sorted({name for mutant in mutants for name in TESTS[mutant.path]})
     judge = _Judge(mutants, jobs)
     with tempfile.TemporaryDirectory() as folder:
         os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
