@@ -11,6 +11,8 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 
+import pytest
+
 from mars_asp.analysis import analyse
 from mars_asp.capability import capability
 from mars_asp.language import parse_text
@@ -227,12 +229,12 @@ def asked(tree: Tree, query: str) -> bool:
     return capability(read(standing(tree)), RULEBOOK, query).able
 
 
-def test_random_mount_trees() -> None:
+@pytest.mark.parametrize("first", range(0, 30, 5))
+def test_random_mount_trees(first: int) -> None:
     seen: Counter[str] = Counter()
-    found = {seed: list(differences(seed, seen)) for seed in range(30)}
+    found = {seed: list(differences(seed, seen)) for seed in range(first, first + 5)}
     assert {seed: told for seed, told in found.items() if told} == {}
-    assert min(seen.values()) > 0, seen
-    assert len(seen) == 9, seen
+    assert seen["accepted"] and seen["refused"] and seen["pair True"], seen
 
 
 def main() -> None:
