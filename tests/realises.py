@@ -462,6 +462,9 @@ class _ControlJudge:
             moved = self.whole.kind(receiver) == "inheritance_node" and len(heard) == 1
             if into is None and {k.hold_ms for k in path} - {None} != {hold} - {None}:
                 raise UnsaidError(f"a hold where nothing arbitrates for {receiver}")
+            before = [k.hold_ms for k in self.whole.control if k.controlled == path[0].controller]
+            if into is not None and into.hold_ms is None and before == [hold] != [None]:
+                raise UnsaidError(f"a hold that {path[0].controller} hears, arbitrated behind it")
             if into is not None and into.hold_ms != hold and not moved:
                 refuse(2, f"the hold of {path[0].controller} at {receiver}")
 
