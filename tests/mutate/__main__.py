@@ -48,7 +48,7 @@ def _judged(arguments: argparse.Namespace) -> Iterator[Verdict]:
     if everything or arguments.python is not None:
         modules = [path for path in TESTS if _named(path, arguments.python)]
         chosen = [m for path in modules for m in _sample(python_mutants(path), arguments)]
-        yield from judge_python(chosen, arguments.jobs)
+        yield from judge_python(chosen, arguments.jobs, arguments.seconds)
 
 
 def _sample(mutants: Iterable[Mutant], arguments: argparse.Namespace) -> list[Mutant]:
@@ -72,6 +72,13 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--seed", type=int, default=0, help="for the choice (default 0)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=60.0,
+        metavar="S",
+        help="ask of a mutant of Python the shortest tests that take so long (default 60)",
+    )
     parser.add_argument("--list-survivors", action="store_true", help="list equivalent ones, too")
     return parser.parse_args()
 

@@ -54,10 +54,8 @@ TESTS: Mapping[str, tuple[str, ...]] = {
         "test_exhaustive",
     ),
 }
-#: Tests that take more seconds of the processor than this are not asked,
+#: Tests that take more seconds of the processor than this are not asked.
 _LONGEST = 15.0
-#: nor are more of them than take so long together.
-_ENOUGH = 60.0
 _WITHOUT = ("cacheprovider", "xdist", "terminal", "faulthandler")
 _OPTIONS = ("-s", "-o", "addopts=", "--hypothesis-seed=0", *(f"-pno:{name}" for name in _WITHOUT))
 _NOTED = "__noted__"
@@ -72,8 +70,13 @@ class Run:
     lines: frozenset[tuple[str, int]]
 
 
-def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
+def judge_python(mutants: Sequence[Mutant], jobs: int, seconds: float) -> Sequence[Verdict]:
     """Return what notices each mutant, in no order.
+
+    Args:
+        mutants: what to try.
+        jobs: how many at a time.
+        seconds: how long the tests that are asked of one mutant take without it, together.
 
     Raises:
         RuntimeError: the tests cannot be collected.
@@ -81,7 +84,7 @@ def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
     if not mutants:
         return ()
     files = sorted({name for mutant in mutants for name in TESTS[mutant.path]})
-    judge = _Judge(mutants, jobs)
+    judge = _Judge(mutants, jobs, seconds)
     with tempfile.TemporaryDirectory() as folder:
         os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
         os.chdir(ROOT)
@@ -94,9 +97,10 @@ def judge_python(mutants: Sequence[Mutant], jobs: int) -> Sequence[Verdict]:
 class _Judge:
     """A plugin of pytest that, in the place of running the tests, lets them judge mutants."""
 
-    def __init__(self, mutants: Sequence[Mutant], jobs: int) -> None:
+    def __init__(self, mutants: Sequence[Mutant], jobs: int, seconds: float) -> None:
         self.mutants = mutants
         self.jobs = jobs
+        self.seconds = seconds
         self.verdicts: list[Verdict] = []
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
@@ -119,20 +123,23 @@ class _Judge:
                 places[mutant.path].put(*compiled[mutant])
             except Exception:
                 return ("its import",)
-            return (_failing(_concerned(mutant, runs)),)
+            return (_failing(_concerned(mutant, runs, self.seconds)),)
 
         for mutant, said in ask(self.mutants, answer, self.jobs):
-            self.verdicts.append(Verdict(mutant, RUNS_AWAY if said is None else said[0]))
+            killer = RUNS_AWAY if said is None else said[0]
+            self.verdicts.append(Verdict(mutant, killer))
+            # pytest has standard output; who waits for hours wants to see what comes of it.
+            print(f"{mutant}\n  {killer or 'survives'}", file=sys.stderr, flush=True)
         return True
 
 
-def _concerned(mutant: Mutant, runs: Sequence[Run]) -> Iterator[Run]:
+def _concerned(mutant: Mutant, runs: Sequence[Run], seconds: float) -> Iterator[Run]:
     """Yield the tests that run the line of a mutant; if none notes it, those of its module."""
     place = (mutant.path, mutant.line)
     tests = [run for run in runs if place in run.lines]
     if not tests and mutant.before.startswith(": "):
         tests = [run for run in runs if any(path == mutant.path for path, _ in run.lines)]
-    left = _ENOUGH
+    left = seconds
     for run in tests:
         left -= run.seconds
         if left > 0:
