@@ -11,13 +11,13 @@ from mars_asp.annotations.following import following
 from mars_asp.annotations.overrides import Overrides
 from mars_asp.annotations.services import read_signature
 from mars_asp.annotations.sources import Source
+from mars_asp.language.print import print_number
 from mars_asp.model import SERVICE_KINDS, Function, Mode, Module, Service
 from mars_asp.source import Span
 from mars_asp.text_edits import Draft
 
-_PERIODIC = "NotifyAtFrequency"
 #: What begins a comment in a language, where no other comment shows how its author does.
-_MARKS = {"python": "# ", "matlab": "% ", "mars": ""}
+_MARKS = {"python": "# ", "matlab": "% "}
 _LINE_MARK = re.compile(r"\s*(?://[/!]?|#+|%+|\*)?\s*")
 _BLOCK_MARK = re.compile(r"(\s*)/\*[*!]?\s*")
 _NUMBER = re.compile(r"[+-]?[\d.]+\s*$")
@@ -64,19 +64,17 @@ class Annotations:
     def offer(self, service: Service, mode: Mode, hz: Decimal | None) -> None:
         """Let an annotation state a mode, too, or another frequency."""
         directive = self._found[self._index(service.span)]
-        known = {stated.name for stated in service.modes}
-        written = mode.text or mode.name
         if mode not in service.modes:
-            rate = f" {_plain(hz)}" if hz is not None and mode.name == _PERIODIC else ""
+            rate = "" if hz is None else f" {print_number(hz)}"
             at = self._at(directive, len(directive.rest))
-            self._draft.put(at, at, f", {written}{rate}")
-        elif hz is not None and _PERIODIC in known:
+            self._draft.put(at, at, f", {mode.text}{rate}")
+        elif hz is not None:
             for begin, part in parts(directive.rest):
                 number = _NUMBER.search(part)
-                if number is not None and not part.rstrip().endswith(")"):
+                if number is not None:
                     first, last = begin + number.start(), begin + len(part.rstrip())
                     self._draft.put(
-                        self._at(directive, first), self._at(directive, last), _plain(hz)
+                        self._at(directive, first), self._at(directive, last), print_number(hz)
                     )
 
     def remove(self, annotation: Service | Function) -> None:
@@ -162,7 +160,7 @@ class Annotations:
     def _adjoin(self, index: int) -> bool:
         """Say whether no code stands between an annotation and the next one."""
         begin, end = self._found[index].until, self._found[index + 1].offset
-        return begin >= end or not self._source.stretch(begin, end, end - begin).code.strip()
+        return not self._source.stretch(begin, end, end - begin).code.strip()
 
     def _take_out(self, directive: Directive) -> None:
         marks = self._marks(directive)
@@ -187,9 +185,7 @@ class Annotations:
     def _mark(self, like: Directive) -> str:
         """Return what begins a comment of its own, as another annotation shows it."""
         marks = self._marks(like)
-        if self._source.is_configuration:
-            return ""
-        if marks is not None and _LINE_MARK.fullmatch(marks.before) and "*" not in marks.before:
+        if marks is not None and "*" not in marks.before:
             return marks.before.lstrip()
         return _MARKS.get(self._source.language, "// ")
 
@@ -236,8 +232,3 @@ def _output(word: str, declared: str | None, output: str | None) -> list[str]:
     if (declared is None) != (output is not None):
         raise NoPlaceError
     return [] if output is None else [f"@Output {output}"]
-
-
-def _plain(number: Decimal) -> str:
-    text = format(number, "f")
-    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -5,7 +5,7 @@ An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/what-if.m
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
@@ -20,11 +20,12 @@ from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.print import WIDTH, print_number
 from mars_asp.language.statement_edits import ListEdit, Member
 from mars_asp.language.tokens import Token, statements
-from mars_asp.model import Control, Function, Module, Mount, Relationship, Service
+from mars_asp.model import Control, Data, Function, Module, Mount, Relationship, Service
 from mars_asp.project import Project
 from mars_asp.source import Span
 from mars_asp.text_edits import ConflictError, Draft, LineEdit, apply_lines
 
+_VERBS = ("uses_data_from", "is_mounted_on")
 _PLAIN_TYPE = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
 
 
@@ -183,17 +184,12 @@ class _Drafts:
 
     def indent(self, at: int) -> str:
         """Return what stands before a statement on its line."""
-        return self.main.blanks(self.first_line(at))
-
-    def first_line(self, at: int) -> int:
-        return self.texts.layout.position(self.texts.statements[at][0].begin)[0]
-
-    def last_line(self, at: int) -> int:
-        return self.texts.layout.position(self.texts.statements[at][-1].end)[0]
+        return self.main.blanks(self.main.line_at(self._begins[at]))
 
     def add(self, at: int, text: str) -> None:
         """Write a statement on a line of its own behind another."""
-        self.main.insert(self.last_line(at), "behind", [self.indent(at) + text])
+        last = self.main.line_at(self.texts.statements[at][-1].begin)
+        self.main.insert(last, "behind", [self.indent(at) + text])
 
     def replace(self, token: Token, text: str) -> None:
         self.main.put(token.begin, token.end, text)
@@ -204,9 +200,8 @@ class _Drafts:
 
     def drop(self, at: int) -> None:
         """Leave a statement out, with all lines that it stands on."""
-        place = self.texts.layout.position
-        for line in {place(token.begin)[0] for token in self.texts.statements[at]}:
-            self.main.delete(line)
+        for token in self.texts.statements[at]:
+            self.main.delete(self.main.line_at(token.begin))
 
     def remove(self, first: Token, last: Token) -> None:
         """Leave out tokens of one line, and the blanks before them."""
@@ -219,17 +214,13 @@ class _Drafts:
         return any(
             number != at and each[0].text == controlled and each[1].text == "is_controlled_by"
             for number, each in enumerate(self.texts.statements)
-            if len(each) > 1
         )
 
-    def names_of(self, at: int) -> Iterator[Token]:
-        """Yield the tokens of a relationship that name modules."""
+    def names_of(self, at: int) -> tuple[Token, Token]:
+        """Return the tokens of a data or mount relationship that name modules."""
         tokens = self.texts.statements[at]
-        words = [token.text for token in tokens]
-        if "uses_data_from" in words[1:2]:
-            yield from (tokens[0], tokens[2])
-        elif "is_mounted_on" in words[1:3]:
-            yield from (tokens[0], tokens[words.index("is_mounted_on") + 1])
+        verbs = (n for n, token in enumerate(tokens) if token.text in _VERBS)
+        return tokens[0], tokens[next(verbs) + 1]
 
     def free_name(self) -> str:
         """Return a name for a converter that no module has."""
@@ -247,7 +238,7 @@ def _require(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> Non
     stated = drafts.texts.relationships[number.number]
     wanted = mode_of(mode)
     hz = _hertz(rate)
-    words = [wanted.text or wanted.name, *([] if hz is None else [print_number(hz)])]
+    words = [wanted.text, *([] if hz is None else [print_number(hz)])]
     at = drafts.statement(stated.span)
     tokens = drafts.texts.statements[at]
     if len(tokens) > 3:
@@ -322,14 +313,10 @@ def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
 
 def _neighbour(drafts: _Drafts, client: str) -> int:
     """Return the statement behind which a data relationship of a client stands best."""
-    best = (0, 0)
-    for at, tokens in enumerate(drafts.texts.statements):
-        words = [token.text for token in tokens[:3]]
-        fits = 1 if words[0] == "@modules" else 2 * ("is_" in "".join(words[1:]))
-        if "uses_data_from" in words[1:2]:
-            fits = 4 if words[0] == client else 3
-        best = max(best, (fits, at))
-    return best[1]
+    stated = drafts.texts.project.configuration.relationships
+    data = [each for each in stated if isinstance(each, Data)]
+    near = [each for each in data if each.client == client] or data or stated
+    return max((drafts.statement(each.span) for each in near), default=drafts.headed("@modules"))
 
 
 def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
@@ -337,7 +324,7 @@ def _rank(drafts: _Drafts, number: Symbol, priority: Symbol) -> None:
     assert isinstance(stated, Control)
     listed, member = drafts.member(stated)
     # What a place in a list says already needs no number.
-    if len(listed.members) == 1 or stated.priority != priority.number:
+    if stated.priority != priority.number:
         listed.rank(member, priority.number)
 
 
@@ -386,8 +373,6 @@ def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
         if tokens[0].text.startswith("@"):
             continue
         if tokens[1].text == "is_controlled_by":
-            if all(token.text != old.string for token in tokens):
-                continue
             listed = drafts.members(at)
             if listed.head == old.string:
                 listed.head = new.string
