@@ -147,13 +147,10 @@ class Annotations:
         """Return the annotations that belong to the same declaration as one of them."""
         words = (*SERVICE_KINDS, *OVERRIDES)
         first = last = index
-        while first and self._found[first - 1].word in words and self._adjoin(first - 1):
+        # A module begins before them and ends behind them.
+        while self._found[first - 1].word in words and self._adjoin(first - 1):
             first -= 1
-        while (
-            last + 1 < len(self._found)
-            and self._found[last + 1].word in words
-            and self._adjoin(last)
-        ):
+        while self._found[last + 1].word in words and self._adjoin(last):
             last += 1
         return self._found[first : last + 1]
 
@@ -166,7 +163,8 @@ class Annotations:
         marks = self._marks(directive)
         first = self._source.position(directive.offset)
         last = self._source.position(directive.end)
-        if marks is None or ("/*" in marks.before) != ("*/" in marks.behind):
+        behind = self._draft.line(last[0])[last[1] - 1 :].strip().removeprefix("*/")
+        if marks is None or ("/*" in marks.before) != bool(marks.behind) or behind:
             self._draft.put(self._draft.offset(*first), self._draft.offset(*last), "")
             return
         for line in range(first[0], last[0] + 1):
