@@ -125,7 +125,8 @@ class _Drafts:
         self.texts = texts
         self._drafts: dict[str, Draft] = {}
         self._lists: dict[int, ListEdit] = {}
-        self._names: list[str] = []
+        #: The names of converters that edits declare.
+        self.converters: list[str] = []
 
     def finished(self) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
         ranked = self.texts.project.configuration.architecture == "hierarchical"
@@ -225,13 +226,12 @@ class _Drafts:
     def free_name(self) -> str:
         """Return a name for a converter that no module has."""
         project = self.texts.project
-        taken = {*self.texts.modules, *self._names}
+        taken = {*self.texts.modules, *self.converters}
         taken |= {name.text for name in project.configuration.modules}
         number = 1
         while f"Converter{number}" in taken:
             number += 1
-        self._names.append(f"Converter{number}")
-        return self._names[-1]
+        return f"Converter{number}"
 
 
 def _require(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
@@ -403,13 +403,15 @@ def _remove(drafts: _Drafts, number: Symbol) -> None:
 def _declare(drafts: _Drafts, source: Symbol, target: Symbol) -> None:
     """Write a module block behind the last one, else at the end of the file."""
     ends = source.string, target.string
-    block = ["@module_start", f"@module_name {drafts.free_name()}", "@Converts"]
+    name = drafts.free_name()
+    block = ["@module_start", f"@module_name {name}", "@Converts"]
     if all(_PLAIN_TYPE.fullmatch(each) for each in ends):
         block.append(f"{target.string} convert({source.string} input);")
     else:
         block += [f"@Output {target.string}", f"@Input {source.string}", "void convert();"]
     behind = max((last for _, last in drafts.texts.blocks), default=drafts.main.last)
-    gap = [""] if drafts.main.line(behind).strip() else []
+    gap = [""] if drafts.converters or drafts.main.line(behind).strip() else []
+    drafts.converters.append(name)
     drafts.main.insert(behind, "behind", [*gap, *block, "@module_end"])
 
 

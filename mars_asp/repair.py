@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, groupby, pairwise
 
 import clingo
 
@@ -112,7 +112,8 @@ def repairs(
     analysis = analyse(facts, rulebook, project.configuration.span)
     findings = _asked(analysis.consequences, subject)
     if not findings:
-        _check_subject(subject, project, rulebook)
+        if subject is not None:
+            _check_subject(subject, project, rulebook)
         return ()
     proposed = _proposals(analysis, rulebook)
     most = MOST_FACTS // (len(facts) + FACTS_OF_A_TRY)
@@ -127,29 +128,27 @@ def repairs(
 
 def _asked(found: Sequence[Consequence], subject: str | None) -> list[Consequence]:
     if subject is not None:
-        names = (subject,)
         return [
             c
             for c in found
             if c.severity != "note"
-            and {c.kind, c.subject, f"{c.kind}({c.subject})", *c.participants} & set(names)
+            and subject in (c.kind, c.subject, f"{c.kind}({c.subject})", *c.participants)
         ]
     errors = [c for c in found if c.severity == "error"]
     return errors or [c for c in found if c.severity == "warning"]
 
 
-def _check_subject(subject: str | None, project: Project, rulebook: Rulebook) -> None:
+def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
     """Tell a subject that is sound from one that nothing could be found for."""
     names = {name.text for name in project.configuration.modules}
     kinds = consequence_kinds(rulebook)
-    kind, bracket, about = (subject or "").partition("(")
-    if subject is None or subject in names | kinds:
-        return
-    if bracket and kind in kinds and about.removesuffix(")") in names:
+    kind, _, rest = subject.partition("(")
+    about = rest.removesuffix(")")
+    if subject in names | kinds or (kind in kinds and about in names):
         return
     near = nearest(subject, names | kinds)
-    if bracket and kind in kinds:
-        module = nearest(about.removesuffix(")"), names)
+    if kind in kinds:
+        module = nearest(about, names)
         near = f"{kind}({module})" if module else None
     raise wrong_subject(
         project,
@@ -366,15 +365,14 @@ def _by_weight(edits: Sequence[Edit], size: int | None) -> Iterator[tuple[Edit, 
         yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
         return
     edits = [edit for edit in edits if edit.weight <= HEAVIEST]
-    chosen = combinations(edits, size)
     if size == 1:
-        yield from chosen
+        yield from combinations(edits, size)
     else:
         # Of more than a screenful of edits sets would be too many to try anyway.
         groups = combinations(edits[:20], size)
         by_weight = sorted(groups, key=lambda group: sum(edit.weight for edit in group))
-        # One more than is tried, so that it is known whether all were.
-        yield from by_weight[: MOST_TRIED + 1]
+        # Single edits were tried before, so these are more than are tried.
+        yield from by_weight[:MOST_TRIED]
 
 
 def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:
@@ -457,11 +455,9 @@ def order_kept(before: Texts, after: Configuration, edits: Iterable[clingo.Symbo
             renamed[term.arguments[0].string] = term.arguments[1].string
         elif term.match("unrank", 1):
             unranked.add(ends_of(before.relationships[term.arguments[0].number])[0])
+    now = _ranks(after, {})
     stated = before.project.configuration
-    return all(
-        _is_kept(_ranks(stated, names), _ranks(after, {}), unranked)
-        for names in ({}, renamed)[: 1 + bool(renamed)]
-    )
+    return all(_is_kept(_ranks(stated, names), now, unranked) for names in ({}, renamed))
 
 
 def _is_kept(
@@ -469,18 +465,17 @@ def _is_kept(
     after: Mapping[str, Mapping[str, int]],
     unranked: Set[str],
 ) -> bool:
-    for module, ranks in before.items():
-        now = after.get(module, {})
-        kept = sorted((rank, name) for name, rank in ranks.items() if name in now)
-        # The highest rank of those that were lower, and of all that were looked at.
-        level = lower = highest = -1
-        for rank, name in kept if module not in unranked else ():
-            if rank > level:
-                level, lower = rank, highest
-            if now[name] <= lower:
-                return False
-            highest = max(highest, now[name])
-    return True
+    return all(
+        max(lower) < min(higher)
+        for module in before.keys() - unranked
+        for lower, higher in pairwise(_levels(before[module], after.get(module, {})))
+    )
+
+
+def _levels(ranks: Mapping[str, int], now: Mapping[str, int]) -> list[list[int]]:
+    """Return what those that ranked alike rank `now`, from those that ranked lowest."""
+    kept = sorted(ranks.keys() & now.keys(), key=ranks.__getitem__)
+    return [[now[name] for name in same] for _, same in groupby(kept, ranks.__getitem__)]
 
 
 def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:

@@ -128,14 +128,11 @@ class Draft:
         """Return for each line the columns, from 0, that are put otherwise, in their order."""
         pieces: dict[int, list[tuple[int, int, str]]] = {}
         for (begin, end), text in sorted(self._stretches.items()):
-            at, rest = self.line_at(begin), text
-            while end >= self._starts[at]:
-                pieces.setdefault(at, []).append(
-                    (max(begin - self._starts[at - 1], 0), len(self.line(at)), rest)
-                )
-                at, rest = at + 1, ""
-            start = self._starts[at - 1]
-            pieces.setdefault(at, []).append((max(begin - start, 0), end - start, rest))
+            first = self.line_at(begin)
+            for number in range(first, self.line_at(end) + 1):
+                start = self._starts[number - 1]
+                piece = max(begin - start, 0), end - start, text if number == first else ""
+                pieces.setdefault(number, []).append(piece)
         return pieces
 
     def _with_inserted(self, edits: dict[int, LineEdit]) -> list[LineEdit]:
@@ -145,7 +142,7 @@ class Draft:
             edit = edits.get(number)
             added = lines
             side: Where = where
-            if edit is not None and edit.new is None and lines:
+            if edit is not None and edit.new is None:
                 edits[number] = replace(edit, new=lines[0])
                 added, side = lines[1:], "behind"
             if added:
@@ -174,5 +171,4 @@ def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
 
 
 def _place(edit: LineEdit) -> tuple[int, int]:
-    sides = {"before": 0, None: 1, "behind": 2}
-    return edit.line, sides[edit.where]
+    return edit.line, ("before", None, "behind").index(edit.where)

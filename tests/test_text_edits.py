@@ -48,6 +48,34 @@ def test_lines_are_inserted_on_the_side_that_is_said() -> None:
     assert apply_lines("a\nb\n", draft.lines()) == "a\nc\nd\ne\nf\nb\n"
 
 
+def test_lines_stand_in_the_order_of_the_text() -> None:
+    draft = Draft("robot.mars", "a\nb\n")
+    draft.insert(2, "behind", ["d"])
+    draft.put(2, 3, "B")
+    draft.insert(2, "before", ["c"])
+    draft.put(0, 1, "A")
+    assert [(edit.line, edit.where, edit.new) for edit in draft.lines()] == [
+        (1, None, "A"),
+        (2, "before", "c"),
+        (2, None, "B"),
+        (2, "behind", "d"),
+    ]
+
+
+def test_edits_of_another_text_are_refused() -> None:
+    edits = [LineEdit("robot.mars", 1, 1, "a", "b")]
+    assert apply_lines("a\n", edits) == "b\n"
+    with pytest.raises(AssertionError):
+        apply_lines("c\n", edits)
+
+
+def test_a_stretch_may_go_on_over_lines() -> None:
+    text = "a(1,  // one\n2,\n  3) b\n"
+    draft = Draft("robot.mars", text)
+    draft.put(1, text.index(")") + 1, "")
+    assert apply_lines(text, draft.lines()) == "a\n b\n"
+
+
 def test_what_is_inserted_beside_a_deleted_line_takes_its_place() -> None:
     draft = Draft("robot.mars", "a\nb\nc\n")
     draft.delete(2)
