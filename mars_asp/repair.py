@@ -311,7 +311,7 @@ class _Search:
         if not errors and spent is None:
             return None
         warnings = tuple(c for c in new if c.severity == "warning")
-        remarks = tuple(_new_remarks(self._project.diagnostics, project.diagnostics))
+        remarks = tuple(new_remarks(self._project.diagnostics, project.diagnostics))
         fewer = told.fewer(self._findings, self._before)
         return _Outcome(gone, fewer, lines, warnings, remarks, errors, spent)
 
@@ -430,7 +430,7 @@ def _message(consequence: Consequence) -> tuple[str, ...]:
     return *_about(consequence), consequence.message
 
 
-def _new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """Yield the warnings about files that were not there before, wherever they stand."""
     known = Counter((remark.code, remark.message) for remark in before)
     for remark in after:

@@ -22,7 +22,7 @@ from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.python_mutants import compiled_mutants, noting_module
 
-_REPAIRS = ("test_edits", "test_repair", "test_text_edits")
+_REPAIRS = ("test_edits", "test_repair", "test_repair_search", "test_text_edits")
 _EXECUTION = (
     "test_execute_arbitration",
     "test_execute_delivery",
