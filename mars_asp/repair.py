@@ -409,8 +409,7 @@ class Told:
         return [
             c
             for c in self._consequences
-            if self._about[_about(c)] > before._about[_about(c)]
-            or self._taking_part[_taking_part(c)] > before._taking_part[_taking_part(c)]
+            if self._taking_part[_taking_part(c)] > before._taking_part[_taking_part(c)]
             or (
                 c.severity == "warning"
                 and self._messages[_message(c)] > before._messages[_message(c)]

@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 from clingo import parse_term
 
+from mars_asp.annotation_edits import read
+from mars_asp.annotations.directives import MOST_OTHERS
+from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import MarsError
 from mars_asp.edits import ImpossibleEditError, Texts, UnknownEditError, apply_edits
 from mars_asp.facts import described_modules, numbered_annotations
@@ -74,3 +77,11 @@ def _shown(line: LineEdit) -> Iterator[str]:
         yield f"  - {line.path}:{line.line}:{line.column}: {line.old}\n"
     for text in [] if line.new is None else line.new.split("\n"):
         yield f"  + {where}{line.path}:{line.line}: {text}\n"
+
+
+def test_annotations_are_read_beside_very_many_words_of_others() -> None:
+    words = [f"// @other{number}" for number in range(MOST_OTHERS + 1)]
+    text = "\n".join(["// @module_start", "// @module_name A", "// @module_end", *words])
+    found = read(Source("a.c", "c", text.encode()))
+    assert [each.word for each in found.directives] == ["module_start", "module_name", "module_end"]
+    assert found.places == {(1, 4): 0, (2, 4): 1, (3, 4): 2}
