@@ -5,6 +5,7 @@ An edit is a term such as `drop(3)` or `rename("Sonr","Sonar")`; `docs/what-if.m
 
 import re
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from functools import cached_property
@@ -60,6 +61,15 @@ class Texts:
     def statements(self) -> list[tuple[Token, ...]]:
         """Return the tokens of each statement of the configuration."""
         return list(statements(self.layout))
+
+    @cached_property
+    def controlled(self) -> Counter[str]:
+        """Return how many statements control each module."""
+        return Counter(
+            tokens[0].text
+            for tokens in self.statements
+            if any(token.text == "is_controlled_by" for token in tokens)
+        )
 
     @cached_property
     def relationships(self) -> Mapping[int, Relationship]:
@@ -130,9 +140,11 @@ class _Drafts:
 
     def finished(self) -> tuple[tuple[LineEdit, ...], dict[str, str]]:
         ranked = self.texts.project.configuration.architecture == "hierarchical"
-        for at, edit in self._lists.items():
-            tokens = self.texts.statements[at]
-            edit.write(self.file(self.texts.path), ranked and self._has_others(tokens[0].text, at))
+        for edit in self._lists.values():
+            edit.write(
+                self.file(self.texts.path),
+                ranked and self.texts.controlled[edit.tokens[0].text] > 1,
+            )
         lines: list[LineEdit] = []
         changed = {}
         for path, draft in sorted(self._drafts.items()):
@@ -205,17 +217,10 @@ class _Drafts:
             self.main.delete(self.main.line_at(token.begin))
 
     def remove(self, first: Token, last: Token) -> None:
-        """Leave out tokens of one line, and the blanks before them."""
+        """Leave out tokens, and the blanks before them."""
         text = self.main.text
         begin = len(text[: first.begin].rstrip(" \t"))
         self.main.put(begin, last.end, "")
-
-    def _has_others(self, controlled: str, at: int) -> bool:
-        """Say whether another statement controls the same module."""
-        return any(
-            number != at and each[0].text == controlled and each[1].text == "is_controlled_by"
-            for number, each in enumerate(self.texts.statements)
-        )
 
     def names_of(self, at: int) -> tuple[Token, Token]:
         """Return the tokens of a data or mount relationship that name modules."""
@@ -369,18 +374,16 @@ def _unname(drafts: _Drafts, module: Symbol) -> None:
 
 
 def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
-    for at, tokens in enumerate(drafts.texts.statements):
-        if tokens[0].text.startswith("@"):
-            continue
-        if tokens[1].text == "is_controlled_by":
-            listed = drafts.members(at)
-            if listed.head == old.string:
+    for stated in drafts.texts.relationships.values():
+        if isinstance(stated, Control):
+            if stated.controlled == old.string:
+                listed, _ = drafts.member(stated)
                 listed.head = new.string
-            for member in listed.members:
-                if member.name.text == old.string:
-                    listed.rename(member, new.string)
+            if stated.controller == old.string:
+                listed, member = drafts.member(stated)
+                listed.rename(member, new.string)
         else:
-            for token in drafts.names_of(at):
+            for token in drafts.names_of(drafts.statement(stated.span)):
                 if token.text == old.string:
                     drafts.replace(token, new.string)
 
