@@ -87,14 +87,13 @@ def optimise(component: Component, deadline: float | None = None) -> Optimum:
     Raises:
         UnsatisfiableError: there is no answer.
     """
-    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
     try:
-        found = _search(component, levels, deadline)
+        found = least(component, deadline)
     except LateError as late:
         return _first(component, late.bound)
     if not found.proven:
         return found
-    costs = {level: found.cost[level] for level in levels if level >= COST_LEVEL}
+    costs = {level: cost for level, cost in found.cost.items() if level >= COST_LEVEL}
     count = _count(component, costs, deadline)
     if count == 1:
         return Optimum(found.true, found.cost, found.bound, True, 1)
@@ -110,7 +109,29 @@ def least(component: Component, deadline: float | None = None) -> Optimum:
         TimeoutError: the deadline passed before any answer was found.
     """
     levels = sorted({level for level, _, _ in component.costs}, reverse=True)
-    return _search(component, levels, deadline)
+    control = _control(component)
+    with control.backend() as backend:
+        for level in levels:
+            costs = [(lit, weight) for at, weight, lit in component.costs if at == level]
+            backend.add_minimize(level, costs)
+    true: frozenset[int] | None = None
+    cost: list[int] = []
+    with _solving(control, deadline) as handle:
+        for model in _models(handle, deadline):
+            true = _true(model, component)
+            cost = list(model.cost)
+        result = handle.get()
+    if result.unsatisfiable:
+        raise UnsatisfiableError
+    values = dict(zip(levels, cost, strict=False))
+    # Without anything to minimise the first answer ends the search, and none is better.
+    if true is not None and (result.exhausted or not levels):
+        return Optimum(true, values, values, True, None)
+    lower = control.statistics["summary"]["lower"] if levels else []
+    bound = {**dict.fromkeys(levels, 0), **dict(zip(levels, map(int, lower), strict=False))}
+    if true is None:
+        raise LateError(bound)
+    return Optimum(true, values, bound, False, None)
 
 
 def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
@@ -135,16 +156,14 @@ def others(
     Raises:
         TimeoutError: the deadline passed before the next was found.
     """
-    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
-    control = _control(component)
-    _minimise(control, component, levels)
-    found = best
+    left, found = component, best
     for _ in range(most):
-        decided = [atom for atom in component.projected if atom in found.true]
-        with control.backend() as backend:
-            backend.add_rule([], decided or [-atom for atom in component.projected])
+        decided = tuple(atom for atom in component.projected if atom in found.true)
+        same = GroundRule(False, (), decided or tuple(-atom for atom in component.projected))
+        # Each search begins anew: clasp may never end where rules come to what it has optimised.
+        left = replace(left, rules=(*left.rules, same))
         try:
-            found = _least(control, component, levels, deadline)
+            found = least(left, deadline)
         except UnsatisfiableError:
             return
         yield found
@@ -181,8 +200,7 @@ def _core(
 ) -> list[int] | None:
     """Return assumptions that cannot hold together, or `None` where all can."""
     with _solving(control, deadline, assumptions) as handle:
-        if not handle.wait(None if deadline is None else max(0.0, deadline - time.monotonic())):
-            handle.cancel()
+        if not handle.wait(_left(deadline)):
             raise TimeoutError
         return None if handle.get().satisfiable else list(handle.core())
 
@@ -195,6 +213,24 @@ def _solving(
     if deadline is None:
         return control.solve(assumptions=told, yield_=True)
     return control.solve(assumptions=told, yield_=True, async_=True)
+
+
+def _left(deadline: float | None) -> float | None:
+    """Return the seconds before a deadline; clingo takes less than 0 for all the time there is."""
+    return None if deadline is None else max(0.0, deadline - time.monotonic())
+
+
+def _models(handle: clingo.SolveHandle, deadline: float | None) -> Iterator[clingo.Model]:
+    """Yield models until there is no other, or the deadline passes: there the search ends."""
+    handle.resume()
+    while handle.wait(_left(deadline)) and (model := handle.model()) is not None:
+        yield model
+        handle.resume()
+    handle.cancel()
+
+
+def _true(model: clingo.Model, component: Component) -> frozenset[int]:
+    return frozenset(atom for atom in range(1, component.size + 1) if model.is_true(atom))
 
 
 def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:
@@ -210,50 +246,6 @@ def _control(component: Component, options: Sequence[str] = ()) -> clingo.Contro
     return control
 
 
-def _search(component: Component, levels: Sequence[int], deadline: float | None) -> Optimum:
-    control = _control(component)
-    _minimise(control, component, levels)
-    return _least(control, component, levels, deadline)
-
-
-def _minimise(control: clingo.Control, component: Component, levels: Sequence[int]) -> None:
-    with control.backend() as backend:
-        for level in levels:
-            costs = [(lit, weight) for at, weight, lit in component.costs if at == level]
-            backend.add_minimize(level, costs)
-
-
-def _least(
-    control: clingo.Control, component: Component, levels: Sequence[int], deadline: float | None
-) -> Optimum:
-    true: frozenset[int] | None = None
-    cost: list[int] = []
-    with _solving(control, deadline) as handle:
-        while True:
-            handle.resume()
-            wait = None if deadline is None else max(0.0, deadline - time.monotonic())
-            if not handle.wait(wait):
-                handle.cancel()
-                break
-            model = handle.model()
-            if model is None:
-                break
-            true = frozenset(a for a in range(1, component.size + 1) if model.is_true(a))
-            cost = list(model.cost)
-        result = handle.get()
-    if result.unsatisfiable:
-        raise UnsatisfiableError
-    values = dict(zip(levels, cost, strict=False))
-    # Without anything to minimise the first answer ends the search, and none is better.
-    if true is not None and (result.exhausted or not levels):
-        return Optimum(true, values, values, True, None)
-    lower = control.statistics["summary"]["lower"] if levels else []
-    bound = {**dict.fromkeys(levels, 0), **dict(zip(levels, map(int, lower), strict=False))}
-    if true is None:
-        raise LateError(bound)
-    return Optimum(true, values, bound, False, None)
-
-
 def _first(component: Component, bound: dict[int, int]) -> Optimum:
     """Find any answer, without looking for a cheap one."""
     control = _control(component)
@@ -261,7 +253,7 @@ def _first(component: Component, bound: dict[int, int]) -> Optimum:
         model = handle.model()
         if model is None:
             raise UnsatisfiableError
-        true = frozenset(a for a in range(1, component.size + 1) if model.is_true(a))
+        true = _true(model, component)
     cost = dict.fromkeys(bound, 0)
     for level, weight, literal in component.costs:
         if (literal in true) if literal > 0 else (-literal not in true):
@@ -290,18 +282,10 @@ def _count(component: Component, costs: dict[int, int], deadline: float | None) 
     most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
     limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
     control = _bounded(component, costs, ("--project=project", *limits))
-    count = 0
     with _solving(control, deadline) as handle:
-        while True:
-            handle.resume()
-            wait = None if deadline is None else max(0.0, deadline - time.monotonic())
-            if not handle.wait(wait):
-                handle.cancel()
-                return None
-            if handle.model() is None:
-                break
-            count += 1
-        return count if handle.get().exhausted and count <= most else None
+        count = sum(1 for _ in _models(handle, deadline))
+        # Who reaches a limit has exhausted nothing.
+        return count if handle.get().exhausted else None
 
 
 def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
@@ -310,7 +294,7 @@ def _first_by_name(component: Component, found: Optimum, deadline: float | None)
     true = found.true
     assumed: list[int] = []
     for atom in component.projected:
-        if deadline is not None and time.monotonic() > deadline:
+        if _left(deadline) == 0:
             break
         if atom in true:
             assumed.append(atom)
@@ -318,7 +302,7 @@ def _first_by_name(component: Component, found: Optimum, deadline: float | None)
         answer: list[frozenset[int]] = []
 
         def keep(model: clingo.Model, answer: list[frozenset[int]] = answer) -> None:
-            answer.append(frozenset(a for a in range(1, component.size + 1) if model.is_true(a)))
+            answer.append(_true(model, component))
 
         result = control.solve(assumptions=[*assumed, atom], on_model=keep)
         if result.unknown:

@@ -46,6 +46,7 @@ TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/execute/plan.py": _EXECUTION,
     "mars_asp/sharing.py": (*_EXECUTION, "test_combinations"),
     "mars_asp/optimum.py": (
+        "test_optimum",
         "test_costs",
         "test_counting",
         "test_apart",

@@ -1,0 +1,330 @@
+"""Optima of components, against a search through all their answers, and what a deadline leaves."""
+
+import random
+import time
+from itertools import combinations, product
+from math import factorial
+from types import SimpleNamespace
+
+import pytest
+
+from mars_asp import optimum
+from mars_asp.ground_program import Component, GroundRule
+from mars_asp.optimum import (
+    LateError,
+    Optimum,
+    UnsatisfiableError,
+    disjoint_needs,
+    least,
+    least_with,
+    optimise,
+    others,
+)
+
+#: Levels of costs, and one of taste, highest first.
+LEVELS = (30, 20, 10, 1)
+
+
+def choice(atom: int) -> GroundRule:
+    return GroundRule(True, (atom,), ())
+
+
+def forbid(*literals: int) -> GroundRule:
+    return GroundRule(False, (), literals)
+
+
+def component(
+    free: int, rules: tuple[GroundRule, ...] = (), costs: tuple[tuple[int, int, int], ...] = ()
+) -> Component:
+    """Return a component of so many free atoms and of those that rules give besides."""
+    size = max([free, *(atom for rule in rules for atom in rule.head)])
+    chosen = tuple(choice(atom) for atom in range(1, free + 1))
+    return Component(size, (*chosen, *rules), costs, tuple(range(1, free + 1)))
+
+
+# ---- All answers ---------------------------------------------------------------------------------
+
+
+def random_component(rng: random.Random) -> Component:
+    """Return free atoms, atoms that rules give from those before them, constraints and costs."""
+    free = rng.randint(1, 5)
+    size = free + rng.randint(0, 2)
+
+    def literals(below: int, most: int) -> tuple[int, ...]:
+        atoms = rng.sample(range(1, below + 1), min(below, rng.randint(1, most)))
+        return tuple(atom * rng.choice((1, -1)) for atom in atoms)
+
+    rules = [
+        GroundRule(False, (atom,), literals(atom - 1, 2)) for atom in range(free + 1, size + 1)
+    ]
+    rules += [forbid(*literals(size, 3)) for _ in range(rng.randint(0, 3))]
+    weighted = tuple((literal, rng.randint(1, 3)) for literal in literals(size, size))
+    rules.append(GroundRule(False, (), (), rng.randint(2, 6), weighted))
+    levels = rng.sample(LEVELS, rng.randint(0, 4))
+    costs = tuple(
+        (level, rng.randint(1, 2), literal) for level in levels for literal in literals(size, size)
+    )
+    return component(free, tuple(rules), costs)
+
+
+def holds(literal: int, true: frozenset[int]) -> bool:
+    return (literal in true) if literal > 0 else (-literal not in true)
+
+
+def answers(whole: Component) -> list[frozenset[int]]:
+    """Return all answers, in the order of their atoms: first those in which the first is true."""
+    found = []
+    for values in product((True, False), repeat=len(whole.projected)):
+        chosen = {atom for atom, value in zip(whole.projected, values, strict=True) if value}
+        for rule in whole.rules:
+            if not rule.choice and rule.head:
+                given = all(holds(literal, frozenset(chosen)) for literal in rule.body)
+                chosen |= set(rule.head) if given else set()
+        true = frozenset(chosen)
+        if all(rule.choice or rule.head or not fires(rule, true) for rule in whole.rules):
+            found.append(true)
+    return found
+
+
+def fires(rule: GroundRule, true: frozenset[int]) -> bool:
+    if rule.bound:
+        return sum(weight for each, weight in rule.weighted if holds(each, true)) >= rule.bound
+    return all(holds(literal, true) for literal in rule.body)
+
+
+def cost(whole: Component, true: frozenset[int]) -> dict[int, int]:
+    """Return what an answer costs at each level, the highest first."""
+    total = {level: 0 for level in LEVELS if any(at == level for at, _, _ in whole.costs)}
+    for level, weight, literal in whole.costs:
+        total[level] += weight * holds(literal, true)
+    return total
+
+
+def by_cost(whole: Component, true: frozenset[int]) -> list[int]:
+    return list(cost(whole, true).values())
+
+
+@pytest.mark.parametrize("deadline", [None, 1000.0])
+def test_the_least_answers_are_those_of_an_exhaustive_search(deadline: float | None) -> None:
+    """The first of equal ones by the order of atoms is chosen; taste does not tell them apart."""
+    until = None if deadline is None else time.monotonic() + deadline
+    unsatisfiable = 0
+    for seed in range(150):
+        whole = random_component(random.Random(seed))
+        everything = answers(whole)
+        if not everything:
+            unsatisfiable += 1
+            for search in (optimise, least):
+                with pytest.raises(UnsatisfiableError):
+                    search(whole, until)
+            continue
+        best = min(everything, key=lambda true: by_cost(whole, true))
+        as_dear = [
+            true
+            for true in everything
+            if all(
+                cost(whole, true)[level] == value
+                for level, value in cost(whole, best).items()
+                if level >= 10
+            )
+        ]
+        costs = cost(whole, best)
+        assert optimise(whole, until) == Optimum(best, costs, costs, True, len(as_dear)), seed
+        some = least(whole, until)
+        assert (some.cost, some.bound, some.proven, some.count) == (costs, costs, True, None)
+        assert some.true in everything
+        assert cost(whole, some.true) == costs
+    assert 10 < unsatisfiable < 100
+
+
+def test_the_least_with_an_atom_is_that_of_an_exhaustive_search() -> None:
+    for seed in range(60):
+        whole = random_component(random.Random(seed))
+        for atom in range(1, whole.size + 1):
+            having = [true for true in answers(whole) if atom in true]
+            if not having:
+                with pytest.raises(UnsatisfiableError):
+                    least_with(whole, atom)
+                continue
+            found = least_with(whole, atom)
+            assert found.true in having
+            assert list(found.cost.values()) == min(by_cost(whole, true) for true in having)
+
+
+@pytest.mark.parametrize("most", [0, 1, 2, 100])
+def test_each_other_answer_is_least_of_those_that_lack_a_decision_of_all_before(most: int) -> None:
+    compared = 0
+    for seed in range(60):
+        whole = random_component(random.Random(seed))
+        left = answers(whole)
+        if not left:
+            continue
+        before = best = optimise(whole)
+        found = list(others(whole, best, most))
+        for other in found:
+            left = lacking(whole, left, before)
+            assert other.true in left
+            assert list(other.cost.values()) == min(by_cost(whole, true) for true in left)
+            before = other
+            compared += 1
+        assert len(found) <= most
+        if len(found) < most:
+            assert lacking(whole, left, before) == []
+    assert compared > 30 or not most
+
+
+def lacking(whole: Component, left: list[frozenset[int]], before: Optimum) -> list[frozenset[int]]:
+    """Return answers that lack a decision; if there was none to lack, those that decide at all."""
+    decided = before.true & set(whole.projected)
+    return [
+        true for true in left if (not true >= decided if decided else true & set(whole.projected))
+    ]
+
+
+def test_disjoint_needs_are_met_by_every_answer_and_have_no_atom_to_spare() -> None:
+    needed = 0
+    for seed in range(150):
+        whole = random_component(random.Random(seed))
+        everything = answers(whole)
+        if not everything:
+            continue
+        costly = {atom for level, _, atom in whole.costs if level == 30 and atom > 0}
+        needs = disjoint_needs(whole, 30)
+        needed += len(needs)
+        taken = [atom for need in needs for atom in need]
+        assert len(set(taken)) == len(taken)
+        assert costly.issuperset(taken)
+        for need in needs:
+            assert all(true & set(need) for true in everything)
+            for atom in need:
+                assert any(not true & (set(need) - {atom}) for true in everything)
+        left = costly.difference(taken)
+        assert any(not true & left for true in everything)
+    assert needed > 15
+
+
+def test_what_costs_where_it_is_false_is_no_need() -> None:
+    either = component(3, (forbid(-1, -2), forbid(3)), ((20, 1, 1), (20, 1, 2), (20, 1, -3)))
+    assert disjoint_needs(either, 20) == ((1, 2),)
+    assert disjoint_needs(either, 10) == ()
+
+
+# ---- Limits --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("most", "count"), [(2, None), (3, 3), (4, 3)])
+@pytest.mark.parametrize("limit", ["MOST_COUNTED", "_MOST_ATOMS_COUNTED"])
+def test_as_many_are_counted_as_may_be(
+    most: int, count: int | None, limit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one_of_three = component(3, (forbid(-1, -2, -3), forbid(1, 2), forbid(1, 3), forbid(2, 3)))
+    monkeypatch.setattr(optimum, limit, most * (1 if limit == "MOST_COUNTED" else 3))
+    found = optimise(one_of_three)
+    assert (found.true, found.proven, found.count) == ({1}, True, count)
+
+
+def holes(pigeons: int, costly: bool, *more: GroundRule) -> Component:
+    """Return places for pigeons in one hole less, where one that has none costs or is forbidden.
+
+    To prove that not all have a place takes exponential time: some milliseconds with 8 pigeons,
+    hours with 12.
+    """
+    number = pigeons * (pigeons - 1)
+    places = [range(1 + p * (pigeons - 1), 1 + (p + 1) * (pigeons - 1)) for p in range(pigeons)]
+    rules = [
+        forbid(one, other)
+        for hole in zip(*places, strict=True)
+        for one, other in combinations(hole, 2)
+    ]
+    none_of = [tuple(-place for place in own) for own in places]
+    if not costly:
+        return component(number, (*rules, *(forbid(*own) for own in none_of), *more))
+    without = range(number + 1, number + 1 + pigeons)
+    rules += [GroundRule(False, (n,), own) for n, own in zip(without, none_of, strict=True)]
+    return component(number, (*rules, *more), tuple((20, 1, atom) for atom in without))
+
+
+def test_counting_gives_up_after_so_many_conflicts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Any of 6 is left out, and the others have their places in any order."""
+    assert optimise(holes(6, True)).count == 6 * factorial(5)
+    monkeypatch.setattr(optimum, "_MOST_CONFLICTS", 1)
+    assert optimise(holes(6, True)).count is None
+
+
+def test_atoms_are_decided_in_their_order_until_one_is_hard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first asks for places for all, which there are not; nothing speaks against the second."""
+    whole = holes(6, False)
+    first, second = whole.size + 1, whole.size + 2
+    rules = [
+        forbid(first, *rule.body) if len(rule.body) == 5 else rule
+        for rule in (*whole.rules, choice(first), choice(second))
+    ]
+    asking = Component(second, tuple(rules), (), (first, second))
+    assert optimise(asking).true >= {second}
+    monkeypatch.setattr(optimum, "_MOST_CONFLICTS", 1)
+    assert not optimise(asking).true & {first, second}
+
+
+# ---- Deadlines -----------------------------------------------------------------------------------
+
+
+def test_before_the_deadline_what_takes_a_while_is_proven() -> None:
+    until = time.monotonic() + 1000
+    assert optimise(holes(7, True), until).cost == {20: 1}
+    with pytest.raises(UnsatisfiableError):
+        least(holes(7, False), until)
+    assert len(disjoint_needs(holes(7, True), 20, until)) == 1
+
+
+@pytest.mark.parametrize("left", [-1.0, 0.0, 0.02])
+def test_behind_the_deadline_the_best_answer_so_far_is_returned_with_its_bound(left: float) -> None:
+    whole = holes(12, True)
+    found = optimise(whole, time.monotonic() + left)
+    assert not found.proven
+    assert found.count is None
+    assert found.bound == {20: 0}
+    assert all(not fires(rule, found.true) for rule in whole.rules if not rule.head)
+    assert found.cost == cost(whole, found.true)
+    with pytest.raises(LateError) as caught:
+        least(whole, time.monotonic() + left)
+    assert caught.value.bound == {20: 0}
+
+
+@pytest.mark.parametrize("left", [-1.0, 0.02])
+def test_behind_the_deadline_what_has_no_answer_yet_is_late(left: float) -> None:
+    with pytest.raises(LateError) as caught:
+        least(holes(12, False), time.monotonic() + left)
+    assert caught.value.bound == {}
+    with pytest.raises(TimeoutError):
+        disjoint_needs(holes(12, True), 20, time.monotonic() + left)
+    with pytest.raises(UnsatisfiableError):
+        optimise(holes(7, False), time.monotonic() + left)
+
+
+def test_what_costs_where_it_is_false_is_added_up_behind_the_deadline() -> None:
+    hard = holes(12, True, forbid(1))
+    costs = (*hard.costs, (20, 5, 1), (20, 7, -1), (10, 11, 2), (10, 13, -2))
+    whole = Component(hard.size, hard.rules, costs, hard.projected)
+    found = optimise(whole, time.monotonic() - 1)
+    assert not found.proven
+    assert found.cost == cost(whole, found.true)
+    assert found.cost[20] >= 7
+
+
+def test_whenever_the_deadline_passes_what_is_proven_is_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where it passes behind the proof, another of equal answers than the first may remain."""
+    chosen = component(6, (forbid(-1, -2, -3, -4, -5, -6),), tuple((30, 1, n) for n in range(1, 7)))
+    found = set()
+    for reached in range(40):
+        times = [0.0] * reached
+        clock = SimpleNamespace(monotonic=lambda times=times: times.pop() if times else 1000.0)
+        monkeypatch.setattr(optimum, "time", clock)
+        best = optimise(chosen, 500.0)
+        assert not best.proven or best.cost == {30: 1}
+        found |= {tuple(best.true)} if best.proven else set()
+    assert (1,) in found
+    assert len(found) > 1
