@@ -123,10 +123,7 @@ def written_cost(
 
 def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
-    names = {name.text for name in project.configuration.modules}
     for fact in configuration_facts(specification, wanted=_SPECIFIED):
-        if fact.atom.name == "spec_node" and fact.atom.arguments[0] in names:
-            continue
         yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:

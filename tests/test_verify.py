@@ -418,3 +418,92 @@ def test_many_ranked_inputs_are_judged_in_proportion_to_their_number() -> None:
         return sum(1 for signature in signatures for _ in grounding.symbols(*signature))
 
     assert compared(80) < 2.5 * compared(40)
+
+
+def judged(text: str, configuration: str) -> tuple[list[str], list[str]]:
+    """Return what is said against a specification; it is the same in a grounding of its own."""
+    project = Project(parse_text(configuration, "c.mars").configuration, {}, ())
+    alone = judge_specification(parsed(text), project, RULEBOOK)
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+    together = judge_specification(parsed(text), project, RULEBOOK, analysis.grounding)
+    assert (together.violations, together.cautions) == (alone.violations, alone.cautions)
+    violations = [f"{found.rule.id} {found.clause}: {found.message}" for found in alone.violations]
+    return violations, [f"{found.rule.id}: {found.message}" for found in alone.cautions]
+
+
+def test_a_caution_is_no_violation_and_says_why_in_words() -> None:
+    flat = RANKED.replace("hierarchical", "flat")
+    assert judged(flat.format(a=3, b=7), FLAT) == ([], [])
+    violations, (caution,) = judged(flat.format(a=7, b=3), FLAT)
+    assert violations == []
+    assert "`A`" in caution
+    assert "`B`" in caution
+
+
+def test_a_comment_is_judged_by_what_its_converter_converts() -> None:
+    """Both names of a comment are read as those that the configuration knows."""
+    right = "// DataTransformer1: Cheap ({} -> {})"
+    for names in (
+        ("Image", "Lines"),
+        ("sensor_msgs::Image", "geo::Lines"),
+        ("Image", "geo::Lines"),
+    ):
+        assert judged(CHOSEN.format(comment=right.format(*names)), CHOICE) == ([], [])
+    for names in (("Lines", "Image"), ("Image", "Depth"), ("other::Image", "Lines")):
+        violations, _ = judged(CHOSEN.format(comment=right.format(*names)), CHOICE)
+        assert any(
+            said.startswith("conversion/misnamed 3: `DataTransformer1` is to apply `Cheap`")
+            for said in violations
+        ), names
+
+
+ARM = """
+@modules Base, Arm, Lamp, Pilot
+Arm is_mounted_on Base
+Lamp is_mounted_on Base
+Arm is_controlled_by Pilot
+@module_start
+@module_name Base
+@Rotn_Y -90 90 45
+void turn(double r);
+@module_end
+@module_start
+@module_name Arm
+@Grasp 0 80
+void grasp(double width);
+@module_end
+@module_start
+@module_name Pilot
+@ControlOut Rotn_Y
+Command go();
+@module_end
+"""
+
+
+def test_a_comment_that_names_another_module_than_the_node_stands_for_is_refused() -> None:
+    """The arm inherits from its base, and nobody commands the lamp beside it."""
+    through = "// InheritanceNode1: {}\nInheritanceNode1 is_controlled_by Pilot\n"
+    through += "Base is_controlled_by InheritanceNode1"
+    specification = "@specification" + ARM.split("@module_start")[0].replace(
+        "Arm is_controlled_by Pilot", through
+    ).replace("Lamp, Pilot", "Lamp, Pilot, InheritanceNode1")
+    configuration = "@configuration" + ARM
+    assert judged(specification.format("Arm"), configuration) == ([], [])
+    violations, _ = judged(specification.format("Lamp"), configuration)
+    assert (
+        "inheritance/misnamed 5: the comment of `InheritanceNode1` names `Lamp`, which has other "
+        "controllers or providers than `InheritanceNode1`"
+    ) in violations
+
+
+def test_a_module_named_like_a_node_is_none() -> None:
+    """Two modules read one source, and one is called as a splitter might be."""
+    lines = "@modules Eye, DataSplitter1, C{}\nDataSplitter1 uses_data_from {}\nC uses_data_from {}"
+    configuration = "@configuration\n" + lines.format("", "Eye", "Eye")
+    straight = "@specification\n" + lines.format("", "Eye", "Eye")
+    split = "@specification\n" + lines.format(", DataSplitter2", "DataSplitter2", "DataSplitter2")
+    split += "\nDataSplitter2 uses_data_from Eye"
+    assert judged(split, configuration) == ([], [])
+    assert judged(straight, configuration)[0] != []
+    chained = "@specification\n" + lines.format("", "Eye", "DataSplitter1")
+    assert judged(chained, configuration)[0] != []

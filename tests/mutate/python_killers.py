@@ -32,7 +32,14 @@ _EXECUTION = (
     "test_execute_run",
     "test_commanded_motion",
 )
-_MOTION = ("test_frames", "test_combinations", "test_physical", "test_wheel", "test_urdf")
+_MOTION = (
+    "test_supports",
+    "test_frames",
+    "test_combinations",
+    "test_physical",
+    "test_wheel",
+    "test_urdf",
+)
 #: The modules that judge, weigh or repair, and the test files that concern them.
 TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/verify.py": ("test_verify", "test_realises", "test_standalone", "test_exhaustive"),
