@@ -20,7 +20,7 @@ from tests.execute_builders import (
     specification,
 )
 
-PAIR = "ArbitrationNode1 is_controlled_by {a} 1\nArbitrationNode1 is_controlled_by {b} 2\n"
+PAIR = "ArbitrationNode is_controlled_by {a} 1\nArbitrationNode is_controlled_by {b} 2\n"
 
 
 def planned(text: str, *modules: Module, periods: dict[str, int | None] | None = None) -> Plan:
@@ -96,7 +96,7 @@ def test_a_described_module_is_what_its_services_say() -> None:
         "DataSplitter1": "sensor", "E": "effector", "Bare": "control_out",
     }  # fmt: skip
     assert plan.services("E") == ()
-    assert plan.services("ArbitrationNode1") == ()
+    assert plan.services("ArbitrationNode") == ()
     assert plan.services("S") == seeing.services
 
 
@@ -198,60 +198,61 @@ def test_how_often_a_message_is_made() -> None:
 
 def test_a_command_stays_in_force_for_two_and_a_half_periods() -> None:
     text = PAIR.format(a="P", b="Q hold 70").replace("Q hold 70 2", "Q 2 hold 70")
-    plan = planned(text + control("M", "ArbitrationNode1"), periods={"P": SECOND // 10, "Q": 1})
-    assert plan.hold(link(plan, "ArbitrationNode1", "P")) == 250 * MILLISECOND
-    assert plan.hold(link(plan, "ArbitrationNode1", "Q")) == 70 * MILLISECOND
+    plan = planned(text + control("M", "ArbitrationNode"), periods={"P": SECOND // 10, "Q": 1})
+    assert plan.hold(link(plan, "ArbitrationNode", "P")) == 250 * MILLISECOND
+    assert plan.hold(link(plan, "ArbitrationNode", "Q")) == 70 * MILLISECOND
     plan = planned(text)
-    assert plan.hold(link(plan, "ArbitrationNode1", "P")) == DEFAULT_HOLD == 200 * MILLISECOND
+    assert plan.hold(link(plan, "ArbitrationNode", "P")) == DEFAULT_HOLD == 200 * MILLISECOND
 
 
 @pytest.mark.parametrize("node", ["ControlSplitter1", "InheritanceNode1", "ArbitrationNode2"])
 def test_how_often_is_a_matter_of_who_speaks_through_nodes(node: str) -> None:
-    text = PAIR.format(a=node, b="Q") + control("M", "ArbitrationNode1")
+    text = PAIR.format(a=node, b="Q") + control("M", "ArbitrationNode")
     periods: dict[str, int | None] = {"P": SECOND // 5, "R": SECOND}
     alone = planned(text + control(node, "P"), periods=periods)
-    assert alone.hold(link(alone, "ArbitrationNode1", node)) == 500 * MILLISECOND
+    assert alone.hold(link(alone, "ArbitrationNode", node)) == 500 * MILLISECOND
     two = planned(text + control(node, "P") + control(node, "R"), periods=periods)
-    assert two.hold(link(two, "ArbitrationNode1", node)) == DEFAULT_HOLD
+    assert two.hold(link(two, "ArbitrationNode", node)) == DEFAULT_HOLD
     silent = planned(text, periods=periods)
-    assert silent.hold(link(silent, "ArbitrationNode1", node)) == DEFAULT_HOLD
+    assert silent.hold(link(silent, "ArbitrationNode", node)) == DEFAULT_HOLD
     round_ = planned(text + control(node, "ControlSplitter3") + control("ControlSplitter3", node))
-    assert round_.hold(link(round_, "ArbitrationNode1", node)) == DEFAULT_HOLD
+    assert round_.hold(link(round_, "ArbitrationNode", node)) == DEFAULT_HOLD
 
 
 def test_arbiters_are_counted_one_behind_the_other() -> None:
     chain = (
-        control("M", "ArbitrationNode1") + PAIR.format(a="InheritanceNode1", b="Q")
+        control("M", "ArbitrationNode") + PAIR.format(a="InheritanceNode1", b="Q")
         + control("InheritanceNode1", "ArbitrationNode2") + control("ArbitrationNode2", "P")
         + control("ArbitrationNode2", "R")
     )  # fmt: skip
     plan = planned(chain)
-    names = ("P", "ArbitrationNode2", "InheritanceNode1", "ArbitrationNode1", "M")
+    names = ("P", "ArbitrationNode2", "InheritanceNode1", "ArbitrationNode", "M")
     assert [plan.depth(name) for name in names] == [0, 1, 1, 2, 2]
     ring = planned(
-        control("ArbitrationNode1", "ArbitrationNode2")
-        + control("ArbitrationNode2", "ArbitrationNode1")
+        control("ArbitrationNode", "ArbitrationNode2")
+        + control("ArbitrationNode2", "ArbitrationNode")
     )
-    assert ring.depth("ArbitrationNode1") == 2
+    assert ring.depth("ArbitrationNode") == 2
 
 
 def test_what_reaches_an_effector_without_another_arbiter() -> None:
     chain = (
-        control("M", "ControlSplitter1") + control("ControlSplitter1", "ArbitrationNode1")
-        + control("ArbitrationNode1", "ControlSplitter2") + control("ControlSplitter2", "P")
+        control("M", "ControlSplitter1") + control("ControlSplitter1", "ArbitrationNode")
+        + control("ArbitrationNode", "ControlSplitter2") + control("ControlSplitter2", "P")
         + control("N", "InheritanceNode1") + control("InheritanceNode1", "P")
-        + control("ControlSplitter3", "ControlSplitter4") + control("ControlSplitter4", "ControlSplitter3")
+        + control("ControlSplitter3", "ControlSplitter4")
+        + control("ControlSplitter4", "ControlSplitter3")
     )  # fmt: skip
     plan = planned(chain)
     reaching = {name for name in plan.names if plan.reaches_effector(name)}
-    assert reaching == {"ControlSplitter1", "ArbitrationNode1", "P", "InheritanceNode1"}
+    assert reaching == {"ControlSplitter1", "ArbitrationNode", "P", "InheritanceNode1"}
     plan = planned(
         chain.replace(
-            control("N", "InheritanceNode1"), control("ArbitrationNode1", "InheritanceNode1")
+            control("N", "InheritanceNode1"), control("ArbitrationNode", "InheritanceNode1")
         )
     )
     reaching = {name for name in plan.names if plan.reaches_effector(name)}
-    assert reaching == {"ControlSplitter1", "ArbitrationNode1"}
+    assert reaching == {"ControlSplitter1", "ArbitrationNode"}
 
 
 # ---- InheritanceNodes ----------------------------------------------------------------------------
@@ -310,7 +311,7 @@ def test_what_nothing_is_mounted_on_is_carried_by_nobody() -> None:
 
 
 def test_who_leads_a_module_and_its_node_leaves_to_providers_what_they_give() -> None:
-    """The camera turns itself about z; the turn about y and the slide are its carriers'."""
+    """The camera turns itself about z; its carriers give all motions of the plane across y."""
     pilot = control_out("Pilot", "Rotn_Y", "Rotn_Z")
     apart = planned(TOWER.format(high="High"), *TOWER_MODULES, pilot)
     assert apart.led_by_both("InheritanceNode1") is None
@@ -318,7 +319,7 @@ def test_who_leads_a_module_and_its_node_leaves_to_providers_what_they_give() ->
     text = TOWER.format(high="High") + control("Cam", "Pilot")
     both = planned(text, *TOWER_MODULES, pilot)
     assert both.led_by_both("InheritanceNode1") == "Cam"
-    assert both.left_to_providers() == {"Cam": frozenset({"Rotn_Y", "Trans_X"})}
+    assert both.left_to_providers() == {"Cam": frozenset({"Rotn_Y", "Trans_X", "Trans_Z"})}
     other = planned(TOWER.format(high="High") + control("Cam", "Other"), *TOWER_MODULES, pilot)
     assert other.led_by_both("InheritanceNode1") is None
     assert other.left_to_providers() == {}

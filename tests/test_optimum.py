@@ -292,6 +292,21 @@ def test_behind_the_deadline_the_best_answer_so_far_is_returned_with_its_bound(l
     assert caught.value.bound == {20: 0}
 
 
+def test_an_answer_that_is_not_proven_least_is_neither_counted_nor_called_so() -> None:
+    """Without what costs 100 an answer is soon found; what the rest costs at least is hard."""
+    hard = holes(12, True)
+    dear = hard.size + 1
+    rules = (*hard.rules, choice(dear))
+    whole = Component(dear, rules, ((20, 100, dear), *hard.costs, (10, 1, 1)), hard.projected)
+    for search in (optimise, least):
+        found = search(whole, time.monotonic() + 0.1)
+        assert (found.proven, found.count) == (False, None)
+        assert found.bound == {20: 0, 10: 0}
+        assert found.cost == cost(whole, found.true)
+        assert 1 <= found.cost[20] < 100
+        assert all(not fires(rule, found.true) for rule in rules if not rule.head)
+
+
 @pytest.mark.parametrize("left", [-1.0, 0.02])
 def test_behind_the_deadline_what_has_no_answer_yet_is_late(left: float) -> None:
     with pytest.raises(LateError) as caught:

@@ -31,6 +31,7 @@ _EXECUTION = (
     "test_execute_priorities",
     "test_execute_run",
     "test_commanded_motion",
+    "test_execute_plan",
 )
 _MOTION = (
     "test_supports",
@@ -49,9 +50,9 @@ TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/annotation_edits.py": _REPAIRS,
     "mars_asp/frames.py": (*_MOTION, *_EXECUTION),
     "mars_asp/supports.py": (*_MOTION, *_EXECUTION),
-    "mars_asp/physical.py": _MOTION,
+    "mars_asp/physical.py": ("test_physical_facts", *_MOTION),
     "mars_asp/execute/plan.py": _EXECUTION,
-    "mars_asp/sharing.py": (*_EXECUTION, "test_combinations"),
+    "mars_asp/sharing.py": ("test_sharing", *_EXECUTION, "test_combinations"),
     "mars_asp/optimum.py": (
         "test_optimum",
         "test_costs",
