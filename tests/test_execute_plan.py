@@ -100,6 +100,15 @@ def test_a_described_module_is_what_its_services_say() -> None:
     assert plan.services("S") == seeing.services
 
 
+def test_who_moves_is_an_effector_whomever_it_commands_and_so_is_who_only_carries() -> None:
+    plan = planned(control("M", "E") + "M is_mounted_on Base\n", effector("E", "Rotn_X"))
+    assert {name: plan.kind(name) for name in plan.names} == {
+        "M": "effector",
+        "E": "effector",
+        "Base": "effector",
+    }
+
+
 def test_an_undescribed_module_is_what_its_relationships_say() -> None:
     plan = planned(
         data("Filter", "Camera") + data("Planner", "Filter") + data("Display", "Filter")

@@ -484,7 +484,7 @@ def test_a_comment_that_names_another_module_than_the_node_stands_for_is_refused
     """The arm inherits from its base, and nobody commands the lamp beside it."""
     through = "// InheritanceNode1: {}\nInheritanceNode1 is_controlled_by Pilot\n"
     through += "Base is_controlled_by InheritanceNode1"
-    specification = "@specification" + ARM.split("@module_start")[0].replace(
+    specification = "@specification" + ARM.split("@module_start", maxsplit=1)[0].replace(
         "Arm is_controlled_by Pilot", through
     ).replace("Lamp, Pilot", "Lamp, Pilot, InheritanceNode1")
     configuration = "@configuration" + ARM
