@@ -212,10 +212,9 @@ def scaled(columns: Matrix) -> Matrix:
     What counts is where they point. Columns of zeros stay.
     """
     found: Matrix = columns.copy()
-    if found.shape[0] == 6 and found.size:
-        turning = np.abs(found[:3]).max(axis=0) > TOLERANCE
-        arms = np.abs(found[3:, turning])
-        found[3:] /= max(1.0, float(arms.max())) if arms.size else 1.0
+    turning = np.abs(found[:3]).max(axis=0) > TOLERANCE
+    arms = np.abs(found[3:, turning])
+    found[3:] /= max(1.0, float(arms.max())) if arms.size else 1.0
     lengths = np.linalg.norm(found, axis=0)
     found /= np.where(lengths > TOLERANCE, lengths, 1.0)
     return found

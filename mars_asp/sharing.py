@@ -22,7 +22,6 @@ from mars_asp.supports import columns_with_share, fewest_groups, spanned
 #: From motion function to what it is commanded for one unit of a function of the module.
 Shares = Mapping[str, float]
 _SEED = 1
-_LEAST = 1e-9
 
 
 class Carrying:
@@ -144,9 +143,7 @@ def _shares(joints: Sequence[Joint], columns: Matrix, index: int) -> Shares:
     unit = np.eye(columns.shape[0])[index]
     answer = np.linalg.lstsq(columns[:, chosen], unit, rcond=None)[0]
     return {
-        joints[place].function: float(share)
-        for place, share in zip(chosen, answer, strict=True)
-        if abs(share) > _LEAST
+        joints[place].function: float(share) for place, share in zip(chosen, answer, strict=True)
     }
 
 

@@ -8,6 +8,7 @@ from mars_asp.execute.behaviour import Behaviour
 from mars_asp.execute.link import Link
 from mars_asp.execute.plan import DEFAULT_HOLD, Plan
 from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.language import parse_text
 from mars_asp.model import Module, Service
 from tests.execute_builders import (
     HERE,
@@ -78,17 +79,17 @@ def test_depths_of_data_count_the_longest_way() -> None:
 
 
 def test_a_described_module_is_what_its_services_say() -> None:
+    moving_x = effector("M", "Rotn_X").functions
     both = Module("B", HERE, (Service("DataIn", HERE), Service("DataOut", HERE)))
-    acting = Module("E", HERE, effector("E", "Rotn_X").functions)
     commanding = Module("C", HERE, (Service("DataIn", HERE), Service("ControlOut", HERE)))
     seeing = Module("S", HERE, (Service("DataIn", HERE), Service("Sense", HERE)))
-    moving = Module("M", HERE, (Service("DataIn", HERE),), effector("M", "Rotn_X").functions)
+    moving = Module("M", HERE, (Service("DataIn", HERE),), moving_x)
     named = sensor("DataSplitter1")
     turning = effector("E", "Rotn_X")
     bare = Module("Bare", HERE)
     plan = planned(
         data("B", "S") + data("C", "B") + data("M", "DataSplitter1") + control("E", "Bare"),
-        both, acting, commanding, seeing, moving, named, turning, bare,
+        both, commanding, seeing, moving, named, turning, bare,
     )  # fmt: skip
     kinds = {name: plan.kind(name) for name in plan.names}
     assert kinds == {
@@ -129,20 +130,22 @@ def test_a_module_offers_its_first_mode_or_what_its_single_client_asks_for() -> 
     ready, regular = mode("NotifyWhenReady"), mode("NotifyAtFrequency")
     for asked, expected in (
         ("", (ready, None)),
-        (" NotifyAtFrequency", (regular, 20)),
+        (" NotifyAtFrequency", (regular, Fraction(20))),
         (" RequestWhenReady", (mode("RequestWhenReady"), None)),
         (" NotifyOnMax", (ready, None)),
         (" NotifyAtFrequency\nD uses_data_from S RequestWhenReady", (ready, None)),
-        (" NotifyAtFrequency\nD uses_data_from S", (regular, 20)),
+        (" NotifyAtFrequency\nD uses_data_from S", (regular, Fraction(20))),
     ):
         assert planned(f"C uses_data_from S{asked}", several).offered("S") == expected, asked
     assert planned(data("C", "S"), sensor("S", "NotifyAtFrequency")).offered("S") == (regular, None)
     computed = planned(data("C", "S"), data_out("S", "NotifyAtFrequency", 4))
-    assert computed.offered("S") == (regular, 4)
+    assert computed.offered("S") == (regular, Fraction(4))
     assert planned(data("C", "S")).offered("S") == (ready, None)
     without = Module("S", HERE, (Service("DataIn", HERE), Service("DataOut", HERE)))
     assert planned(data("C", "S"), without).offered("S") == (ready, None)
     assert planned(data("C", "S"), sink("S")).offered("S") == (ready, None)
+    taking = Module("S", HERE, (Service("DataIn", HERE), *computed.services("S")))
+    assert planned(data("C", "S"), taking).offered("S") == (regular, Fraction(4))
 
 
 def test_a_sensor_is_sampled_raw_where_a_condition_is_asked_for() -> None:
@@ -150,7 +153,10 @@ def test_a_sensor_is_sampled_raw_where_a_condition_is_asked_for() -> None:
     asking = mode("RequestWhenReady")
     for make in (sensor, data_out):
         assert planned(data("C", "S"), make("S", "NotifyOnMax")).made("S") == (ready, None)
-        assert planned(data("C", "S"), make("S", "NotifyAtFrequency", 5)).made("S") == (regular, 5)
+        assert planned(data("C", "S"), make("S", "NotifyAtFrequency", 5)).made("S") == (
+            regular,
+            Fraction(5),
+        )
         assert planned(data("C", "S"), make("S", "RequestWhenReady")).made("S") == (asking, None)
 
 
@@ -163,12 +169,12 @@ def test_a_link_carries_what_it_states_or_what_stands_behind_it() -> None:
         "RequestWhenReady"
     )  # fmt: skip
     plan = planned(chain, sensor("S", "NotifyAtFrequency", 10))
-    assert plan.made("DataTransformer1") == plan.made("DataSplitter1") == (regular, 10)
+    assert plan.made("DataTransformer1") == plan.made("DataSplitter1") == (regular, Fraction(10))
     carried = {name: plan.carried(plan.data_in[name][0]) for name in "ABCD"}
     assert carried == {
-        "A": (regular, 10),
-        "B": (regular, 10),
-        "C": (regular, 2),
+        "A": (regular, Fraction(10)),
+        "B": (regular, Fraction(10)),
+        "C": (regular, Fraction(2)),
         "D": (mode("RequestWhenReady"), None),
     }
     # What the module itself offers is carried, though it only samples.
@@ -187,8 +193,20 @@ def test_a_stated_condition_keeps_no_rate_of_what_is_behind_it() -> None:
     assert plan.carried(plan.links[1]) == (mode("NotifyOnMax"), None)
 
 
+def test_what_is_stated_is_carried_whatever_is_behind_it() -> None:
+    text = data("DataSplitter1", "S") + "C uses_data_from DataSplitter1 NotifyAtFrequency"
+    plan = planned(text, sensor("S"))
+    assert plan.carried(plan.links[1]) == (mode("NotifyAtFrequency"), None)
+    ring = planned(
+        "DataSplitter1 uses_data_from DataSplitter2 NotifyWhenReady\n"
+        "DataSplitter2 uses_data_from DataSplitter1 NotifyWhenReady\n"
+    )
+    assert [ring.carried(each) for each in ring.links] == [(mode("NotifyWhenReady"), None)] * 2
+
+
 def test_how_often_a_message_is_made() -> None:
     sampled = sensor("S", "NotifyAtFrequency", 10)
+    assert planned(data("A", "S"), sampled, periods={"S": SECOND}).rate("S") == 10
     chain = data("A", "S") + "B uses_data_from A NotifyAtFrequency 4\n" + data("C", "B")
     plan = planned(chain, sampled)
     assert [plan.rate(name) for name in "SABC"] == [10, 10, 4, 4]
@@ -332,3 +350,25 @@ def test_who_leads_a_module_and_its_node_leaves_to_providers_what_they_give() ->
     other = planned(TOWER.format(high="High") + control("Cam", "Other"), *TOWER_MODULES, pilot)
     assert other.led_by_both("InheritanceNode1") is None
     assert other.left_to_providers() == {}
+
+
+def test_an_arc_that_one_carrier_gives_is_left_to_it() -> None:
+    """A turn at a lever of 100 mm is no pure turn, and yet the carrier's."""
+    text = (
+        "Cam is_mounted_on High (100,_,_)\nInheritanceNode1 is_controlled_by Pilot\n"
+        "High is_controlled_by InheritanceNode1\nCam is_controlled_by Pilot"
+    )
+    modules = effector("High", "Rotn_Z"), effector("Cam", "Rotn_X")
+    plan = planned(text, *modules, control_out("Pilot", "Rotn_X", "Rotn_Z"))
+    assert plan.left_to_providers() == {"Cam": frozenset({"Rotn_Z"})}
+
+
+def test_a_module_that_is_mounted_nowhere_leaves_nothing_to_providers() -> None:
+    text = (
+        "@specification\n@modules Loose, Base, Pilot, InheritanceNode1\n"
+        "// InheritanceNode1: Loose\nInheritanceNode1 is_controlled_by Pilot\n"
+        "Base is_controlled_by InheritanceNode1\nLoose is_controlled_by Pilot\n"
+    )
+    plan = Plan(parse_text(text, "s.mars").configuration, {}, {})
+    assert plan.led_by_both("InheritanceNode1") == "Loose"
+    assert plan.left_to_providers() == {"Loose": frozenset()}

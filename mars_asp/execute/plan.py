@@ -135,7 +135,7 @@ class Plan:
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)
             mode = mode or self._unstated(link.source, fed)
-            hz = hz or (rate if mode.name == AT_FREQUENCY else None)
+            hz = rate if mode.name == AT_FREQUENCY else None
         return mode, hz
 
     def _unstated(self, source: str, fed: Mode) -> Mode:
@@ -148,10 +148,8 @@ class Plan:
             inputs = self.data_in[name]
             return self.carried(inputs[0]) if inputs else (Mode(WHEN_READY), None)
         mode, hz = self.offered(name)
-        if self.kind(name) == "sensor" and mode.name not in (AT_FREQUENCY, ON_REQUEST):
-            # What it samples is raw: the link's own port sets the condition.
-            return Mode(WHEN_READY), None
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):
+            # What is made is raw: the link's own port sets the condition.
             return Mode(WHEN_READY), None
         return mode, hz
 
@@ -216,11 +214,9 @@ class Plan:
 
         `position` gives the present values of a module's motions in degrees and mm.
         """
-        rider = self.inheriting.way_down(node)[:1]
+        way = self.inheriting.way_down(node)
         return (
-            self.inheriting.carrying(rider[0], list(self.providers(node)), position)
-            if rider
-            else None
+            self.inheriting.carrying(way[0], list(self.providers(node)), position) if way else None
         )
 
     def unknown_providers(self, node: str) -> list[str]:
