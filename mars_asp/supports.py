@@ -57,7 +57,7 @@ def fewest_groups(groups: Sequence[Matrix], units: Sequence[int]) -> dict[int, l
     those are dropped, the last first, that can be.
     """
     found: dict[int, list[list[int]]] = {}
-    left = [unit for unit in units if unit not in found]
+    left = list(units)
     padded = _padded(groups)
     for size in range(1, min(6, len(groups)) + 1):
         if not left:
@@ -145,9 +145,9 @@ def _sufficient(groups: Sequence[Matrix], unit: int) -> list[int]:
 def _reach(size: int) -> int:
     """Return among how many all sets of a size are no more than `MOST_SETS`."""
     count = size
-    while size > 1 and comb(count + 1, size) <= MOST_SETS:
+    while comb(count + 1, size) <= MOST_SETS:
         count += 1
-    return count if size > 1 else MOST_SETS
+    return count
 
 
 @lru_cache(64)

@@ -112,7 +112,7 @@ def test_what_one_carrier_combines() -> None:
     }
     assert facts_of("combines", about(module("A", "Trans_X"))) == set()
     # Behind a turn about z a slide along x reaches every shift across z once it is turned away.
-    facts = about(module("A", "Trans_X", "Trans_Y", "Rotn_Z"))
+    facts = about(module("A", "Trans_X", "Trans_Y", "Rotn_Z"), at=placed((), 300, 0, 0))
     zero = facts_of("combines", facts)
     assert 'combines("Cam","A",zero,"Rotn_Z","Rotn_Z")' in zero
     assert not any('"Rotn_Z","Trans' in fact for fact in zero)
@@ -149,6 +149,13 @@ def test_the_fewest_nearest_carriers_give_together_what_none_gives_alone() -> No
     assert facts_of("circuit", facts) == set()
 
 
+def test_what_one_carrier_combines_is_left_to_nobody_else() -> None:
+    modules = module("A", "Trans_X", "Trans_Y"), module("B", "Trans_X")
+    facts = told([("Cam", "A", placed([("z", 30)])), ("A", "B", None)], CAM, *modules)
+    assert facts_of("combines", facts) != set()
+    assert facts_of("support", facts) == set()
+
+
 def test_sets_as_near_as_another_are_numbered_by_their_names() -> None:
     """Four slides along y, each turned out of it by 30 degrees: the first and the last towards x,
     to either side, the others towards z. Two of one plane give the shift along y.
@@ -176,15 +183,15 @@ def test_what_is_asked_is_told_by_circuits_of_several_carriers() -> None:
     """Three slides in a plane: x by A alone, y by any two; a circuit within one carrier is none."""
     mounts = [
         ("Cam", "A", None),
-        ("A", "B", placed([("z", -45)])),
-        ("B", "C", placed([("z", -45)])),
+        ("A", "B", placed([("z", -30)])),
+        ("B", "C", placed([("z", -30)])),
     ]
     modules = [module(name, "Trans_X") for name in "ABC"]
     asked = [("Trans_Y", "Cam"), ("Trans_Y", "Cam"), ("Grasp", "Cam"), ("Trans_Z", "Cam")]
     facts = told(mounts, CAM, *modules, asked=asked)
     assert [fact for fact in facts if fact.startswith("circuit")] == [
         f'circuit("Cam","Trans_Y",{number},"{name}","Trans_X")'
-        for number, pair in enumerate(["AB"])
+        for number, pair in enumerate(["AB", "AC", "BC"])
         for name in pair
     ]
     both = [module("A", "Trans_X", "Trans_Y"), module("B", "Rotn_Z")]

@@ -224,9 +224,8 @@ def test_as_many_of_the_nearest_are_tried_as_the_sets_allow(size: int, reach: in
     assert fewest_groups(within, [0]) == {0: [[*range(size - 1), reach - 1]]}
     # A second way to give it lies farther out: of it nothing is told, of the nearer it is.
     assert fewest_groups([*within, useful[-1]], [0]) == {0: [[*range(size - 1), reach - 1]]}
-    if size < 5:
-        columns = np.hstack([*within, useful[-1]])
-        assert list(circuits(columns, 0)) == [(*range(size - 1), reach - 1)]
+    columns = np.hstack([*within, useful[-1]])
+    assert list(circuits(columns, 0)) == [(*range(size - 1), reach - 1)]
 
 
 def test_single_groups_are_all_tried() -> None:
@@ -250,3 +249,15 @@ def test_beyond_the_reach_groups_are_taken_in_their_order() -> None:
     assert found(first, other) == []
     wide = np.hstack([second, matrix(unit(4))])
     assert found(matrix(unit(1, 4)), first, wide) == [[1, 2]]
+
+
+def test_one_group_that_suffices_is_kept_however_far_out_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(supports, "MOST_SETS", 1)
+    supports._reach.cache_clear()
+    try:
+        groups = [matrix([0.0] * 6)] * 6 + [matrix(unit(0))]
+        assert fewest_groups(groups, [0]) == {0: [[6]]}
+    finally:
+        supports._reach.cache_clear()
