@@ -2,6 +2,7 @@
 
 import gc
 import io
+import os
 import sys
 
 #: A command lives shortly and its values hold no cycles; looking for some at Python's own pace
@@ -12,6 +13,7 @@ COLLECT_AFTER = 100_000
 def main() -> int:
     """Run the command line; return the exit status."""
     gc.set_threshold(COLLECT_AFTER)
+    _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         # What we print is read again as UTF-8, and some systems would write something else.
         if isinstance(stream, io.TextIOWrapper):
@@ -19,6 +21,24 @@ def main() -> int:
     from mars_asp.cli import run_command
 
     return run_command(sys.argv[1:])
+
+
+def _open_what_is_closed() -> None:
+    """Give closed standard streams a descriptor, which else the next file to be opened would get.
+
+    What is written to standard output still fails, and what is said on standard error is lost.
+    """
+    for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, mode)
+    if sys.stdin is None:
+        sys.stdin = open(0, encoding="utf-8")  # noqa: SIM115 -- for the whole command
+    if sys.stdout is None:
+        sys.stdout = io.TextIOWrapper(io.FileIO(1, "w", closefd=False))
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", encoding="utf-8")  # noqa: SIM115
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Modules bound to what runs them: Python functions, simulated devices, and injected faults."""
 
 import importlib.util
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -87,20 +87,35 @@ def bind_functions(
         MarsError: files or functions that cannot be used; all of them.
     """
     functions, bound = Functions(scenario), {}
-    converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
-    for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
-        stated = scenario.bindings.get(name, {})
-        place = _place(stated, modules.get(name), scenario)
-        if name in scenario.devices or place is None:
-            continue
+    for name, place in _places(modules, scenario, names):
         call = functions.function(*place, name)
         if call is not None:
+            stated = scenario.bindings.get(name, {})
             bound[name] = Behaviour(
                 call, _nanoseconds(stated.get("period")), _nanoseconds(stated.get("delay")) or 0
             )
     if functions.problems:
         raise MarsError(functions.problems)
     return {name: faulty(behaviour, scenario, name, clock) for name, behaviour in bound.items()}
+
+
+def imported_files(
+    modules: Mapping[str, Module], scenario: Scenario, names: Iterable[str]
+) -> tuple[str, ...]:
+    """Return the Python files that a run of these modules imports, each once."""
+    places = _places(modules, scenario, names)
+    return tuple(dict.fromkeys(str(path) for _, (path, _) in places))
+
+
+def _places(
+    modules: Mapping[str, Module], scenario: Scenario, names: Iterable[str]
+) -> Iterator[tuple[str, tuple[Path, str]]]:
+    """Yield each module that a Python function runs, and the file and name of that."""
+    converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
+    for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
+        place = _place(scenario.bindings.get(name, {}), modules.get(name), scenario)
+        if name not in scenario.devices and place is not None:
+            yield name, place
 
 
 def _place(

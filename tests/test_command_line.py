@@ -43,7 +43,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
 @pytest.mark.parametrize(
     ("words", "text", "status", "mentions"),
     [
-        ([], None, 2, "VERB"),
+        ([], None, 0, ""),
         (["analise", LEVEL0], None, 2, "did you mean `analyse`"),
         (["analyse"], None, 2, "FILE"),
         (["analyse", "missing.mars"], None, 2, "missing.mars"),
@@ -248,7 +248,7 @@ def test_output_is_utf_8_whatever_the_system_prefers() -> None:
 
 def test_a_device_without_room_is_named_plainly() -> None:
     done = mars("synthesise", LEVEL0, "-o", "/dev/full")
-    assert (done.returncode, done.stderr) == (2, "mars-asp: the output: No space left on device\n")
+    assert (done.returncode, done.stderr) == (2, "mars-asp: `/dev/full`: No space left on device\n")
 
 
 def test_a_file_is_read_once_by_however_many_paths(tmp_path: Path) -> None:

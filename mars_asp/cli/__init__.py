@@ -10,10 +10,13 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from mars_asp import __version__
 from mars_asp.spelling import nearest
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 VERBS = {
     "check": "parse, extract and analyse; print diagnostics only",
@@ -40,16 +43,30 @@ DONE, FOUND, USAGE, LIMIT, CLOSED_PIPE = 0, 1, 2, 3, 141
 
 def run_command(words: Sequence[str]) -> int:
     """Run one command line; return its exit status, never a traceback for a user's mistake."""
+    from mars_asp.cli.worker import Ended, ended_by_signals
+
     try:
-        status = _run(words)
-        sys.stdout.flush()
+        with ended_by_signals():
+            try:
+                status = _run(words)
+            except SystemExit as exit_:  # argparse printed help or what is wrong
+                status = int(exit_.code or 0)
+            sys.stdout.flush()
     except BrokenPipeError:
-        # What is left in the buffer has nowhere to go: let the interpreter close a dead end.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _close_output()
         return CLOSED_PIPE
-    except KeyboardInterrupt:
-        return 130
+    except OSError as error:
+        _close_output()
+        print(f"mars-asp: standard output: {error.strerror or error}", file=sys.stderr)
+        return USAGE
+    except Ended as ended:
+        return 128 + ended.number
     return status
+
+
+def _close_output() -> None:
+    """Give what is left in the buffer a dead end, for it has nowhere to go."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def run_here(words: Sequence[str]) -> int:
@@ -69,11 +86,12 @@ def _run(words: Sequence[str], contained: bool = True) -> int:
     parser = _Parser(prog=f"mars-asp {word}", description=(module.__doc__ or "").partition("\n")[0])
     _common_options(parser)
     module.configure(parser)
-    from mars_asp.cli.limits import run_limited, run_plain
+    from mars_asp.cli.limits import run_plain
+    from mars_asp.cli.worker import run_contained
 
     arguments = parser.parse_intermixed_args(words[1:])
     arguments.started = time.monotonic()
-    return (run_limited if contained else run_plain)(module.run, arguments)
+    return (run_contained if contained else run_plain)(module.run, arguments)
 
 
 def _no_verb(words: Sequence[str]) -> int:
@@ -86,6 +104,9 @@ def _no_verb(words: Sequence[str]) -> int:
     parser.add_argument("--version", action="version", version=f"mars-asp {__version__}")
     parser.add_argument("verb", metavar="VERB", help="see below; `mars-asp VERB --help` for each")
     parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=argparse.SUPPRESS)
+    if not words:
+        parser.print_help()
+        return DONE
     verb = parser.parse_args(list(words)).verb
     near = nearest(verb, (*VERBS, *ALIASES))
     hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
@@ -99,6 +120,10 @@ class _Parser(argparse.ArgumentParser):
         from mars_asp.visible import visible
 
         self.exit(USAGE, f"{self.prog}: {visible(message)}; see `{self.prog} --help`\n")
+
+    def _print_message(self, message: str, file: "SupportsWrite[str] | None" = None) -> None:
+        """Print, and do not pass over in silence that there is no room for it, as argparse does."""
+        (file or sys.stderr).write(message)
 
 
 def _common_options(parser: argparse.ArgumentParser) -> None:

@@ -5,9 +5,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import add_file, read_project
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.visible import visible, write_whole
+from mars_asp.visible import visible
 
 if TYPE_CHECKING:
     from mars_asp.draw import Picture
@@ -52,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     picture = depict(configuration, project.modules)
     content = _drawn(picture, kind, configuration.span)
     if arguments.output != "-":
-        write_whole(arguments.output, content)
+        write_file(arguments.output, content)
     elif isinstance(content, str):
         print(content, end="")
     else:

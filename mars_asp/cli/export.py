@@ -2,8 +2,8 @@
 
 import argparse
 
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import add_file, read_project
-from mars_asp.visible import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,5 +22,5 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output == "-":
         print(written, end="")
     else:
-        write_whole(arguments.output, written)
+        write_file(arguments.output, written)
     return 0

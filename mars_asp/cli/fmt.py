@@ -4,13 +4,14 @@ import argparse
 import sys
 from pathlib import Path
 
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
-from mars_asp.visible import visible, write_whole
+from mars_asp.visible import visible
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -67,5 +68,5 @@ def _format(name: str, check: bool) -> tuple[bool, str]:
     text = format_text(decode(raw, shown), shown)
     changed = text.encode() != raw
     if changed and not piped and not check:
-        write_whole(name, text)
+        write_file(name, text, raw)
     return changed, text

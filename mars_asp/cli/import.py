@@ -4,11 +4,11 @@ import argparse
 import sys
 from pathlib import Path
 
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report
 from mars_asp.language import print_configuration
 from mars_asp.language.parse import decode, read_bytes
-from mars_asp.visible import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -32,5 +32,5 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output == "-":
         print(printed, end="")
     else:
-        write_whole(arguments.output, printed)
+        write_file(arguments.output, printed)
     return 0

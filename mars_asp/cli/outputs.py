@@ -5,9 +5,9 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.deliver import write_file
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.source import point
-from mars_asp.visible import write_whole
 
 if TYPE_CHECKING:
     from mars_asp.record import Record
@@ -61,14 +61,14 @@ def check_packages(arguments: argparse.Namespace) -> None:
 def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespace) -> None:
     """Write what was asked for, each file whole or not at all."""
     if arguments.plot:
-        write_whole(arguments.plot, _plotted(trial, arguments.plot))
+        write_file(arguments.plot, _plotted(trial, arguments.plot))
     if arguments.replay:
         from mars_asp.replay import replay_page
 
         title = f"{trial.scenario.path}, seed {trial.scenario.seed}"
-        write_whole(arguments.replay, replay_page(trial, title))
+        write_file(arguments.replay, replay_page(trial, title))
     if arguments.record:
-        write_whole(arguments.record, _recorded(trial, record, arguments.record))
+        write_file(arguments.record, _recorded(trial, record, arguments.record))
 
 
 def _plotted(trial: "Trial", path: str) -> str | bytes:

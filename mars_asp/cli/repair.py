@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.limits import begin_clock_anew
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
@@ -24,7 +23,6 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     rulebook = rulebook_for(arguments, STAGES)
     with progress_bar(arguments, "sets of edits") as progress:
         found = repairs(project, rulebook, subject, arguments.time_limit, progress)
-    begin_clock_anew()
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [_repair_json(r) for r in found]}))
     else:

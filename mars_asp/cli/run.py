@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli import _positive
+from mars_asp.cli.deliver import runs_code_of
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
@@ -54,6 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
+    from mars_asp.bindings import imported_files
     from mars_asp.facts import described_modules
     from mars_asp.judge import judge
     from mars_asp.link_modes import state_modes
@@ -80,6 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
     observe = record.observe if arguments.record else None
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
+    named = [name.text for name in specification.modules]
+    runs_code_of(imported_files(modules, scenario, named))
     with aside:
         trial = stage_trial(specification, modules, scenario, observe)
         _carry_out(trial, arguments)

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.analysis import diagnostic
-from mars_asp.cli.limits import begin_clock_anew, seconds_to_search
+from mars_asp.cli.deliver import write_file
+from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
@@ -19,7 +20,6 @@ from mars_asp.project import Project
 from mars_asp.relocate import sources_seen_from
 from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
 from mars_asp.verify import verify
-from mars_asp.visible import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +53,6 @@ def run(arguments: argparse.Namespace) -> int:
             seconds_to_search(arguments),
             progress,
         )
-    begin_clock_anew()
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1
@@ -72,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output == "-":
         print(text, end="")
     else:
-        write_whole(arguments.output, text)
+        write_file(arguments.output, text)
     if not found.resolution.proven:
         print(
             f"mars-asp: best found, {found.cost(NODES)} nodes; lower bound {found.bound(NODES)}",

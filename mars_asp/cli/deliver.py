@@ -1,0 +1,205 @@
+"""What a verb delivers: standard output and files, whole or not at all, by the command itself.
+
+In a worker everything goes through a pipe. The command collects it and writes it when the end mark
+is there, so that a verb that was ended, or that somebody's code broke off, leaves nothing behind.
+"""
+
+import hashlib
+import io
+import json
+import os
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from mars_asp.visible import visible, write_whole
+
+_OUTPUT, _FILE, _CODE, _END = b"o", b"f", b"c", b"."
+_LENGTH = 8
+#: The pipe to the command, in a worker.
+_pipe: int | None = None
+
+
+class ChangedError(OSError):
+    """A file that is to be replaced is not what was read."""
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file to write. `read` is a digest of what it held when it was read, to be replaced."""
+
+    path: str
+    content: bytes
+    read: str | None = None
+
+
+def write_file(path: str, content: str | bytes, read: bytes | None = None) -> None:
+    """Write a file, in a worker when the verb has ended. `read` is what it must still hold.
+
+    Raises:
+        OSError: it cannot be written, or holds something else by now.
+    """
+    raw = content.encode() if isinstance(content, str) else content
+    file = File(path, raw, None if read is None else _digest(read))
+    if _pipe is None:
+        _write(file)
+        return
+    header = {"path": os.fsencode(path).hex(), "read": file.read}
+    _send(_FILE, json.dumps(header).encode() + b"\n" + raw)
+
+
+# ---- In the worker -------------------------------------------------------------------------------
+
+
+def to_pipe(pipe: int) -> None:
+    """Send standard output and files through a pipe.
+
+    What writes to the descriptor of standard output past Python reaches standard error: it is no
+    part of a result.
+    """
+    global _pipe  # noqa: PLW0603 -- a worker has one command
+    _pipe = pipe
+    shown = sys.stdout is not None and sys.stdout.isatty()
+    raw = io.BufferedWriter(_Output(shown), 1 << 16)
+    sys.stdout = _Text(raw, encoding="utf-8", errors="backslashreplace")
+    os.dup2(2, 1)
+
+
+class _Text(io.TextIOWrapper):
+    """Standard output that the code of a behaviour cannot close."""
+
+    def close(self) -> None:
+        raise RuntimeError("standard output belongs to the command")
+
+
+class _Output(io.RawIOBase):
+    """Sends what is written to it; a terminal where the command's own output is one."""
+
+    def __init__(self, terminal: bool) -> None:
+        self._terminal = terminal
+
+    def writable(self) -> bool:
+        return True
+
+    def isatty(self) -> bool:
+        return self._terminal
+
+    def write(self, data: object) -> int:
+        raw = bytes(data)  # type: ignore[call-overload]
+        _send(_OUTPUT, raw)
+        return len(raw)
+
+
+def runs_code_of(paths: Iterable[str]) -> None:
+    """Say whose code runs from now on, in case that it ends the worker."""
+    if _pipe is not None:
+        _send(_CODE, json.dumps(list(paths)).encode())
+
+
+def end(status: int) -> None:
+    """Say that nothing follows, and the exit status.
+
+    Raises:
+        ValueError: somebody closed standard output.
+    """
+    sys.stdout.flush()
+    _send(_END, str(status).encode())
+
+
+def _send(kind: bytes, payload: bytes) -> None:
+    assert _pipe is not None
+    for part in (kind + len(payload).to_bytes(_LENGTH, "big"), payload):
+        rest = memoryview(part)
+        while rest:
+            rest = rest[os.write(_pipe, rest) :]
+
+
+# ---- In the command ------------------------------------------------------------------------------
+
+
+@dataclass
+class Told:
+    """What a worker said so far; `status` once it said that this is all.
+
+    `code` are the files of others whose code it runs.
+    """
+
+    output: list[bytes] = field(default_factory=list)
+    files: list[File] = field(default_factory=list)
+    code: tuple[str, ...] = ()
+    status: int | None = None
+    _rest: bytearray = field(default_factory=bytearray)
+
+    def hear(self, chunk: bytes) -> None:
+        """Take in what came through the pipe."""
+        rest = self._rest
+        rest += chunk
+        begin = 0
+        while len(rest) - begin > _LENGTH:
+            after = begin + 1 + _LENGTH
+            size = int.from_bytes(rest[begin + 1 : after], "big")
+            if len(rest) < after + size:
+                break
+            self._take(bytes(rest[begin : begin + 1]), bytes(rest[after : after + size]))
+            begin = after + size
+        del rest[:begin]
+
+    def _take(self, kind: bytes, payload: bytes) -> None:
+        if kind == _OUTPUT:
+            self.output.append(payload)
+        elif kind == _FILE:
+            header, _, content = payload.partition(b"\n")
+            said = json.loads(header)
+            path = os.fsdecode(bytes.fromhex(said["path"]))
+            self.files.append(File(path, content, said["read"]))
+        elif kind == _CODE:
+            self.code = tuple(json.loads(payload))
+        else:
+            self.status = int(payload)
+
+    def deliver(self) -> int:
+        """Write files, then standard output; return the exit status.
+
+        Raises:
+            BrokenPipeError: nobody reads standard output any more.
+        """
+        status = self.status or 0
+        for file in self.files:
+            try:
+                _write(file)
+            except OSError as error:
+                _say_unwritten(f"`{visible(file.path)}`", error)
+                status = 2
+        if self.output:
+            try:
+                _write_out(self.output)
+            except BrokenPipeError:
+                raise
+            except OSError as error:
+                _say_unwritten("standard output", error)
+                status = 2
+        return status
+
+
+def _write_out(chunks: list[bytes]) -> None:
+    """Write to the descriptor itself: Python's buffers lose what does not fit on a full disk."""
+    for chunk in chunks:
+        rest = memoryview(chunk)
+        while rest:
+            rest = rest[os.write(1, rest) :]
+
+
+def _write(file: File) -> None:
+    if file.read is not None:
+        with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
+            if _digest(there.read()) != file.read:
+                raise ChangedError(0, "it has changed since it was read, so it was left alone")
+    write_whole(file.path, file.content)
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _say_unwritten(what: str, error: OSError) -> None:
+    print(f"mars-asp: {what}: {error.strerror or error}", file=sys.stderr)

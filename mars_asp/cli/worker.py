@@ -1,0 +1,213 @@
+"""The worker: the process in which a verb works, so that no input can hang or kill the command.
+
+Grounding cannot be interrupted, and some programs abort the process. A worker contains both: the
+command waits for it, ends it at once when it is asked to end itself, and is the only one that
+writes results. They cross a pipe and end with a mark, so what was ended writes nothing.
+
+A message in the pipe is a letter, the length of what follows (eight bytes), and what follows:
+`o` output, `f` a file (a JSON header line, then its content), `.` the end (the exit status).
+"""
+
+import argparse
+import gc
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import NoReturn
+
+from mars_asp.cli import deliver
+from mars_asp.cli.limits import limit_memory, memory_limit, run_plain
+from mars_asp.visible import visible
+
+#: What ends a command, and all that it started.
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+#: Behind the limit the worker may still say that the time is over: less than the second allowed.
+_GRACE_SECONDS = 0.5
+
+
+_leave = os._exit
+#: The number of this process where it is a worker.
+_worker: int | None = None
+
+
+class Ended(BaseException):
+    """A signal asks the command to end, or its time is over."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+    """Return a verb's exit status; 3 where a time or memory limit ended it."""
+    if not hasattr(os, "fork"):
+        return run_plain(run, arguments)
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    # What both have in common is not written to, and so not copied, by a collection in the worker.
+    gc.freeze()
+    # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
+    gc.set_threshold(50_000, 20, 20)
+    results, said = os.pipe()
+    watched, alive = os.pipe()
+    with _held_back():
+        worker = os.fork()
+        if not worker:
+            os.close(results)
+            os.close(alive)
+            _work(run, arguments, said, watched)
+        os.close(said)
+        os.close(watched)
+    try:
+        return _await(worker, results, arguments)
+    finally:
+        os.close(alive)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Raise `Ended` where a signal asks the command to end."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        for other in ENDING:
+            signal.signal(other, signal.SIG_IGN)
+        raise Ended(number)
+
+    before = {number: signal.getsignal(number) for number in ENDING}
+    for number in ENDING:
+        # Who started the command in the background asked that it goes on.
+        if before[number] != signal.SIG_IGN:
+            signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _held_back() -> Iterator[None]:
+    """Hold signals back until it is known whom they concern."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+# ---- In the worker -------------------------------------------------------------------------------
+
+
+def _work(
+    run: Callable[[argparse.Namespace], int],
+    arguments: argparse.Namespace,
+    said: int,
+    watched: int,
+) -> NoReturn:
+    """Run the verb, say what came of it, and end without what belongs to the command."""
+    status = 2
+    try:
+        global _worker  # noqa: PLW0603 -- this process is one
+        _worker = os.getpid()
+        os.setpgid(0, 0)
+        for number in ENDING:
+            # Not Python's own handlers: they wait until clingo comes back.
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+        threading.Thread(target=_watch, args=(watched,), daemon=True).start()
+        limit_memory(memory_limit(arguments))
+        deliver.to_pipe(said)
+        os._exit = _stay  # type: ignore[assignment]
+        try:
+            status = run_plain(run, arguments)
+        except Exception as error:  # whatever it is, the worker must not end without a word
+            told = f"{error!r:.300}"
+            print(f"mars-asp: a fault of ours, please report it: {told}", file=sys.stderr)
+        deliver.end(status)
+        sys.stderr.flush()
+    finally:
+        _leave(status)
+
+
+def _stay(code: int) -> NoReturn:
+    """Let code that a verb runs fail where it would end the worker; what it forked may end."""
+    if os.getpid() != _worker:
+        _leave(code)
+    raise SystemExit(code)
+
+
+def _watch(watched: int) -> None:
+    """End the whole group of the worker when the command is no more."""
+    os.read(watched, 1)
+    os.killpg(0, signal.SIGKILL)
+
+
+# ---- In the command ------------------------------------------------------------------------------
+
+
+def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
+    """Wait for the worker and deliver what it says; end it when that is asked for."""
+    limit = arguments.time_limit
+    try:
+        with ended_by_signals():
+            if limit is not None:
+                signal.signal(signal.SIGALRM, _expire)
+                spent = time.monotonic() - arguments.started
+                signal.setitimer(signal.ITIMER_REAL, max(0.001, limit - spent) + _GRACE_SECONDS)
+            told = deliver.Told()
+            with open(results, "rb", buffering=0) as pipe:
+                while chunk := pipe.read(1 << 20):
+                    told.hear(chunk)
+                    if told.status is not None:
+                        break
+            _, status = os.waitpid(worker, 0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            _end_group(worker)
+            if told.status is None:
+                return _broken(status, told.code, arguments)
+            return told.deliver()
+    except Ended as ended:
+        _end_group(worker)
+        os.waitpid(worker, 0)
+        if ended.number == signal.SIGALRM:
+            print(f"mars-asp: the time limit of {limit:g} s ended this", file=sys.stderr)
+            return 3
+        return 128 + ended.number
+
+
+def _expire(number: int, frame: FrameType | None) -> None:
+    raise Ended(number)
+
+
+def _end_group(worker: int) -> None:
+    """End the worker and what it started; it need not have its group yet."""
+    for end in (os.killpg, os.kill):
+        with suppress(ProcessLookupError, PermissionError):
+            end(worker, signal.SIGKILL)
+
+
+def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
+    """Say why a worker ended without its end mark; return the exit status.
+
+    `code` are the files of others whose code it ran.
+    """
+    if code:
+        files = " or ".join(f"`{visible(path)}`" for path in code)
+        print(f"mars-asp: the code of {files} ended the run, so it failed", file=sys.stderr)
+        return 1
+    if os.WIFEXITED(status):
+        print("mars-asp: a fault of ours: the worker ended without a result", file=sys.stderr)
+        return 2
+    number = os.WTERMSIG(status)
+    if number == signal.SIGKILL:
+        print("mars-asp: the system ended this; was memory short?", file=sys.stderr)
+        return 3
+    name = signal.Signals(number).name
+    print(f"mars-asp: the reasoner crashed ({name}), so there is no result", file=sys.stderr)
+    return 2

@@ -1,0 +1,194 @@
+"""The command and its worker: what ends them, and what is written when something ends them."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.documents import ROOT
+
+LEVEL0 = "examples/level0/config.mars"
+MARS = (sys.executable, "-m", "mars_asp")
+#: A rule that grounds without end: nothing interrupts clingo while it does.
+RUNAWAY = "p(1).\np(X + 1) :- p(X).\n"
+
+
+def start(*words: str, environment: dict[str, str] | None = None) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [*MARS, *words],
+        cwd=ROOT,
+        env={**os.environ, **(environment or {})},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def workers_of(marker: str) -> list[int]:
+    """Return the processes whose command line holds a marker."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                held = marker.encode() in (entry / "cmdline").read_bytes()
+                running = " Z " not in (entry / "stat").read_text()
+            except OSError:
+                continue
+            if held and running:
+                found.append(int(entry.name))
+    return found
+
+
+@pytest.fixture
+def pack(tmp_path: Path) -> Path:
+    path = tmp_path / "runaway.lp"
+    path.write_text(RUNAWAY)
+    return path
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+def test_a_signal_ends_a_command_that_grounds(number: signal.Signals, pack: Path) -> None:
+    command = start("synthesise", LEVEL0, "--rules", str(pack), "-o", str(pack.parent / "out"))
+    time.sleep(1.0)
+    assert len(workers_of(str(pack))) == 2
+    sent = time.monotonic()
+    command.send_signal(number)
+    output, said = command.communicate(timeout=10)
+    assert time.monotonic() - sent < 1
+    assert (command.returncode, output, said) == (128 + number, b"", b"")
+    assert workers_of(str(pack)) == []
+    assert list(pack.parent.iterdir()) == [pack]
+
+
+def test_a_command_that_is_killed_takes_its_worker_along(pack: Path) -> None:
+    command = start("analyse", LEVEL0, "--rules", str(pack))
+    time.sleep(1.0)
+    command.kill()
+    command.wait()
+    time.sleep(0.5)
+    assert workers_of(str(pack)) == []
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_killed_leaves_no_torn_file(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    out = tmp_path / "spec.mars"
+    command = start("synthesise", LEVEL0, "-o", str(out))
+    time.sleep(rng.uniform(0.0, 0.6))
+    command.send_signal(rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGKILL]))
+    command.communicate(timeout=10)
+    time.sleep(0.1)
+    if out.exists():
+        expected = subprocess.run(
+            [*MARS, "synthesise", LEVEL0], cwd=ROOT, capture_output=True, check=True
+        )
+        assert out.read_bytes() == expected.stdout
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("words", [("--version",), ("--help",), ("analyse", LEVEL0)])
+@pytest.mark.parametrize("redirection", [">/dev/full", ">&-"])
+def test_output_that_cannot_be_written_is_an_error(
+    redirection: str, words: Sequence[str], unbuffered: str
+) -> None:
+    command = " ".join([*MARS, *words])
+    done = subprocess.run(
+        ["/bin/sh", "-c", f"{command} {redirection}"],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("mars-asp: standard output: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_nobody_reads_the_output_any_more() -> None:
+    command = start("explain", "examples/level1/config.mars", "--format", "json")
+    assert command.stdout is not None
+    command.stdout.close()
+    assert command.wait(timeout=30) == 141
+    assert command.stderr is not None
+    assert command.stderr.read() == b""
+
+
+def test_all_streams_may_be_closed() -> None:
+    command = " ".join([*MARS, "analyse", LEVEL0])
+    done = subprocess.run(["/bin/sh", "-c", f"{command} <&- >&- 2>&-"], cwd=ROOT, check=False)
+    assert done.returncode == 2
+
+
+SCENARIO = """\
+duration = 1
+up = "y"
+[robot]
+module = "Base"
+radius = 100
+start = [0, 0, 0]
+[bindings]
+Drive = { python = "drive.py:go", period = 100 }
+"""
+ROBOT = "@configuration\n@modules Base, Drive\nBase is_controlled_by Drive\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "mentions"),
+    [
+        ("import os\ndef go(): os._exit(0)\n", 1, "called `exit(0)`"),
+        ("import sys\ndef go(): sys.exit(0)\n", 1, "called `exit(0)`"),
+        ("import sys\ndef go(): sys.stdout.close()\n", 1, "belongs to the command"),
+        ("import os\ndef go(): os.closerange(0, 64)\n", 1, "drive.py"),
+        ("import os\ndef go(): os.kill(os.getpid(), 9)\n", 1, "drive.py"),
+        ("import os\nos.closerange(0, 64)\ndef go(): ...\n", 1, "drive.py"),
+        ("import os\nos._exit(0)\n", 2, "drive.py"),
+    ],
+)
+def test_a_behaviour_that_ends_the_program_fails_the_run(
+    body: str, status: int, mentions: str, tmp_path: Path
+) -> None:
+    (tmp_path / "drive.py").write_text(body)
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words, "--record", str(tmp_path / "r.jsonl"))
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == status, said
+    assert mentions in (output + said).decode()
+
+
+def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import os\ndef go():\n    child = os.fork()\n    if not child: os._exit(3)\n"
+        "    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words)
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == 0, output + said
+
+
+@pytest.mark.parametrize(
+    ("words", "mentions"),
+    [
+        (("--time-limit", "1"), "the time limit of 1 s ended this"),
+        (("--memory-limit", "300"), "the memory limit of 300 MB ended this"),
+    ],
+)
+def test_a_limit_ends_a_runaway(words: tuple[str, ...], mentions: str, pack: Path) -> None:
+    began = time.monotonic()
+    command = start("analyse", LEVEL0, "--rules", str(pack), *words)
+    output, said = command.communicate(timeout=60)
+    assert (command.returncode, output) == (3, b"")
+    assert mentions in said.decode()
+    if words[0] == "--time-limit":
+        assert time.monotonic() - began < 2.5
