@@ -104,13 +104,13 @@ def _no_verb(words: Sequence[str]) -> int:
     parser.add_argument("--version", action="version", version=f"mars-asp {__version__}")
     parser.add_argument("verb", metavar="VERB", help="see below; `mars-asp VERB --help` for each")
     parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=argparse.SUPPRESS)
-    if not words:
-        parser.print_help()
-        return DONE
-    verb = parser.parse_args(list(words)).verb
-    near = nearest(verb, (*VERBS, *ALIASES))
-    hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
-    parser.error(f"there is no verb `{verb}`: {hint}")
+    if words:
+        verb = parser.parse_args(list(words)).verb
+        near = nearest(verb, (*VERBS, *ALIASES))
+        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
+        parser.error(f"there is no verb `{verb}`: {hint}")
+    parser.print_help()
+    return DONE
 
 
 class _Parser(argparse.ArgumentParser):
