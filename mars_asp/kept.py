@@ -1,7 +1,8 @@
 """Values that are dear to make, kept with Python's own compiled files.
 
 What is kept is trusted like those files. It is made anew for another version of its maker, and
-never kept where Python keeps none of its own.
+never kept where Python keeps none of its own. Before it stands a digest: a file that was damaged
+holds nothing, for a value that was read wrongly would be a wrong answer.
 """
 
 import contextlib
@@ -20,6 +21,8 @@ _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
 #: Where more values are kept than this, those that the last command did not ask for go.
 _MOST = 5000
+#: How many bytes of a file are its digest.
+_DIGEST = 32
 
 
 def version_of(files: Iterable[Path]) -> str:
@@ -32,7 +35,11 @@ def version_of(files: Iterable[Path]) -> str:
 def recall(name: str, version: str) -> Any:
     """Return what was kept under a name; `None` where that is nothing, or of another version."""
     try:
-        written, value = pickle.loads(_place(name).read_bytes())
+        held = _place(name).read_bytes()
+        digest, pickled = held[:_DIGEST], held[_DIGEST:]
+        if hashlib.sha256(pickled).digest() != digest:
+            return None
+        written, value = pickle.loads(pickled)
     except Exception:  # whatever is wrong with the file, it holds nothing
         return None
     return value if written == version else None
@@ -45,7 +52,8 @@ def keep(name: str, version: str, value: object) -> None:
     place = _place(name)
     part = place.with_name(f"{place.name}.{os.getpid()}")
     with contextlib.suppress(OSError):
-        part.write_bytes(pickle.dumps((version, value)))
+        pickled = pickle.dumps((version, value))
+        part.write_bytes(hashlib.sha256(pickled).digest() + pickled)
         part.replace(place)
 
 

@@ -3,10 +3,16 @@
 import contextlib
 import os
 import stat
+import sys
 import tempfile
 import unicodedata
 from pathlib import Path
 
+if sys.platform != "win32":
+    import fcntl
+
+#: How the names of files begin that are being written.
+_TEMPORARY = ".mars-asp."
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
@@ -35,23 +41,70 @@ def write_whole(path: str, content: str | bytes) -> None:
     if target.exists() and not stat.S_ISREG(target.stat().st_mode):
         target.write_bytes(content)
         return
-    try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".mars-asp.")
-    except OSError as error:
-        # The name of a file that its reader never heard of would say nothing.
-        raise type(error)(error.errno, error.strerror, path) from None
+    handle, temporary = _temporary_beside(target, path)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask()
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(target)
+            mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask()
+            temporary.chmod(mode)
+            temporary.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
-            Path(temporary).unlink()
+            temporary.unlink()
         raise
+
+
+def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
+    """Open a new file in the folder of another and lock it; remove those that nobody locks.
+
+    A command that was killed leaves its file behind, but not its lock.
+
+    Raises:
+        OSError: no file can be made there; it names `path`, for nobody ever heard of another name.
+    """
+    try:
+        for other in target.parent.glob(f"{_TEMPORARY}*"):
+            with contextlib.suppress(OSError):
+                _remove_unlocked(other)
+        while True:
+            handle, name = tempfile.mkstemp(dir=target.parent, prefix=_TEMPORARY)
+            # Where files cannot be locked, nobody removes those of others.
+            with contextlib.suppress(OSError):
+                _lock(handle)
+            # Another command may have removed it before it was locked.
+            with contextlib.suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(handle), os.stat(name)):  # noqa: PTH116 -- as fstat
+                    return handle, Path(name)
+            os.close(handle)
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, path) from None
+
+
+def _remove_unlocked(path: Path) -> None:
+    """Remove a file unless a process holds its lock.
+
+    Raises:
+        OSError: it is locked, or cannot be removed.
+    """
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        _lock(handle)
+        path.unlink()
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int) -> None:
+    """Lock a file until this process closes it or ends.
+
+    Raises:
+        OSError: another process has locked it, or it cannot be locked here.
+    """
+    if sys.platform == "win32":
+        raise OSError("files that are open cannot be removed here anyway")
+    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _umask() -> int:

@@ -139,7 +139,10 @@ def _common_options(parser: argparse.ArgumentParser) -> None:
         "--time-limit", metavar="SECONDS", type=_positive, help="stop after this long (status 3)"
     )
     group.add_argument(
-        "--memory-limit", metavar="MB", type=_positive, help="stop beyond this much (status 3)"
+        "--memory-limit",
+        metavar="MB",
+        type=_positive,
+        help="stop beyond this much (status 3); by default half of what container or machine have",
     )
     group.add_argument("--color", choices=("auto", "always", "never"), default="auto")
     group.add_argument("--quiet", action="store_true", help="no progress and no notes")

@@ -5,15 +5,17 @@ import contextlib
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
 from mars_asp.visible import visible
 
-#: Files that say how much memory a container may have, in bytes or `max`.
-_CONTAINER = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+#: Where the control groups of Linux are, and the files in them that tell how much memory theirs
+#: may have, in bytes or `max`, in the second version and in the first.
+_GROUPS = Path("/sys/fs/cgroup")
+_MOST = ("memory.max", "memory.limit_in_bytes")
 _MEGABYTE = 1 << 20
 
 
@@ -59,7 +61,7 @@ def memory_limit(arguments: argparse.Namespace) -> float | None:
     """Return how many megabytes a verb may take: as asked, else half of what there is."""
     if arguments.memory_limit is not None:
         return float(arguments.memory_limit)
-    bounds = [bound for bound in (_machine(), *map(_container, _CONTAINER)) if bound]
+    bounds = [bound for bound in (_machine(), *_containers()) if bound]
     return min(bounds) / 2 / _MEGABYTE if bounds else None
 
 
@@ -91,7 +93,16 @@ def _machine() -> int | None:
     return None
 
 
-def _container(path: str) -> int | None:
-    with contextlib.suppress(OSError, ValueError):
-        return int(Path(path).read_text(encoding="ascii"))
-    return None
+def _containers() -> Iterator[int]:
+    """Yield how much memory the control groups of this process may have, in bytes."""
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines():
+            _, controllers, path = line.split(":", 2)
+            root = _GROUPS / controllers if controllers else _GROUPS
+            group = root / path.lstrip("/")
+            for folder in (group, *group.parents):
+                if not folder.is_relative_to(root):
+                    break
+                for name in _MOST:
+                    with contextlib.suppress(OSError, ValueError):
+                        yield int((folder / name).read_text(encoding="ascii"))

@@ -1,0 +1,73 @@
+"""Files are written whole, and nothing that a killed command left behind stays for ever."""
+
+import fcntl
+import os
+from pathlib import Path
+
+import pytest
+
+from mars_asp import kept
+from mars_asp.visible import write_whole
+
+
+def test_what_a_killed_command_left_behind_is_removed(tmp_path: Path) -> None:
+    left, other = tmp_path / ".mars-asp.abc", tmp_path / ".mars-asp.def"
+    left.write_text("half a spec")
+    other.write_text("being written")
+    link = tmp_path / ".mars-asp.link"
+    link.symlink_to(tmp_path / "mine")
+    (tmp_path / "mine").write_text("of somebody else")
+    with other.open("rb") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        write_whole(str(tmp_path / "out.mars"), "whole")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        ".mars-asp.def",
+        ".mars-asp.link",
+        "mine",
+        "out.mars",
+    ]
+    assert (tmp_path / "out.mars").read_text() == "whole"
+
+
+def test_a_file_keeps_its_mode_and_a_link_leads_where_it_led(tmp_path: Path) -> None:
+    there = tmp_path / "there"
+    there.write_text("old")
+    there.chmod(0o640)
+    (tmp_path / "link").symlink_to(there)
+    write_whole(str(tmp_path / "link"), b"new")
+    assert (tmp_path / "link").is_symlink()
+    assert there.read_text() == "new"
+    assert there.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / ".mars-asp.fifo")
+    write_whole(str(tmp_path / "out"), "whole")
+    assert (tmp_path / "out").read_text() == "whole"
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "kept"
+    monkeypatch.setattr(kept, "_place", lambda name: path)
+    monkeypatch.setattr("sys.dont_write_bytecode", False)
+    return path
+
+
+def test_a_kept_value_is_recalled_for_its_version(place: Path) -> None:
+    kept.keep("name", "1", {"error": 40})
+    assert kept.recall("name", "1") == {"error": 40}
+    assert kept.recall("name", "2") is None
+
+
+def test_a_kept_value_with_a_flipped_bit_is_made_anew(place: Path) -> None:
+    kept.keep("name", "1", ("error", 40))
+    whole = place.read_bytes()
+    for bit in range(8 * len(whole)):
+        torn = bytearray(whole)
+        torn[bit // 8] ^= 1 << bit % 8
+        place.write_bytes(torn)
+        assert kept.recall("name", "1") is None
+    for size in range(len(whole)):
+        place.write_bytes(whole[:size])
+        assert kept.recall("name", "1") is None
