@@ -17,14 +17,17 @@ _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
 
 
 def visible(text: str) -> str:
-    r"""Return a text with control, format and surrogate characters escaped, but not `\n`."""
-    if text.isascii() and text.replace("\n", "").isprintable():
+    r"""Return a text in one line, with control, format and surrogate characters escaped.
+
+    Line feeds are, too: what others wrote, be it a name or a path, must not begin a line of ours.
+    """
+    if text.isascii() and text.isprintable():
         return text
     return "".join(map(_visible_character, text))
 
 
 def _visible_character(character: str) -> str:
-    if character == "\n" or unicodedata.category(character) not in _HIDDEN:
+    if unicodedata.category(character) not in _HIDDEN:
         return character
     return character.encode("unicode_escape", "surrogatepass").decode("ascii")
 

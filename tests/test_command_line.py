@@ -362,3 +362,39 @@ def test_a_severity_that_a_rule_takes_from_its_body_is_checked(tmp_path: Path) -
     pack.write_text(pack.read_text().replace("eror", "error"))
     assert mars("check", config, "--rules", str(pack)).returncode == 1
     assert "heavy" in mars("explain", config, "heavy(Turn)", "--rules", str(pack)).stdout
+
+
+@pytest.mark.parametrize("name", [b"two\nlines.mars", b"\xff\xfe.mars", b"\x1b[31mred.mars"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("check",),
+        ("analyse",),
+        ("analyse", "--format", "json"),
+        ("explain",),
+        ("synthesise",),
+        ("draw", "-o", "out.svg"),
+        ("fmt", "--check"),
+        ("facts",),
+        ("synthesise", "-o", b"out\n\xff.mars"),
+    ],
+)
+def test_a_path_is_shown_in_one_line_and_need_be_no_utf_8(
+    words: tuple[str | bytes, ...], name: bytes, tmp_path: Path
+) -> None:
+    path = os.path.join(os.fsencode(tmp_path), name)  # noqa: PTH118 -- no text
+    with open(path, "w") as file:  # noqa: PTH123 -- no text
+        file.write("@configuration\n@modules A, B\nA is_controlled_by B\nA uses_data_from B\n  C\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "mars_asp", words[0], path, *words[1:]],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode in (0, 1, 2)
+    printed = done.stdout + done.stderr
+    assert b"Traceback" not in printed
+    assert b"fault of ours" not in printed
+    assert b"\x1b[31mred" not in printed
+    assert not [line for line in printed.split(b"\n") if line.startswith(b"lines.mars")]

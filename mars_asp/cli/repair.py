@@ -79,7 +79,8 @@ def _mend_text(number: int, mend: Mend) -> Iterator[str]:
 def _line_text(line: LineEdit) -> Iterator[str]:
     place = visible(f"{line.path}:{line.line}")
     if line.old is not None:
-        yield f"       - {place}: {visible(line.old)}"
+        for text in line.old.split("\n"):
+            yield f"       - {place}: {visible(text)}"
         where = place
     else:
         where = visible(f"{line.where} {line.path}:{line.line}")
