@@ -3,7 +3,9 @@
 import gc
 import io
 import os
+import signal
 import sys
+from types import FrameType
 
 #: A command lives shortly and its values hold no cycles; looking for some at Python's own pace
 #: would take a tenth of its time.
@@ -12,6 +14,7 @@ COLLECT_AFTER = 100_000
 
 def main() -> int:
     """Run the command line; return the exit status."""
+    _end_plainly()
     gc.set_threshold(COLLECT_AFTER)
     _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
@@ -21,6 +24,19 @@ def main() -> int:
     from mars_asp.cli import run_command
 
     return run_command(sys.argv[1:])
+
+
+def _end_plainly() -> None:
+    """End without a word when a signal asks for it before the command is ready to hear it."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        os._exit(128 + number)
+
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"):
+        number = getattr(signal, name, None)
+        # Who started the command in the background asked that it goes on.
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, end)
 
 
 def _open_what_is_closed() -> None:

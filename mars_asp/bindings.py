@@ -87,7 +87,7 @@ def bind_functions(
         MarsError: files or functions that cannot be used; all of them.
     """
     functions, bound = Functions(scenario), {}
-    for name, place in _places(modules, scenario, names):
+    for name, place in bound_functions(modules, scenario, names):
         call = functions.function(*place, name)
         if call is not None:
             stated = scenario.bindings.get(name, {})
@@ -99,18 +99,13 @@ def bind_functions(
     return {name: faulty(behaviour, scenario, name, clock) for name, behaviour in bound.items()}
 
 
-def imported_files(
-    modules: Mapping[str, Module], scenario: Scenario, names: Iterable[str]
-) -> tuple[str, ...]:
-    """Return the Python files that a run of these modules imports, each once."""
-    places = _places(modules, scenario, names)
-    return tuple(dict.fromkeys(str(path) for _, (path, _) in places))
-
-
-def _places(
+def bound_functions(
     modules: Mapping[str, Module], scenario: Scenario, names: Iterable[str]
 ) -> Iterator[tuple[str, tuple[Path, str]]]:
-    """Yield each module that a Python function runs, and the file and name of that."""
+    """Yield each module that a Python function runs, and the file and name of that.
+
+    Nothing is imported. `names` are those of the specification's modules.
+    """
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
         place = _place(scenario.bindings.get(name, {}), modules.get(name), scenario)

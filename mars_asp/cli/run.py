@@ -50,12 +50,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="say whose code would run and what is simulated; import and run nothing",
+    )
     add_outputs(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
-    from mars_asp.bindings import imported_files
+    from mars_asp.bindings import bound_functions
     from mars_asp.facts import described_modules
     from mars_asp.judge import judge
     from mars_asp.link_modes import state_modes
@@ -78,12 +83,15 @@ def run(arguments: argparse.Namespace) -> int:
     # A specification that was made here does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)
     specification = state_modes(specification, modules, rulebook_for(arguments))
+    named = [name.text for name in specification.modules]
+    functions = dict(bound_functions(modules, scenario, named))
+    if arguments.dry_run:
+        return _print_plan(functions, scenario, arguments)
     record = Record()
     observe = record.observe if arguments.record else None
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
-    named = [name.text for name in specification.modules]
-    runs_code_of(imported_files(modules, scenario, named))
+    runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     with aside:
         trial = stage_trial(specification, modules, scenario, observe)
         _carry_out(trial, arguments)
@@ -123,6 +131,33 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
         project.configuration, project.modules, analysis, rulebook, arguments.time_limit, None
     )
     return None if found is None else found.specification.configuration
+
+
+def _print_plan(
+    functions: "Mapping[str, tuple[Path, str]]", scenario: "Scenario", arguments: argparse.Namespace
+) -> int:
+    """Print what a run would import and simulate; 2 where a file is missing."""
+    imported: dict[str, dict[str, str]] = {}
+    for name, (path, function) in functions.items():
+        imported.setdefault(str(path), {})[name] = function
+    missing = [path for path in imported if not Path(path).is_file()]
+    for path in missing:
+        print(f"mars-asp: `{visible(path)}`, which this run imports, is no file", file=sys.stderr)
+    devices = {name: str(device["kind"]) for name, device in scenario.devices.items()}
+    if arguments.format == "json":
+        imports = [{"path": path, "functions": named} for path, named in imported.items()]
+        plan = {"imports": imports, "devices": devices}
+        print(encoded({**plan, "seconds": scenario.duration, "seed": scenario.seed}))
+        return 2 if missing else 0
+    print("imported, with whatever these files import:" if imported else "no code is imported")
+    for path, named in imported.items():
+        uses = ", ".join(f"{name} by `{function}`" for name, function in named.items())
+        print(visible(f"  {path}: {uses}"))
+    if devices:
+        told = ", ".join(f"{name} ({kind})" for name, kind in devices.items())
+        print(visible(f"simulated: {told}"))
+    print(f"{scenario.duration:g} s, seed {scenario.seed}; nothing was run")
+    return 2 if missing else 0
 
 
 def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:

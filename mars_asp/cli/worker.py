@@ -21,7 +21,7 @@ from types import FrameType
 from typing import NoReturn
 
 from mars_asp.cli import deliver
-from mars_asp.cli.limits import limit_memory, memory_limit, run_plain
+from mars_asp.cli.limits import limit_memory, memory_limit, run_plain, say_memory_ended
 from mars_asp.visible import visible
 
 #: What ends a command, and all that it started.
@@ -166,11 +166,11 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
                     told.hear(chunk)
                     if told.status is not None:
                         break
-            _, status = os.waitpid(worker, 0)
+            _, status, used = os.wait4(worker, 0)
             signal.setitimer(signal.ITIMER_REAL, 0)
             _end_group(worker)
             if told.status is None:
-                return _broken(status, told.code, arguments)
+                return _broken(status, used.ru_maxrss, told.code, arguments)
             return told.deliver()
     except Ended as ended:
         _end_group(worker)
@@ -192,15 +192,23 @@ def _end_group(worker: int) -> None:
             end(worker, signal.SIGKILL)
 
 
-def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
+def _broken(status: int, used: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
     """Say why a worker ended without its end mark; return the exit status.
 
-    `code` are the files of others whose code it ran.
+    `used` is how much memory it held at most, in kilobytes (on macOS in bytes); `code` are the files of others whose
+    code it ran.
     """
     if code:
         files = " or ".join(f"`{visible(path)}`" for path in code)
         print(f"mars-asp: the code of {files} ended the run, so it failed", file=sys.stderr)
         return 1
+    most = memory_limit(arguments)
+    # Where no memory is left, libraries end the process in ways of their own. They ask for much at
+    # a time, so that a good part of what was allowed may be left.
+    megabytes = used / (1024 * 1024 if sys.platform == "darwin" else 1024)
+    if most is not None and megabytes > most / 2:
+        say_memory_ended(arguments)
+        return 3
     if os.WIFEXITED(status):
         print("mars-asp: a fault of ours: the worker ended without a result", file=sys.stderr)
         return 2
