@@ -95,7 +95,7 @@ def _machine() -> int | None:
 
 def _containers() -> Iterator[int]:
     """Yield how much memory the control groups of this process may have, in bytes."""
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, ValueError):
         for line in Path("/proc/self/cgroup").read_text(encoding="utf-8").splitlines():
             _, controllers, path = line.split(":", 2)
             root = _GROUPS / controllers if controllers else _GROUPS

@@ -27,7 +27,7 @@ from mars_asp.visible import visible
 #: What ends a command, and all that it started.
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 #: Behind the limit the worker may still say that the time is over: less than the second allowed.
-_GRACE_SECONDS = 0.5
+_GRACE_SECONDS = 0.3
 
 
 _leave = os._exit
@@ -195,8 +195,8 @@ def _end_group(worker: int) -> None:
 def _broken(status: int, used: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
     """Say why a worker ended without its end mark; return the exit status.
 
-    `used` is how much memory it held at most, in kilobytes (on macOS in bytes); `code` are the files of others whose
-    code it ran.
+    `used` is how much memory it held at most, in kilobytes (on macOS in bytes); `code` are the
+    files of others whose code it ran.
     """
     if code:
         files = " or ".join(f"`{visible(path)}`" for path in code)
