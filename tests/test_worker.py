@@ -1,6 +1,8 @@
 """The command and its worker: what ends them, and what is written when something ends them."""
 
+import json
 import os
+import pty
 import random
 import signal
 import subprocess
@@ -12,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from tests.documents import ROOT
+from tests.runaways import PACKS, contained
+from tests.signals import end_at_random
 
 LEVEL0 = "examples/level0/config.mars"
 MARS = (sys.executable, "-m", "mars_asp")
@@ -192,3 +196,96 @@ def test_a_limit_ends_a_runaway(words: tuple[str, ...], mentions: str, pack: Pat
     assert mentions in said.decode()
     if words[0] == "--time-limit":
         assert time.monotonic() - began < 2.5
+
+
+def at_terminal(*words: str) -> tuple[int, int]:
+    """Start a command at a terminal of its own; return its number and the terminal."""
+    number, terminal = pty.fork()
+    if not number:
+        os.chdir(ROOT)
+        os.execv(sys.executable, [*MARS, *words])
+    return number, terminal
+
+
+def said_at(terminal: int) -> str:
+    said = b""
+    try:
+        while more := os.read(terminal, 4096):
+            said += more
+    except OSError:  # nobody has the terminal open any more
+        pass
+    os.close(terminal)
+    return said.decode()
+
+
+def test_a_terminal_is_read_though_the_worker_has_a_group_of_its_own() -> None:
+    number, terminal = at_terminal("analyse", "-")
+    os.write(terminal, b"@configuration\n@modules A, B\nA uses_data_from B\n\x04")
+    said = said_at(terminal)
+    assert "nothing to resolve" in said
+    assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 0
+
+
+def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
+    def states() -> list[str]:
+        return [
+            Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+            for number in workers_of(str(pack))
+        ]
+
+    number, terminal = at_terminal("analyse", LEVEL0, "--rules", str(pack))
+    time.sleep(1.5)
+    os.write(terminal, b"\x1a")
+    time.sleep(0.3)
+    assert states() == ["T", "T"]
+    os.killpg(number, signal.SIGCONT)
+    time.sleep(0.3)
+    assert "T" not in states()
+    os.write(terminal, b"\x03")
+    said_at(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 128 + signal.SIGINT
+    assert workers_of(str(pack)) == []
+
+
+def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text("raise SystemExit(7)\n")
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"), "--dry-run")
+    output, said = start(*words, "--format", "json").communicate(timeout=60)
+    found = json.loads(output)
+    file = str(tmp_path / "drive.py")
+    assert found["imports"] == [{"path": file, "functions": {"Drive": "go"}}]
+    (tmp_path / "drive.py").unlink()
+    command = start(*words)
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == 2
+    assert said.decode() == f"mars-asp: `{file}`, which this run imports, is no file\n"
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["import os\ndef go(): os.kill(os.getpid(), 11)\n", "import ctypes\nctypes.string_at(0)\n"],
+)
+def test_a_crash_is_told_apart_from_a_limit(body: str, tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(body)
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words)
+    _, said = command.communicate(timeout=60)
+    assert command.returncode == 1
+    assert "drive.py" in said.decode()
+    assert "limit" not in said.decode()
+
+
+@pytest.mark.parametrize("seed", range(1000, 1012))
+def test_a_command_that_is_ended_at_random_leaves_nothing(seed: int) -> None:
+    assert end_at_random(seed) == []
+
+
+@pytest.mark.parametrize("name", sorted(PACKS))
+def test_runaways_are_contained(name: str) -> None:
+    options = ("--time-limit", "1", "--memory-limit", "400")
+    _, wrong = contained(name, options, "the time limit of 1 s ended this", 4.0)
+    assert wrong == ""

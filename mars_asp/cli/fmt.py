@@ -8,6 +8,7 @@ from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report_error
+from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
@@ -63,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _format(name: str, check: bool) -> tuple[bool, str]:
     """Return whether a file's bytes change, and its text; write it where that is wanted."""
     piped = name == STANDARD_INPUT
-    raw = sys.stdin.buffer.read() if piped else read_bytes(Path(name))
+    raw = read_standard_input() if piped else read_bytes(Path(name))
     shown = "<stdin>" if piped else name
     text = format_text(decode(raw, shown), shown)
     changed = text.encode() != raw

@@ -1,12 +1,12 @@
 """Read a robot from another format and print it as a configuration."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report
+from mars_asp.cli.worker import read_standard_input
 from mars_asp.language import print_configuration
 from mars_asp.language.parse import decode, read_bytes
 
@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
     piped = arguments.file == STANDARD_INPUT
     shown = "<stdin>" if piped else arguments.file
     most = MOST_BYTES
-    raw = sys.stdin.buffer.read(most + 1) if piped else read_bytes(Path(shown), most)
+    raw = read_standard_input(most + 1) if piped else read_bytes(Path(shown), most)
     found = import_urdf(decode(raw, shown, most), shown)
     report(found.warnings, arguments)
     printed = print_configuration(found.configuration)

@@ -35,7 +35,7 @@ def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
         timer.cancel()
         timer.join()
         if shown.is_set():
-            _clear()
+            clear_line()
 
 
 @contextmanager
@@ -63,12 +63,14 @@ def progress_bar(
         yield progress
     finally:
         if shown is not None:
-            _clear()
+            clear_line()
 
 
 def _show(text: str) -> None:
     print(f"\r{text:<78.78}", end="", file=sys.stderr, flush=True)
 
 
-def _clear() -> None:
-    print("\r" + " " * 78 + "\r", end="", file=sys.stderr, flush=True)
+def clear_line() -> None:
+    """Clear the line that tells how far the command is, where a person is watching."""
+    if sys.stderr.isatty():
+        print("\r" + " " * 78 + "\r", end="", file=sys.stderr, flush=True)

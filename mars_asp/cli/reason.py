@@ -1,13 +1,13 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from mars_asp.analysis import Analysis, analyse
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
+from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language import Parsed, parse_file, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode
@@ -26,7 +26,7 @@ def read_input(shown: str) -> str:
     Raises:
         MarsError: it is too large, or no text.
     """
-    return decode(sys.stdin.buffer.read(MOST_BYTES + 1), shown)
+    return decode(read_standard_input(MOST_BYTES + 1), shown)
 
 
 def check_inputs(*paths: str) -> None:

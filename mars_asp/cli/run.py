@@ -140,19 +140,19 @@ def _print_plan(
     imported: dict[str, dict[str, str]] = {}
     for name, (path, function) in functions.items():
         imported.setdefault(str(path), {})[name] = function
-    missing = [path for path in imported if not Path(path).is_file()]
-    for path in missing:
-        print(f"mars-asp: `{visible(path)}`, which this run imports, is no file", file=sys.stderr)
+    missing = [file for file in imported if not Path(file).is_file()]
+    for file in missing:
+        print(f"mars-asp: `{visible(file)}`, which this run imports, is no file", file=sys.stderr)
     devices = {name: str(device["kind"]) for name, device in scenario.devices.items()}
     if arguments.format == "json":
-        imports = [{"path": path, "functions": named} for path, named in imported.items()]
+        imports = [{"path": file, "functions": named} for file, named in imported.items()]
         plan = {"imports": imports, "devices": devices}
         print(encoded({**plan, "seconds": scenario.duration, "seed": scenario.seed}))
         return 2 if missing else 0
     print("imported, with whatever these files import:" if imported else "no code is imported")
-    for path, named in imported.items():
+    for file, named in imported.items():
         uses = ", ".join(f"{name} by `{function}`" for name, function in named.items())
-        print(visible(f"  {path}: {uses}"))
+        print(visible(f"  {file}: {uses}"))
     if devices:
         told = ", ".join(f"{name} ({kind})" for name, kind in devices.items())
         print(visible(f"simulated: {told}"))

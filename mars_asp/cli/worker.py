@@ -22,6 +22,7 @@ from typing import NoReturn
 
 from mars_asp.cli import deliver
 from mars_asp.cli.limits import limit_memory, memory_limit, run_plain, say_memory_ended
+from mars_asp.cli.progress import clear_line
 from mars_asp.visible import visible
 
 #: What ends a command, and all that it started.
@@ -67,6 +68,21 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
         return _await(worker, results, arguments)
     finally:
         os.close(alive)
+
+
+def read_standard_input(most: int = -1) -> bytes:
+    """Return what standard input holds, at most so many bytes of it.
+
+    A terminal is read by the group of processes in its foreground, and that is the command's.
+    """
+    grouped = _worker is not None and sys.stdin.isatty()
+    if grouped:
+        os.setpgid(0, os.getpgid(os.getppid()))
+    try:
+        return sys.stdin.buffer.read(most)
+    finally:
+        if grouped:
+            os.setpgid(0, 0)
 
 
 @contextmanager
@@ -155,7 +171,7 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
     """Wait for the worker and deliver what it says; end it when that is asked for."""
     limit = arguments.time_limit
     try:
-        with ended_by_signals():
+        with ended_by_signals(), _paused_together(worker):
             if limit is not None:
                 signal.signal(signal.SIGALRM, _expire)
                 spent = time.monotonic() - arguments.started
@@ -175,10 +191,29 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
     except Ended as ended:
         _end_group(worker)
         os.waitpid(worker, 0)
+        clear_line()
         if ended.number == signal.SIGALRM:
             print(f"mars-asp: the time limit of {limit:g} s ended this", file=sys.stderr)
             return 3
         return 128 + ended.number
+
+
+@contextmanager
+def _paused_together(worker: int) -> Iterator[None]:
+    """Pause the worker while Ctrl-Z pauses the command."""
+
+    def pause(number: int, frame: FrameType | None) -> None:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(worker, signal.SIGSTOP)
+        os.kill(os.getpid(), signal.SIGSTOP)
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(worker, signal.SIGCONT)
+
+    before = signal.signal(signal.SIGTSTP, pause)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTSTP, before)
 
 
 def _expire(number: int, frame: FrameType | None) -> None:
