@@ -153,6 +153,12 @@ ROBOT = "@configuration\n@modules Base, Drive\nBase is_controlled_by Drive\n"
         ("import os\ndef go(): os.kill(os.getpid(), 9)\n", 1, "drive.py"),
         ("import os\nos.closerange(0, 64)\ndef go(): ...\n", 1, "drive.py"),
         ("import os\nos._exit(0)\n", 2, "drive.py"),
+        (
+            "import os\ndef go():\n    for n in range(3, 30):\n"
+            "        try: os.write(n, b'x' * 99)\n        except OSError: ...\n",
+            1,
+            "drive.py",
+        ),
     ],
 )
 def test_a_behaviour_that_ends_the_program_fails_the_run(
@@ -172,6 +178,8 @@ def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(
         "import os\ndef go():\n    child = os.fork()\n    if not child: os._exit(3)\n"
         "    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3\n"
+        "    if not os.fork():\n        print('heard by nobody' * 9999, flush=True)\n"
+        "        os._exit(0)\n"
     )
     (tmp_path / "s.toml").write_text(SCENARIO)
     (tmp_path / "c.mars").write_text(ROBOT)

@@ -9,6 +9,7 @@ import io
 import json
 import os
 import sys
+import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -16,8 +17,11 @@ from mars_asp.visible import visible, write_whole
 
 _OUTPUT, _FILE, _CODE, _END = b"o", b"f", b"c", b"."
 _LENGTH = 8
-#: The pipe to the command, in a worker.
+#: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
+_writer: int | None = None
+#: What several threads send must not be mixed.
+_sending = threading.Lock()
 
 
 class ChangedError(OSError):
@@ -57,8 +61,8 @@ def to_pipe(pipe: int) -> None:
     What writes to the descriptor of standard output past Python reaches standard error: it is no
     part of a result.
     """
-    global _pipe  # noqa: PLW0603 -- a worker has one command
-    _pipe = pipe
+    global _pipe, _writer
+    _pipe, _writer = pipe, os.getpid()
     shown = sys.stdout is not None and sys.stdout.isatty()
     raw = io.BufferedWriter(_Output(shown), 1 << 16)
     sys.stdout = _Text(raw, encoding="utf-8", errors="backslashreplace")
@@ -108,10 +112,14 @@ def end(status: int) -> None:
 
 def _send(kind: bytes, payload: bytes) -> None:
     assert _pipe is not None
-    for part in (kind + len(payload).to_bytes(_LENGTH, "big"), payload):
-        rest = memoryview(part)
-        while rest:
-            rest = rest[os.write(_pipe, rest) :]
+    if os.getpid() != _writer:
+        # What somebody's code forked has nothing to say here: only whole results are delivered.
+        return
+    with _sending:
+        for part in (kind + len(payload).to_bytes(_LENGTH, "big"), payload):
+            rest = memoryview(part)
+            while rest:
+                rest = rest[os.write(_pipe, rest) :]
 
 
 # ---- In the command ------------------------------------------------------------------------------
@@ -131,7 +139,11 @@ class Told:
     _rest: bytearray = field(default_factory=bytearray)
 
     def hear(self, chunk: bytes) -> None:
-        """Take in what came through the pipe."""
+        """Take in what came through the pipe.
+
+        Raises:
+            ValueError: it is no message of ours, as when somebody's code wrote to the pipe.
+        """
         rest = self._rest
         rest += chunk
         begin = 0
@@ -154,8 +166,10 @@ class Told:
             self.files.append(File(path, content, said["read"]))
         elif kind == _CODE:
             self.code = tuple(json.loads(payload))
-        else:
+        elif kind == _END:
             self.status = int(payload)
+        else:
+            raise ValueError(kind)
 
     def deliver(self) -> int:
         """Write files, then standard output; return the exit status.

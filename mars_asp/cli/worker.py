@@ -177,11 +177,11 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
                 spent = time.monotonic() - arguments.started
                 signal.setitimer(signal.ITIMER_REAL, max(0.001, limit - spent) + _GRACE_SECONDS)
             told = deliver.Told()
-            with open(results, "rb", buffering=0) as pipe:
-                while chunk := pipe.read(1 << 20):
+            with open(results, "rb", buffering=0) as pipe, suppress(ValueError):
+                while told.status is None and (chunk := pipe.read(1 << 20)):
                     told.hear(chunk)
-                    if told.status is not None:
-                        break
+            if told.status is None:
+                _end_group(worker)
             _, status, used = os.wait4(worker, 0)
             signal.setitimer(signal.ITIMER_REAL, 0)
             _end_group(worker)
