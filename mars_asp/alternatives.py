@@ -234,11 +234,12 @@ def _taken(part: Part) -> set[int]:
 
 def _docstrings(rulebook: Rulebook) -> Mapping[tuple[str, int], tuple[list[str], str]]:
     """Return what `%*! p(X, Y) ... *%` says of each predicate: its arguments and the words."""
-    found = {}
+    found: dict[tuple[str, int], tuple[list[str], str]] = {}
     for _, text in rulebook.texts:
         for match in _DOCSTRING.finditer(text):
             arguments = [argument.strip() for argument in match[2].split(",")]
-            found[match[1], len(arguments)] = (arguments, " ".join(match[3].split()))
+            # What a pack says of a predicate of ours, it says too late.
+            found.setdefault((match[1], len(arguments)), (arguments, " ".join(match[3].split())))
     return found
 
 

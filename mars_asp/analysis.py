@@ -12,10 +12,12 @@ from typing import TypeAlias, TypeVar
 
 import clingo
 
+from mars_asp.arithmetic import telling, wrapped
 from mars_asp.atom import Fact
 from mars_asp.conflict import check_decided, check_packs, check_severities
-from mars_asp.diagnostic import Diagnostic, Severity
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity
 from mars_asp.facts import facts_text
+from mars_asp.joined import Fragment
 from mars_asp.pack import CONSEQUENCE, SEVERITIES
 from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.solve import Grounding
@@ -91,9 +93,15 @@ def analyse(
     """
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
-    said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
+    said = [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
+    asked = [
+        Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
+    ]
     text = facts_text(facts)
-    grounding = Grounding(f"{rulebook.text('base')}\n{said}\n{text}")
+    grounding = Grounding([*rulebook.fragments("base"), *said, *asked, Fragment(text, "facts")])
+    overflowing = tuple(wrapped(grounding.control, rulebook.asked))
+    if overflowing:
+        raise MarsError(overflowing)
     check_packs(grounding.control, rulebook, text)
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)

@@ -12,7 +12,7 @@ import clingo
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.pack import SEVERITIES, no_severity, severity_place
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.statements import rules_and_others
+from mars_asp.statements import without_rules
 from mars_asp.term import arguments, as_symbol, atoms, labelled
 
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
@@ -30,10 +30,8 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
         return
     packs = rulebook.texts[-rulebook.packs :]
     fixed = [text for stage, text in rulebook.texts[: -rulebook.packs] if stage == "base"]
-    read = [rules_and_others(text) for _, text in packs]
-    fixed += [others for _, others in read]
-    # The rules of packs stand last.
-    first = len(rulebook.rules) - sum(count for count, _ in read)
+    fixed += [without_rules(text) for _, text in packs]
+    first = len(rulebook.rules) - rulebook.pack_rules
     conflict = _minimal(rulebook.rules[first:], "\n".join([*fixed, facts]))
     rule, *others = conflict
     count = len(conflict)

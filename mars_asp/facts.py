@@ -5,12 +5,16 @@ from decimal import Decimal
 from functools import cached_property
 from itertools import groupby
 from operator import attrgetter
+from typing import get_args
 
 from clingo import Symbol
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.atom import Atom, Fact, Term
 from mars_asp.model import (
+    NODE_NAMES,
+    Allocation,
+    Architecture,
     Configuration,
     Control,
     Data,
@@ -133,6 +137,23 @@ ANNOTATIONS = frozenset(
 #: Those by which it is told what mounts do to motions.
 FRAMES = frozenset(
     "rooted appears appears_in_part lever_arm combines support shares circuit".split()
+)
+
+
+_CLASSES = (
+    "sensor",
+    "effector",
+    "end_effector",
+    "data_out_algorithm",
+    "control_out_algorithm",
+    "data_sink",
+    "converter",
+)
+_KNOTS = ("data", "control", "mount")
+#: The constants that facts are made of: a rule pack that replaced one would read other facts.
+CONSTANTS: frozenset[str] = frozenset(
+    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *_CLASSES, *_KNOTS}
+    | {ANY.name, NONE.name, "zero", "generic"}
 )
 
 
@@ -374,7 +395,7 @@ class Compiler:
                     control.append((controlled, controller, number))
                 case Mount(mounting, mounted):
                     mounts.append((mounting, mounted, number))
-        for kind, edges in (("data", data), ("control", control), ("mount", mounts)):
+        for kind, edges in zip(_KNOTS, (data, control, mounts), strict=True):
             for index, knot in enumerate(knots(edges)):
                 for step, (start, end, number) in enumerate(knot.walk):
                     self.add(
@@ -428,16 +449,16 @@ def module_classes(module: Module) -> Iterator[str]:
     """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
     kinds = {service.kind for service in module.services}
     functions = {function.name for function in module.functions}
-    tests: Sequence[tuple[str, bool]] = (
-        ("sensor", "Sense" in kinds),
-        ("effector", bool(functions - {"Grasp"})),
-        ("end_effector", "Grasp" in functions),
-        ("data_out_algorithm", "DataOut" in kinds),
-        ("control_out_algorithm", "ControlOut" in kinds),
-        ("data_sink", "DataIn" in kinds),
-        ("converter", "Converts" in kinds),
+    tests = (
+        "Sense" in kinds,
+        bool(functions - {"Grasp"}),
+        "Grasp" in functions,
+        "DataOut" in kinds,
+        "ControlOut" in kinds,
+        "DataIn" in kinds,
+        "Converts" in kinds,
     )
-    return (name for name, holds in tests if holds)
+    return (name for name, holds in zip(_CLASSES, tests, strict=True) if holds)
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

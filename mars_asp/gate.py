@@ -6,18 +6,26 @@ that kills its logger, a term so deep that its parser overflows.
 
 import re
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.source import point
 
 MOST_BYTES = 8 * 1024 * 1024
+MOST_STATEMENTS = 100_000
 MOST_STATEMENT = 64 * 1024
 MOST_NESTING = 200
 MOST_OPERATORS = 4096
+#: Of one file so many refusals are told.
+_MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
-_BRACKET = re.compile(r"[()\[\]{}]")
-_OPERATOR = re.compile(r"[-+*/\\&?^|]|\.\.")
+#: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
+_TOKEN = re.compile(
+    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{}]|[-+*/\\&?^|~]|[^\x00-\x7f]+'
+)
+#: What counts in a block comment, where `%` begins one that goes to the end of its line.
+_COMMENTED = re.compile(r"%\*|\*%|%[^\n]*")
 
 
 def gate_text(path: Path, shown: str) -> str:
@@ -28,16 +36,16 @@ def gate_text(path: Path, shown: str) -> str:
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise _refusal(shown, 1, 1, "no regular file", "name a file or a folder of `.lp` files")
+            raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
         if path.stat().st_size > MOST_BYTES:
-            raise _refusal(shown, 1, 1, f"larger than {MOST_BYTES} bytes", "split it by topic")
+            raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
         raw = path.read_bytes()
         text = raw.decode("utf-8")
     except OSError as error:
-        raise _refusal(shown, 1, 1, str(error.strerror), "make the file readable") from None
+        raise _refused(shown, str(error.strerror), "make the file readable") from None
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
-        raise _refusal(shown, line, 1, "not UTF-8", "save it as UTF-8") from None
+        raise _refused(shown, "not UTF-8", "save it as UTF-8", line) from None
     check_text(text, shown)
     return text
 
@@ -46,40 +54,96 @@ def check_text(text: str, shown: str) -> None:
     """Refuse a text that may not be given to clingo.
 
     Raises:
-        MarsError: with the first reason.
+        MarsError: with the first reasons.
     """
+    found: list[Diagnostic] = []
+    for offset, what, advice in _wrong(text):
+        line = text.count("\n", 0, offset) + 1
+        column = offset - text.rfind("\n", 0, offset)
+        found.append(_refusal(shown, line, column, what, advice))
+        if len(found) == _MOST_TOLD:
+            break
+    if found:
+        raise MarsError(found)
+
+
+def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield what clingo may not be given: where it is, what it is and what to do."""
     for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
         if sign in text:
-            raise _refusal(shown, _line(text, text.index(sign)), 1, f"holds {name}", "remove it")
+            yield text.index(sign), f"holds {name}", "remove it"
+            return
     if text.lstrip().startswith("asp "):
-        raise _refusal(shown, 1, 1, "an intermediate format, no rules", "give the rules themselves")
-    match = _REFUSED.search(text)
-    if match:
-        line = _line(text, match.start())
-        column = match.start() - text.rfind("\n", 0, match.start())
-        raise _refusal(shown, line, column, f"`#{match[1]}` is not allowed", "leave it out")
-    nesting = statement = operators = 0
-    for number, line_text in enumerate(text.split("\n"), 1):
-        statement += len(line_text)
-        operators += len(_OPERATOR.findall(line_text))
-        for bracket in _BRACKET.findall(line_text):
-            nesting += 1 if bracket in "([{" else -1
-            if nesting > MOST_NESTING:
-                raise _refusal(shown, number, 1, "nested too deep", f"at most {MOST_NESTING} deep")
-        if "." in line_text:
-            nesting = max(0, min(nesting, MOST_NESTING))
-        if statement > MOST_STATEMENT or operators > MOST_OPERATORS:
-            raise _refusal(shown, number, 1, "a statement too long", "split it")
-        if line_text.rstrip().endswith((".", "*%")) or line_text.lstrip().startswith("%"):
-            nesting = statement = operators = 0
+        yield 0, "an intermediate format, no rules", "give the rules themselves"
+    for match in _REFUSED.finditer(text):
+        yield match.start(), f"`#{match[1]}` is not allowed", "leave it out"
+    yield from _unfit(text)
 
 
-def _line(text: str, offset: int) -> int:
-    return text.count("\n", 0, offset) + 1
+def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield the statements that are too long or too deep, and characters that stand for nothing.
+
+    Comments and strings count for nothing, wherever they stand: so it is for clingo.
+    """
+    begin = commented = nesting = operators = statements = 0
+    told = False
+    for at, end, token in _tokens(text):
+        sign = token[0]
+        if sign == "%":
+            commented += end - at
+        elif sign == "." and len(token) == 1:
+            statements += 1
+            if statements > MOST_STATEMENTS:
+                advice = f"a file holds at most {MOST_STATEMENTS}: split it"
+                yield at, "too many statements", advice
+                return
+            begin, commented, nesting, operators, told = end, 0, 0, 0, False
+        elif sign in "([{":
+            nesting += 1
+        elif sign in ")]}":
+            nesting -= 1
+        elif sign > "\x7f":
+            yield (
+                at,
+                f"`{token}` stands outside of comments and strings",
+                "names are of ASCII letters, digits and `_`; put any others in a string",
+            )
+        elif sign != '"':
+            operators += 1
+        if told:
+            continue
+        if nesting > MOST_NESTING:
+            told = True
+            yield at, "nested too deep", f"at most {MOST_NESTING} deep"
+        elif operators > MOST_OPERATORS or end - begin - commented > MOST_STATEMENT:
+            told = True
+            yield at, "a statement too long", "split it"
 
 
-def _refusal(shown: str, line: int, column: int, what: str, help_text: str) -> MarsError:
+def _tokens(text: str) -> Iterator[tuple[int, int, str]]:
+    """Yield where what counts begins and ends, and what it is; last the end of the text."""
+    at = 0
+    while match := _TOKEN.search(text, at):
+        begin, at = match.span()
+        if match[0] == "%*":
+            at = _closed(text, at)
+        yield begin, at, match[0]
+    yield len(text), len(text), '"'
+
+
+def _closed(text: str, at: int) -> int:
+    """Return where a block comment ends that is open at a place."""
+    depth = 1
+    while depth and (match := _COMMENTED.search(text, at)):
+        at = match.end()
+        depth += {"%*": 1, "*%": -1}.get(match[0], 0)
+    return len(text) if depth else at
+
+
+def _refused(shown: str, what: str, advice: str, line: int = 1) -> MarsError:
+    return MarsError((_refusal(shown, line, 1, what, advice),))
+
+
+def _refusal(shown: str, line: int, column: int, what: str, advice: str) -> Diagnostic:
     message = f"`{shown}` cannot be used as rules: {what}"
-    return MarsError(
-        (Diagnostic("rules-refused", "error", message, point(shown, line, column), help=help_text),)
-    )
+    return Diagnostic("rules-refused", "error", message, point(shown, line, column), help=advice)

@@ -1,17 +1,36 @@
 """What clingo would say of a rule pack too late, or without the place, or not at all."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from functools import cached_property
 
 import clingo
 
+from mars_asp import joined
 from mars_asp.diagnostic import Diagnostic, Severity
+from mars_asp.joined import Fragment
 from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
-from mars_asp.statements import Place, Signature, Statement, argument_place, masked, unsigned
+from mars_asp.statements import (
+    Piece,
+    Place,
+    Signature,
+    Statement,
+    argument_place,
+    calls,
+    declared,
+    head_pool,
+    masked,
+    replaced,
+    unsigned,
+)
+from mars_asp.statements import shown as shows
 
-_PLACE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: error: (.*)", re.DOTALL)
-_UNSAFE = re.compile(r"note: '(\w+)' is unsafe")
+_UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
+
+#: What is found in all packs together.
+_TWICE = "redefinition of constant"
 
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 
@@ -23,6 +42,29 @@ EXTENSIBLE: frozenset[Signature] = frozenset(
 )
 
 
+@dataclass(frozen=True)
+class Seal:
+    """What the built-in rules of all stages derive, are given and mean, whichever are loaded.
+
+    `derived` and `given` have the stage of each predicate, `base` where it has several.
+    """
+
+    derived: Mapping[Signature, str]
+    given: Mapping[Signature, str]
+    constants: frozenset[str]
+    #: Where the rules stand that have names.
+    ids: Mapping[str, Span]
+
+    @cached_property
+    def later(self) -> Mapping[Signature, str]:
+        """Return the predicates that nobody derives or is given for consequences."""
+        every = {**self.given, **self.derived}
+        early = {
+            each for known in (self.given, self.derived) for each in known if known[each] == "base"
+        }
+        return {each: stage for each, stage in every.items() if each not in early}
+
+
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
     """Yield what clingo says against the rules of a text; none of them is grounded here."""
     notes: list[str] = []
@@ -32,27 +74,29 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
         control.add("base", [], masked(text))
         control.ground([("nothing", [])])
     except RuntimeError:
-        for match in filter(None, map(_PLACE.match, notes)):
-            place = point(shown, int(match[1]), int(match[2]))
-            unsafe = [f"`{name}`" for name in _UNSAFE.findall(match[3])]
+        for place, said, _ in joined.notes(notes, [Fragment(masked(text), shown)]):
+            unsafe = [f"`{name}`" for name in _UNSAFE.findall(said)]
             if unsafe:
                 message = f"nothing in the body binds {' and '.join(dict.fromkeys(unsafe))}"
                 advice = "name it in a literal of the body that is not negated"
                 yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
-            else:
-                yield Diagnostic("rule-syntax", "error", " ".join(match[3].split()), place)
+            elif not said.startswith(_TWICE):
+                yield Diagnostic("rule-syntax", "error", said, place)
 
 
 def unknown_predicates(
-    rule: Iterable[Statement], known: Set[Signature], span: Span
+    rule: Iterable[Statement], known: Set[Signature], seal: Seal, span: Span
 ) -> Iterator[Diagnostic]:
-    """Yield the predicates of a rule that nobody gives or derives: a misspelt rule never fires.
+    """Yield the predicates that a rule reads and nobody gives or derives, or none who comes before.
 
-    `span` is where the rule stands, for the places of what it says count from its beginning.
+    A rule that is misspelt, or reads what is decided later, never fires. `span` is where it
+    stands, for the places of what it says count from its beginning.
     """
-    literals = {(each.place, unsigned(each.signature)) for one in rule for each in one.literals}
+    literals = {(each.place, unsigned(each.signature)) for one in rule for each in one.read}
     for place, (name, arity) in sorted(literals):
-        if (name, arity) not in known:
+        if (name, arity) in seal.later:
+            yield _too_early((name, arity), seal, placed(span, place))
+        elif (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
             others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
             yield Diagnostic(
@@ -68,11 +112,12 @@ def unknown_predicates(
 
 
 def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield what is wrong with a head that tells of a consequence: a choice, or no severity.
+    """Yield what is wrong with a head that tells of a consequence, such as a choice or a pool.
 
     `text` is that of the rule, `span` where it stands, for the places of what it says count from
     its beginning.
     """
+    pool = head_pool(text) if len(rule) > 1 else None
     for number, statement in enumerate(rule):
         told = sorted({unsigned(each) for each in statement.derives} & EXTENSIBLE)
         if told and not statement.forces:
@@ -85,6 +130,16 @@ def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[
                 f"`{name}/{arity}` stands {where}",
                 placed(span, statement.place),
                 help="what is found follows from the facts: write a rule with this head alone",
+            )
+            return
+        if told and pool is not None:
+            name, arity = told[0]
+            yield Diagnostic(
+                "rule-head",
+                "error",
+                f"`{name}/{arity}` stands in a pool, or holds one",
+                placed(span, pool),
+                help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
             )
             return
         if told and statement.head.is_negated:
@@ -100,6 +155,95 @@ def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[
             term = statement.head.terms[1]
             if not term.variables and term.text not in SEVERITIES:
                 yield no_severity(term.text, severity_place(text, span, number))
+
+
+def misplaced_statements(written: Iterable[Piece], seal: Seal, shown: str) -> Iterator[Diagnostic]:
+    """Yield the statements of a pack, rules apart, that would change what others mean."""
+    for piece in written:
+        place = point(shown, *piece.begin)
+        match piece.sort:
+            case "cost":
+                message = "a minimisation chooses between answers, and consequences have just one"
+                advice = "derive `consequence/4` for what is dear"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "term":
+                message = "`#show` of a term shows what nothing derives"
+                advice = "derive a predicate, and show that: `#show name/1.`"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "other":
+                message = f"`{piece.text.split()[0]}` is no statement of a rule pack"
+                advice = "it holds rules, `#const`, `#defined` and `#show`"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "constant":
+                for name in sorted(replaced(piece.text) & seal.constants):
+                    message = f"`{name}` is a word of the built-in rules or of what they are given"
+                    advice = "choose another name: `#const` would replace it everywhere"
+                    yield Diagnostic("rule-constant", "error", message, place, help=advice)
+            case "shown" | "declaration":
+                for signature in sorted({*map(unsigned, shows(piece.text)), *declared(piece.text)}):
+                    if signature in seal.later:
+                        yield _too_early(signature, seal, place)
+
+
+def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
+    """Yield the constants that packs define twice; pieces stand beside the names of their files."""
+    first: dict[str, Span] = {}
+    for shown, piece in written:
+        for name in replaced(piece.text) if piece.sort == "constant" else ():
+            place = point(shown, *piece.begin)
+            earlier = first.setdefault(name, place)
+            if earlier != place:
+                message = f"constant `{name}` is defined twice"
+                labels = ((earlier, "first defined here"),)
+                yield Diagnostic("rule-constant", "error", message, place, labels)
+
+
+def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield the functions that a rule calls: rules run no code, so there are none."""
+    for place, name in calls(text):
+        message = f"there is no function `@{name}`"
+        advice = "rules run no code: let facts and rules say what is the case"
+        yield Diagnostic("rule-undefined", "error", message, placed(span, place), help=advice)
+
+
+def reserved_heads(rule: Iterable[Statement], seal: Seal, span: Span) -> Iterator[Diagnostic]:
+    """Yield the predicates that a rule of a pack may not derive, for others mean something by them.
+
+    `span` is where the rule stands, for the places of what it says count from its beginning.
+    """
+    heads = {
+        (head.literal.place, unsigned(head.literal.signature)) for one in rule for head in one.heads
+    }
+    for place, (name, arity) in sorted(heads):
+        signature, advice = (name, arity), "derive a predicate of your own, or `consequence/4`"
+        expected = sorted(n for other, n in EXTENSIBLE if other == name)
+        if signature in EXTENSIBLE:
+            continue
+        if signature in seal.derived:
+            message = f"`{name}/{arity}` is derived by the built-in rules alone"
+        elif signature in seal.given:
+            message = f"`{name}/{arity}` is given, and nothing derives it"
+        elif name.startswith("_"):
+            message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
+        elif expected:
+            message = f"`{name}` has {expected[0]} arguments, not {arity}"
+            advice = "`docs/writing-rules.md` says what each of them is"
+        else:
+            continue
+        yield Diagnostic("rule-reserved", "error", message, placed(span, place), help=advice)
+
+
+def _too_early(signature: Signature, seal: Seal, place: Span) -> Diagnostic:
+    name, arity = signature
+    stage = seal.later[signature]
+    how = "derived by" if signature in seal.derived else "given to"
+    return Diagnostic(
+        "rule-later",
+        "error",
+        f"`{name}/{arity}` is {how} `rules/{stage}`, after the consequences",
+        place,
+        help="a rule pack rests on what is given or derived in `rules/*.lp`",
+    )
 
 
 def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:

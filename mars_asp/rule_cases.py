@@ -17,20 +17,23 @@ from pathlib import Path
 import clingo
 
 from mars_asp.analysis import fill, shown
-from mars_asp.diagnostic import MarsError
-from mars_asp.gate import gate_text
-from mars_asp.pack import refused_rules
-from mars_asp.rulebook import Rule, Rulebook
+from mars_asp.arithmetic import telling, wrapped
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.joined import Fragment, joined, refusals
+from mars_asp.rulebook import Rule, Rulebook, read_case
+from mars_asp.source import point
+from mars_asp.statements import Piece
+from mars_asp.statements import shown as shows
 
 STAGES = ("resolve", "verify", "cost", "run", "can", "repair")
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
-_SHOW = re.compile(r"^#show\s+([a-z_]\w*)\s*/\s*(\d+)\s*\.", re.MULTILINE)
 _COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _SAID = "__said"
 _BY_DEFAULT = (("consequence", 4),)
 _MOST_ANSWERS = 100
+_MOST_MESSAGES = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,22 +96,26 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     Raises:
         MarsError: the case may not be given to clingo.
     """
-    text = gate_text(path, str(path))
-    refused = tuple(refused_rules(text, str(path)))
-    if refused:
-        raise MarsError(refused)
+    text, written = read_case(path)
     messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
     costs = [f"%~ {cost}" for cost in _COST.findall(text)]
     rest = [*messages, *costs]
     expected = tuple(
         sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
     )
-    wanted = _shown(text) or _BY_DEFAULT
+    wanted = _shown(written) or _BY_DEFAULT
     stages = ("base", *stages_of(path))
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
-    program = [_SHOW.sub("", text), *(rulebook.text(stage) for stage in stages)]
-    program += [_saying(number, rule) for number, rule in enumerate(speakers)]
-    return Outcome(path, expected, _answers("\n".join(program), wanted, speakers, bool(costs)))
+    program = [Fragment(text, str(path))]
+    program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
+    program += [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
+    asked = rulebook.asked
+    program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
+    control = _grounded(program)
+    overflowing = tuple(wrapped(control, asked))
+    if overflowing:
+        raise MarsError(overflowing)
+    return Outcome(path, expected, _answers(control, wanted, speakers, bool(costs)))
 
 
 def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]) -> bool:
@@ -134,36 +141,56 @@ def shown_by(path: Path) -> tuple[tuple[str, int], ...]:
     Raises:
         MarsError: the case may not be given to clingo.
     """
-    return _shown(gate_text(path, str(path)))
+    return _shown(read_case(path)[1])
 
 
-def _shown(text: str) -> tuple[tuple[str, int], ...]:
-    return tuple((name, int(arity)) for name, arity in _SHOW.findall(text))
+def _shown(written: Iterable[Piece]) -> tuple[tuple[str, int], ...]:
+    return tuple(each for piece in written if piece.sort == "shown" for each in shows(piece.text))
 
 
 def case_facts(path: Path) -> str:
-    """Return the facts of a case, without what it shows.
+    """Return the facts of a case, with what it shows.
 
     Raises:
         MarsError: the case may not be given to clingo.
     """
-    return _SHOW.sub("", gate_text(path, str(path)))
+    return read_case(path)[0]
+
+
+def _grounded(program: Sequence[Fragment]) -> clingo.Control:
+    """Return a control with a program.
+
+    Raises:
+        MarsError: clingo refuses it, or an operation has no value.
+    """
+    said: list[tuple[clingo.MessageCode, str]] = []
+    options = ["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=no-atom-undefined"]
+    control = clingo.Control(options, lambda code, note: said.append((code, note)), _MOST_MESSAGES)
+    reason = ""
+    try:
+        control.add("base", [], joined(program))
+        control.ground()
+    except RuntimeError as error:
+        reason = str(error)
+    undefined = clingo.MessageCode.OperationUndefined
+    wrong = [note for code, note in said if reason or code == undefined]
+    if reason or wrong:
+        place = point(program[0].path, 1, 1)
+        whole = Diagnostic("rules-refused", "error", f"clingo refuses this: {reason}", place)
+        raise MarsError(tuple(refusals(wrong, program)) or (whole,))
+    return control
 
 
 def _answers(
-    program: str,
+    control: clingo.Control,
     wanted: Sequence[tuple[str, int]],
     speakers: Sequence[Rule],
     with_costs: bool,
 ) -> tuple[tuple[str, ...], ...]:
-    control = clingo.Control(["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=none"])
-    control.add("base", [], program)
-    control.ground()
-    minimised = "#minimize" in program
     found: set[tuple[str, ...]] = set()
 
     def keep(model: clingo.Model) -> None:
-        if minimised and model.cost and not model.optimality_proven:
+        if model.cost and not model.optimality_proven:
             return
         atoms = model.symbols(atoms=True)
         answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}

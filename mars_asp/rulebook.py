@@ -6,22 +6,31 @@ Comments `%! key: text` directly above a rule give it an `id`, a `because` (its 
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import repeat
 from pathlib import Path
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias
 
-from mars_asp import gate, pack
+from mars_asp import facts, gate, pack
 from mars_asp import statements as reader
-from mars_asp.arithmetic import overflows
+from mars_asp.arithmetic import Asked, overflows
+from mars_asp.computed import computations
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.facts import CONSTANTS
+from mars_asp.joined import Fragment
 from mars_asp.kept import keep, recall, version_of
 from mars_asp.pack import (
     CONSEQUENCE,
-    EXTENSIBLE,
+    Seal,
+    called_functions,
+    misplaced_statements,
     misused_heads,
     refused_rules,
+    repeated_constants,
+    reserved_heads,
     unknown_predicates,
 )
 from mars_asp.source import Span, point
@@ -33,10 +42,12 @@ from mars_asp.statements import (
     Statement,
     Tree,
     bound_variables,
+    constant_names,
     declared,
     pieces,
     replaced,
     statements,
+    statements_of,
     tree,
     unsigned,
 )
@@ -113,8 +124,8 @@ class Rule:
         return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))
 
 
-#: Rules, and texts by their stage.
-_BuiltIn: TypeAlias = tuple[tuple[Rule, ...], tuple[tuple[str, str], ...]]
+#: A stage, and a text of it.
+_Text: TypeAlias = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -122,16 +133,40 @@ class Rulebook:
     """All rules, in the order of their files, and the texts that clingo is given.
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
-    `packs` texts, all of the base, are rule packs from elsewhere.
+    `packs` texts and `pack_rules` rules, all of the base, are from elsewhere. `paths` are those of
+    the texts, as they are shown.
     """
 
     rules: tuple[Rule, ...]
-    texts: tuple[tuple[str, str], ...]
+    texts: tuple[_Text, ...]
     packs: int = 0
+    pack_rules: int = 0
+    paths: tuple[str, ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
         return "\n".join(text for at, text in self.texts if at == stage)
+
+    def fragments(self, stage: str) -> tuple[Fragment, ...]:
+        """Return the texts of one stage with their files."""
+        paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
+        found = zip(self.texts, paths, strict=True)
+        return tuple(Fragment(text, path) for (at, text), path in found if at == stage)
+
+    @cached_property
+    def built_in(self) -> "Rulebook":
+        """Return the rulebook without packs."""
+        if not self.packs:
+            return self
+        rules = self.rules[: len(self.rules) - self.pack_rules]
+        return Rulebook(rules, self.texts[: -self.packs], paths=self.paths[: -self.packs])
+
+    @cached_property
+    def asked(self) -> tuple[Asked, ...]:
+        """Return what the rules of packs compute that may leave 32 bits."""
+        rules = self.rules[len(self.rules) - self.pack_rules :]
+        found = computations(rule.text for rule in rules)
+        return tuple(Asked(r.span, each) for r in rules for each in found.get(r.text, ()))
 
     @cached_property
     def replaced(self) -> frozenset[str]:
@@ -143,6 +178,16 @@ class Rulebook:
     def by_id(self) -> dict[str, Rule]:
         """Return the rules by their ids."""
         return {rule.id: rule for rule in self.rules}
+
+
+class _File(NamedTuple):
+    """A file of rules: its path as it is shown, its stage, text, what that is made of and rules."""
+
+    shown: str
+    stage: str
+    text: str
+    written: tuple[Piece, ...]
+    rules: tuple[Rule, ...]
 
 
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
@@ -165,76 +210,173 @@ def load_rulebook(
     The holes of the built-in messages are checked only when `strict`: the tests have done so.
 
     Raises:
-        MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong.
+        MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
+            packs that derive or mean what is not theirs.
     """
     problems: list[Diagnostic] = []
-    own, written = _built_in(stages, strict, problems)
-    rules, texts = list(own), list(written)
-    built_in = len(texts)
+    own = _built_in(stages, strict, problems)
+    packs: list[_File] = []
     for path in _pack_files(extra, problems):
-        first, before = len(rules), len(texts)
-        _load_file(path, str(path), "base", rules, texts, problems, True)
-        problems += _reserved(rules[first:], own)
-        problems += (p for r in rules[first:] for p in misused_heads(r.statements, r.text, r.span))
-        problems += [
-            found for _, text in texts[before:] for found in refused_rules(text, str(path))
-        ]
-    problems += _unknown(rules, len(own), texts)
-    problems += _repeated(rules)
+        found = _read_file(path, str(path), "base", problems, True)
+        if found is not None:
+            packs.append(found)
+    if packs:
+        problems += _wrong_packs(packs, own)
+    if strict:
+        problems += _repeated(own.rules)
     if problems:
         raise MarsError(problems)
-    return Rulebook(tuple(rules), tuple(texts), len(texts) - built_in)
+    if not packs:
+        return own
+    rules = tuple(rule for pack in packs for rule in pack.rules)
+    return Rulebook(
+        (*own.rules, *rules),
+        (*own.texts, *((pack.stage, pack.text) for pack in packs)),
+        len(packs),
+        len(rules),
+        (*own.paths, *(pack.shown for pack in packs)),
+    )
 
 
-def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -> _BuiltIn:
-    """Return the built-in rules and texts, as they were kept while no file has changed."""
-    root = rules_directory()
-    found = [
-        (path, stage)
-        for folder, stage in [(root, "base"), *((root / name, name) for name in stages)]
-        for path in sorted(folder.glob("*.lp"))
-    ]
+def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
+    """Return the text of a case for the rules, and what it is made of.
+
+    Raises:
+        MarsError: it may not be given to clingo.
+    """
+    problems: list[Diagnostic] = []
+    shown = str(path)
+    found = _read_text(path, shown, problems)
+    if found is not None:
+        text, written = found
+        rules = (
+            (each.text, Span(shown, *each.begin, *each.end))
+            for each in written
+            if each.sort == "rule"
+        )
+        problems += (each for text_, span in rules for each in called_functions(text_, span))
+        problems += overflows(text, shown)
+        # Of some numbers that do not fit clingo itself ends the process.
+        problems += () if problems else refused_rules(text, shown)
+    if problems or found is None:
+        raise MarsError(problems)
+    return found
+
+
+def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
+    """Return the built-in rules, as they were kept while no file has changed."""
+    found = _files(stages)
     name = "-".join(("rules", *stages))
-    makers = map(Path, (__file__, gate.__file__, pack.__file__, reader.__file__))
-    version = version_of((*makers, *(path for path, _ in found)))
-    kept: _BuiltIn | None = None if strict else recall(name, version)
+    version = _version(found)
+    kept: Rulebook | None = None if strict else recall(name, version)
     if kept is not None:
         return kept
-    rules: list[Rule] = []
-    texts: list[tuple[str, str]] = []
-    for path, stage in found:
-        shown = "rules/" + path.relative_to(root).as_posix()
-        _load_file(path, shown, stage, rules, texts, problems, strict)
+    files = []
+    for path, shown, stage in found:
+        file = _read_file(path, shown, stage, problems, strict)
+        if file is not None:
+            files.append(file)
+    rules = tuple(rule for file in files for rule in file.rules)
+    texts = tuple((file.stage, file.text) for file in files)
+    made = Rulebook(rules, texts, paths=tuple(file.shown for file in files))
     if not problems:
-        keep(name, version, (tuple(rules), tuple(texts)))
-    return tuple(rules), tuple(texts)
+        keep(name, version, made)
+    return made
 
 
-def _load_file(
-    path: Path,
-    shown: str,
-    stage: str,
-    rules: list[Rule],
-    texts: list[tuple[str, str]],
-    problems: list[Diagnostic],
-    strict: bool,
-) -> None:
+def seal() -> Seal:
+    """Return what the built-in rules of all stages have for themselves, kept between commands."""
+    found = _files(
+        [folder.name for folder in sorted(rules_directory().iterdir()) if folder.is_dir()]
+    )
+    version = _version(found)
+    kept: Seal | None = recall("seal", version)
+    if kept is not None:
+        return kept
+    problems: list[Diagnostic] = []
+    derived: dict[Signature, str] = {}
+    given: dict[Signature, str] = {}
+    ids: dict[str, Span] = {}
+    constants = set(CONSTANTS)
+    for path, shown, stage in found:
+        file = _read_file(path, shown, stage, problems, False)
+        if file is not None:
+            for rule in file.rules:
+                derived.update((head, stage) for head in rule.heads if head not in derived)
+                ids[rule.id] = rule.span
+            given.update((each, stage) for each in declared(file.text) if each not in given)
+            constants |= constant_names(file.text)
+    made = Seal(derived, given, frozenset(constants), ids)
+    if not problems:
+        keep("seal", version, made)
+    return made
+
+
+def _files(stages: Iterable[str]) -> list[tuple[Path, str, str]]:
+    """Return the built-in files of the base and of stages: path, how it is shown, and stage."""
+    root = rules_directory()
+    folders = [(root, "base"), *((root / name, name) for name in stages)]
+    found = [(path, stage) for folder, stage in folders for path in sorted(folder.glob("*.lp"))]
+    return [(path, f"rules/{path.relative_to(root).as_posix()}", stage) for path, stage in found]
+
+
+def _version(files: Iterable[tuple[Path, str, str]]) -> str:
+    makers = map(Path, (__file__, facts.__file__, gate.__file__, pack.__file__, reader.__file__))
+    return version_of((*makers, *(path for path, _, _ in files)))
+
+
+def _read_text(
+    path: Path, shown: str, problems: list[Diagnostic]
+) -> tuple[str, tuple[Piece, ...]] | None:
+    """Return a text that clingo can parse, and what it is made of."""
     try:
         text = gate.gate_text(path, shown)
-        written = tuple(pieces(text))
+        return text, tuple(pieces(text))
     except MarsError as error:
         problems += error.diagnostics
-        return
     except RuleSyntaxError as error:
         problems += (_syntax(note, shown) for note in error.notes[:20])
-        return
-    texts.append((stage, text))
+    return None
+
+
+def _read_file(
+    path: Path, shown: str, stage: str, problems: list[Diagnostic], strict: bool
+) -> _File | None:
+    found = _read_text(path, shown, problems)
+    if found is None:
+        return None
+    text, written = found
     if strict:
         problems += overflows(text, shown)
-    found = list(_rules_of(written, shown, stage, path.stem, problems))
+    rules = tuple(_rules_of(written, shown, stage, path.stem, problems))
     if strict:
-        problems += [problem for rule in found for problem in _wrong_holes(rule)]
-    rules += found
+        problems += [problem for rule in rules for problem in _wrong_holes(rule)]
+    return _File(shown, stage, text, written, rules)
+
+
+def _wrong_packs(packs: Sequence[_File], own: Rulebook) -> Iterator[Diagnostic]:
+    """Yield all that packs may not do, and what would make nothing of their rules."""
+    sealed = seal()
+    rules = [rule for file in packs for rule in file.rules]
+    read = statements_of(rule.text for rule in rules)
+    known = {signature for rule in (*own.rules, *rules) for signature in rule.heads}
+    known |= {
+        each
+        for text in (*(text for _, text in own.texts), *(file.text for file in packs))
+        for each in declared(text)
+    }
+    for file in packs:
+        yield from misplaced_statements(file.written, sealed, file.shown)
+        overflowing = tuple(overflows(file.text, file.shown))
+        # Of some numbers that do not fit clingo itself ends the process.
+        yield from () if overflowing else refused_rules(file.text, file.shown)
+    yield from repeated_constants((file.shown, piece) for file in packs for piece in file.written)
+    for rule in rules:
+        yield from reserved_heads(read[rule.text], sealed, rule.span)
+        yield from misused_heads(read[rule.text], rule.text, rule.span)
+        yield from called_functions(rule.text, rule.span)
+        yield from unknown_predicates(read[rule.text], known, sealed, rule.span)
+    yield from _repeated(rules, sealed.ids)
 
 
 def _syntax(note: str, shown: str) -> Diagnostic:
@@ -259,7 +401,7 @@ def _rules_of(
                 _note_metadata(pending, match, point(shown, *piece.begin), problems)
                 last_line = piece.begin[0]
             continue
-        if piece.sort == "other":
+        if piece.sort != "rule":
             problems += _unbound(pending)
             pending = {}
             continue
@@ -352,43 +494,20 @@ def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
     ]
 
 
-def _repeated(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
-    first: dict[str, Rule] = {}
+def _repeated(
+    rules: Iterable[Rule], known: Mapping[str, Span] = MappingProxyType({})
+) -> Iterator[Diagnostic]:
+    first = dict(known)
     for rule in rules:
-        earlier = first.setdefault(rule.id, rule)
-        if earlier is not rule and "/" in rule.id:
+        earlier = first.setdefault(rule.id, rule.span)
+        if earlier is not rule.span and "/" in rule.id:
             yield Diagnostic(
                 "rule-metadata",
                 "error",
                 f"rule id `{rule.id}` is used twice",
                 rule.span,
-                ((earlier.span, "first used here"),),
+                ((earlier, "first used here"),),
             )
-
-
-def _reserved(rules: Iterable[Rule], own: Iterable[Rule]) -> Iterator[Diagnostic]:
-    built_in = {signature for rule in own for signature in rule.heads}
-    for rule in rules:
-        for name, arity in sorted(rule.heads):
-            if (name, arity) in built_in - EXTENSIBLE:
-                yield Diagnostic(
-                    "rule-reserved",
-                    "error",
-                    f"`{name}/{arity}` is derived by the built-in rules alone",
-                    rule.span,
-                    help="derive a predicate of your own, or `consequence/4`",
-                )
-
-
-def _unknown(
-    rules: Sequence[Rule], built_in: int, texts: Iterable[tuple[str, str]]
-) -> Iterator[Diagnostic]:
-    """Yield the predicates that only the bodies of packs know."""
-    if len(rules) > built_in:
-        known = {signature for rule in rules for signature in rule.heads}
-        known |= {signature for _, text in texts for signature in declared(text)}
-        for rule in rules[built_in:]:
-            yield from unknown_predicates(rule.statements, known, rule.span)
 
 
 def _pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:

@@ -41,16 +41,16 @@ def slice_for(
 ) -> Slice | None:
     """Return what `KIND(NAME)` of a consequence or an atom needs, or `None` for anything else.
 
-    That is so where the subject is no such term, or where no rule of the base derives it, and
-    with rule packs that could leave no answer at all or several, by rules that the question does
-    not read. By the names of predicates, `facts_of` gives all their facts, `lookup_of` those that
-    are looked for.
+    That is so where the subject is no such term, or where no rule of the base derives it, and with
+    rule packs that could leave no answer at all or several, or compute what does not fit, by rules
+    that the question does not read. By the names of predicates, `facts_of` gives all their facts,
+    `lookup_of` those that are looked for.
     """
     name, first = _asked(subject, rulebook)
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
     read = statements_of(rule.text for rule in rules)
     base = [(rule, read[rule.text]) for rule in rules]
-    if rulebook.packs and not _has_one_answer(base, rulebook):
+    if rulebook.packs and (rulebook.asked or not _has_one_answer(base, rulebook)):
         return None
     if not any(name == head for rule in rules for head, _ in rule.heads):
         return None

@@ -12,6 +12,7 @@ import clingo
 
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.ground_program import Component, partition
+from mars_asp.joined import Fragment, joined, refusals
 from mars_asp.optimum import (
     Optimum,
     UnsatisfiableError,
@@ -125,14 +126,19 @@ class Grounding:
     """One clingo control with the consequences as facts, then the resolution rules."""
 
     def __init__(
-        self, text: str, stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({})
+        self,
+        text: str | Sequence[Fragment],
+        stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({}),
     ) -> None:
         """Ground the rules of the consequences over facts, and state atoms that others derived.
+
+        Of a text in fragments, places are those in their files.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
         """
         self._messages: list[tuple[clingo.MessageCode, str]] = []
+        self._fragments: Sequence[Fragment] = ()
         #: The components that were solved.
         self.parts: list[Part] = []
         self._program = Recorded()
@@ -144,7 +150,7 @@ class Grounding:
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
-    def add(self, text: str) -> None:
+    def add(self, text: str | Sequence[Fragment]) -> None:
         """Ground rules and facts over what is grounded already.
 
         Raises:
@@ -152,8 +158,9 @@ class Grounding:
         """
         self._steps += 1
         part = f"step{self._steps}"
+        self._fragments = () if isinstance(text, str) else text
         try:
-            self.control.add(part, [], text)
+            self.control.add(part, [], text if isinstance(text, str) else joined(text))
             self.control.ground([(part, [])])
         except RuntimeError as error:
             raise self.refused(str(error)) from None
@@ -174,19 +181,18 @@ class Grounding:
         self.add(text)
 
     def refused(self, reason: str) -> MarsError:
-        """Return the error that says why clingo cannot use the rules."""
-        details = "; ".join(message.strip() for _, message in self._messages[:5]) or reason
-        return MarsError(
-            (
-                Diagnostic(
-                    "rules-refused",
-                    "error",
-                    f"clingo refuses the rules: {details}",
-                    point("rules", 1, 1),
-                    help="run `mars-asp rules lint` on your rule files",
-                ),
-            )
+        """Return the error that says why clingo cannot use the rules, with all places known."""
+        said = [message.strip() for _, message in self._messages]
+        found = tuple(refusals(said, self._fragments))
+        details = "; ".join(said[:5]) or reason
+        whole = Diagnostic(
+            "rules-refused",
+            "error",
+            f"clingo refuses the rules: {details}",
+            point("rules", 1, 1),
+            help="run `mars-asp rules lint` on your rule files",
         )
+        return MarsError(found or (whole,))
 
     def symbols(self, name: str, arity: int) -> Iterable[clingo.Symbol]:
         """Yield the atoms of a predicate that are grounded, facts or not."""

@@ -36,8 +36,17 @@ _BINARY = {
     ast.BinaryOperator.Multiplication: "*",
     ast.BinaryOperator.Power: "**",
     ast.BinaryOperator.Division: "/",
+    ast.BinaryOperator.Modulo: "\\",
+    ast.BinaryOperator.And: "&",
+    ast.BinaryOperator.Or: "?",
+    ast.BinaryOperator.XOr: "^",
 }
-_UNARY = {ast.UnaryOperator.Minus: "-", ast.UnaryOperator.Absolute: "|"}
+_UNARY = {
+    ast.UnaryOperator.Minus: "-",
+    ast.UnaryOperator.Absolute: "|",
+    ast.UnaryOperator.Negation: "~",
+}
+_OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
 #: Terms with others inside, the negation of which is no operation.
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
 _NO_PLACE: Place = (1, 1)
@@ -46,9 +55,20 @@ _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 #: What was read by this process, by the texts of rules; of more than so many none is remembered.
 _read: "dict[str, tuple[Statement, ...]]" = {}
 _MOST = 20_000
-#: What a file of rules is made of.
-Sort: TypeAlias = Choice["comment", "rule", "other"]
-_SORTS: Mapping[object, Sort] = {_TYPE.Comment: "comment", _TYPE.Rule: "rule"}
+#: What a file of rules is made of: `begin` has no text, it is where each file begins.
+Sort: TypeAlias = Choice[
+    "begin", "comment", "rule", "constant", "declaration", "shown", "term", "cost", "other"
+]
+_SORTS: Mapping[object, Sort] = {
+    _TYPE.Program: "begin",
+    _TYPE.Comment: "comment",
+    _TYPE.Rule: "rule",
+    _TYPE.Definition: "constant",
+    _TYPE.Defined: "declaration",
+    _TYPE.ShowSignature: "shown",
+    _TYPE.ShowTerm: "term",
+    _TYPE.Minimize: "cost",
+}
 
 
 class Function(NamedTuple):
@@ -215,8 +235,8 @@ class Operation(NamedTuple):
     place: Place
 
 
-#: What is computed with: numbers, variables, constants, operations, and `None` for anything else.
-Operand: TypeAlias = "Number | Operation | str | None"
+#: What is computed with: numbers, operations, and anything else, such as a variable, as written.
+Operand: TypeAlias = "Number | Operation | str"
 
 
 class Constants(NamedTuple):
@@ -323,11 +343,11 @@ def bound_variables(text: str) -> frozenset[str]:
         if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
             continue
         if literal.atom.ast_type not in _AGGREGATES:
-            found |= _variables(literal)
+            found |= variables(literal)
             continue
         for guard in (literal.atom.left_guard, literal.atom.right_guard):
             if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
-                found |= _variables(guard.term)
+                found |= variables(guard.term)
     return frozenset(found)
 
 
@@ -351,7 +371,7 @@ def pieces(text: str) -> Iterator[Piece]:
     """Yield the comments, rules and other statements of a text, in order.
 
     Raises:
-        RuleSyntaxError: clingo cannot parse it.
+        RuleSyntaxError: clingo cannot parse it, or a rule apart from the others says another thing.
     """
     notes: list[str] = []
     try:
@@ -365,12 +385,25 @@ def pieces(text: str) -> Iterator[Piece]:
         written = lines[begin.line - 1 : end.line]
         written[-1] = written[-1][: end.column - 1]
         written[0] = written[0][begin.column - 1 :]
+        piece = "\n".join(written)
+        if node.ast_type == _TYPE.Rule and not _says(piece, node):
+            place = f"<string>:{begin.line}:{begin.column}"
+            raise RuleSyntaxError([f"{place}: error: this rule cannot be told from its neighbours"])
         yield Piece(
             _SORTS.get(node.ast_type, "other"),
-            "\n".join(written),
+            piece,
             (begin.line, begin.column),
             (end.line, end.column),
         )
+
+
+def _says(piece: str, node: ast.AST) -> bool:
+    """Whether a text by itself is the rule, whose characters are ASCII, and nothing else."""
+    try:
+        found = [each for each in parsed(masked(piece)) if each.ast_type != _TYPE.Comment]
+    except RuntimeError:
+        return False
+    return len(found) == 2 and found[1] == node
 
 
 def declared(text: str) -> set[Signature]:
@@ -380,15 +413,48 @@ def declared(text: str) -> set[Signature]:
     return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}
 
 
+def shown(text: str) -> tuple[Signature, ...]:
+    """Return the predicates that a text shows."""
+    if "#show" not in text:
+        return ()
+    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.ShowSignature)
+    return tuple((node.name if node.positive else f"-{node.name}", node.arity) for node in nodes)
+
+
+def constant_names(text: str) -> frozenset[str]:
+    """Return the names in a text that stand for themselves, and which `#const` would replace."""
+    return frozenset(
+        node.symbol.name
+        for one in parsed(text)
+        for node in _below(one)
+        if node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function
+    )
+
+
+def calls(text: str) -> tuple[tuple[Place, str], ...]:
+    """Return the functions outside of clingo that a rule calls, by `@`, with their places."""
+    if "@" not in text:
+        return ()
+    place = _places(text)
+    found = (node for node in _below(tree(text)) if node.ast_type == _TYPE.Function)
+    return tuple((place(node), node.name) for node in found if node.external)
+
+
+def head_pool(text: str) -> Place | None:
+    """Return where the head of a rule holds a pool, if it does."""
+    found = (node for node in _below(tree(text).head) if node.ast_type == _TYPE.Pool)
+    return next(map(_places(text), found), None)
+
+
 def operands(text: str) -> tuple[Operand, ...]:
     """Return the numbers and operations of a text that stand in no other operation."""
-    reader = _ArithmeticReader(text)
+    reader = ArithmeticReader(text)
     return tuple(operand for node in parsed(text) for operand in reader.outermost(node))
 
 
 def definitions(text: str) -> dict[str, Operand]:
     """Return what each constant stands for that a text replaces, by `#const`."""
-    reader = _ArithmeticReader(text)
+    reader = ArithmeticReader(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
     return {str(node.name): reader.operand(node.value, []) for node in nodes}
 
@@ -405,11 +471,10 @@ def has_rules_alone(text: str) -> bool:
     return all(node.ast_type in (_TYPE.Rule, *_SILENT) for node in parsed(text))
 
 
-def rules_and_others(text: str) -> tuple[int, str]:
-    """Return how many rules a text holds, and all of it that is no rule."""
-    nodes = [node for node in parsed(text) if node.ast_type not in (_TYPE.Program, _TYPE.Comment)]
-    others = [str(node) for node in nodes if node.ast_type != _TYPE.Rule]
-    return len(nodes) - len(others), "\n".join(others)
+def without_rules(text: str) -> str:
+    """Return all of a text that is no rule."""
+    silent = (_TYPE.Program, _TYPE.Comment, _TYPE.Rule)
+    return "\n".join(str(node) for node in parsed(text) if node.ast_type not in silent)
 
 
 # ---- Trees ---------------------------------------------------------------------------------------
@@ -626,48 +691,45 @@ def _term(term: ast.AST) -> Term:
     return Term(text, is_pattern, False, is_constant, variables, structure if inside else None)
 
 
-def _variables(node: ast.AST) -> frozenset[str]:
+def variables(node: ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
     names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
     return frozenset(name for name in names if name != "_")
 
 
-class _ArithmeticReader:
+class ArithmeticReader:
     """Reads what is computed in a text."""
 
     def __init__(self, text: str) -> None:
         self._lines = text.encode().split(b"\n")
-        self._place = _places(text)
+        #: Where a node of the tree begins.
+        self.place = _places(text)
 
-    def outermost(self, node: ast.AST) -> Iterator[Operand]:
+    def outermost(self, node: ast.AST) -> Iterator[Number | Operation]:
         """Yield the numbers and operations in a tree that stand in no other operation."""
-        rest: list[ast.AST] = []
-        operand = self.operand(node, rest)
-        if isinstance(operand, Number | Operation):
-            yield operand
+        rest = list(children(node))
+        if node.ast_type in _OPERANDS:
+            rest.clear()
+            operand = self.operand(node, rest)
+            if isinstance(operand, Number | Operation):
+                yield operand
         for child in rest:
             yield from self.outermost(child)
 
     def operand(self, node: ast.AST, rest: list[ast.AST]) -> Operand:
-        """Return a node as an operand; below what is none, `rest` gets the nodes."""
+        """Return a node as an operand; below what is not computed, `rest` gets the nodes."""
         match node.ast_type:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
-                return Number(self._number(node), self._place(node))
-            case _TYPE.SymbolicTerm:
-                return str(node) if node.symbol.type == SymbolType.Function else None
-            case _TYPE.Variable:
-                return str(node)
-            case _TYPE.Function if not node.arguments and not node.external:
-                return str(node.name)
+                return Number(self._number(node), self.place(node))
             case _TYPE.BinaryOperation:
                 sign, inside = _BINARY.get(node.operator_type), [node.left, node.right]
             case _TYPE.UnaryOperation if node.argument.ast_type not in _COMPOUND:
                 sign, inside = _UNARY.get(node.operator_type), [node.argument]
             case _:
                 rest += children(node)
-                return None
+                return str(node)
         operands = tuple(self.operand(each, rest) for each in inside)
-        return Operation(sign or "", operands, self._written(node), self._place(node))
+        return Operation(sign or "", operands, self._written(node), self.place(node))
 
     def _written(self, node: ast.AST) -> str:
         """Return what stands in the text: a number that does not fit is another in the tree."""
@@ -677,7 +739,9 @@ class _ArithmeticReader:
         return str(self._lines[begin.line - 1][begin.column - 1 : end.column - 1], "utf-8")
 
     def _number(self, node: ast.AST) -> int:
+        written = self._written(node)
         try:
-            return int(self._written(node), 0)
+            return int(written, 0)
         except ValueError:
-            return int(node.symbol.number)
+            # Python reads no more than some thousand digits.
+            return 10**20 if written.isdecimal() else int(node.symbol.number)

@@ -71,9 +71,13 @@ def judge_specification(
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
+    It is found on facts and built-in rules alone: with rule packs `grounding` is not used.
+
     Raises:
         MarsError: rules that clingo refuses.
     """
+    if rulebook.packs:
+        rulebook, grounding = rulebook.built_in, None
     judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
     said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     facts = facts_text(specification_facts(specification, project))

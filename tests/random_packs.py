@@ -195,11 +195,6 @@ class _Writer:
             kind = "renamed"
         told = f"{kind}, {severity}, {about}, {case}"
         extra = ""
-        match rng.randrange(5):
-            case 0:
-                told = f"{told} ; {other}, note, {about}, {case}"
-            case 1:
-                told = f"({kind} ; {other}), {severity}, {about}, {case}"
-            case 2:
-                told, extra = f"K, {severity}, {about}, {case}", f"K = ({kind} ; {other}); "
+        if rng.random() < 0.5:
+            told, extra = f"K, {severity}, {about}, {case}", f"K = ({kind} ; {other}); "
         return f"consequence({told}) :- {extra}{self.body()}."

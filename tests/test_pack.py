@@ -45,7 +45,7 @@ def test_a_near_predicate_is_proposed(tmp_path: Path) -> None:
 
 def test_packs_may_use_each_other_and_declare_facts_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "one.lp").write_text("#defined team/2.\nseen(M) :- module(M), team(M, 1).\n")
-    (tmp_path / "two.lp").write_text("known(M) :- seen(M), not team(M, 2).\n")
+    (tmp_path / "two.lp").write_text("noticed(M) :- seen(M), not team(M, 2).\n")
     load_rulebook([tmp_path])
 
 
@@ -60,7 +60,7 @@ def test_what_is_found_has_a_severity_and_is_no_choice(tmp_path: Path) -> None:
     chosen = "stands in a choice, disjunction or condition"
     assert refusals(tmp_path, text) == [
         ("rule-severity", 1, 16, "`eror` is no severity"),
-        ("rule-severity", 1, 63, "`1` is no severity"),
+        ("rule-head", 1, 57, "`consequence/4` stands in a pool, or holds one"),
         ("rule-head", 2, 3, f"`consequence/4` {chosen}"),
         ("rule-head", 4, 1, f"`concerns/4` {chosen}"),
         ("rule-head", 5, 1, f"`consequence/4` {chosen}"),

@@ -43,7 +43,7 @@ def rulebook_with(pack: Path) -> Rulebook:
     own = [Path(__file__).parents[1] / name for name in KEPT]
     rules = [rule for rule in whole.rules if rule.span.path in (*KEPT, str(pack))]
     texts = [("base", path.read_text(encoding="utf-8")) for path in own]
-    return Rulebook(tuple(rules), (*texts, whole.texts[-1]), 1)
+    return Rulebook(tuple(rules), (*texts, whole.texts[-1]), 1, whole.pack_rules)
 
 
 def derived(rulebook: Rulebook, facts: str) -> frozenset[clingo.Symbol]:
@@ -169,10 +169,10 @@ ranked(M, C) :- %* priority(_, _) counts, not this: *% is_controlled_by(R, M, C)
    more, *% priority(R, P), P > 1.
 unranked(M, C) :- is_controlled_by(R, M, C), %* x :- *% not priority(R, _).
 unstated(M, C) :- %* a *% is_controlled_by(R, M, C), not priority(R, _).
-said("%* no comment :- ").
-odd(M) :- module(M), said("%* no comment :- "), not ranked(M, _). % form \x0c feed, größer
+phrase("%* no comment :- ").
+odd(M) :- module(M), phrase("%* no comment :- "), not ranked(M, _). % form \x0c feed, größer
 consequence(%* c *% oddity, note, M, "%") :- odd(M).
-consequence(first, note, M, 1; second, note, M, 1) :- ranked(M, _).
+marked(M, first; M, second) :- ranked(M, _).
 """
 RANKED = """\
 @configuration hierarchical
@@ -194,7 +194,7 @@ Base is_controlled_by B 2
         ('odd("Base")', None),
         ("oddity(A)", 8),
         # No proof was found of what stands second in a pool.
-        ("second(Base)", 9),
+        ('marked("Base",second)', 9),
     ],
 )
 def test_comments_and_strings_hide_nothing(subject: str, line: int | None, tmp_path: Path) -> None:
