@@ -1,6 +1,6 @@
 """Arithmetic in rules that leaves the 32 bits of clingo's integers, which wrap without a word."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
@@ -174,17 +174,19 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
                 least[span, overflow] = min(message, least.get((span, overflow), message))
     for (span, overflow), message in least.items():
         yield _too_large(span, overflow.place, message)
-    yield from _oversized(control, asked)
+    yield from _oversized(control, asked, {span for span, _ in least})
 
 
-def _oversized(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnostic]:
-    """Yield the sums that may leave 32 bits."""
+def _oversized(
+    control: clingo.Control, asked: Sequence[Asked], wrong: Set[Span]
+) -> Iterator[Diagnostic]:
+    """Yield the sums that may leave 32 bits, but for rules with `wrong` numbers in them."""
     # Elements with equal tuples count once, whichever of them holds.
     elements: dict[_Group, dict[tuple[int, ...], tuple[int, bool]]] = {}
     for atom, _, is_fact in labelled(control, "_summed", 3, True):
         number, shared, terms = arguments(atom)
         span, summed = asked[as_symbol(number).number]
-        if isinstance(summed, Summed):
+        if isinstance(summed, Summed) and span not in wrong:
             key = (span, summed.place, tuple(arguments(shared)))
             weight = as_symbol(arguments(terms)[1])
             if weight.type == clingo.SymbolType.Number and (weight.number > 0 or summed.negative):

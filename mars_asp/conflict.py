@@ -15,6 +15,8 @@ from mars_asp.rulebook import Rule, Rulebook
 from mars_asp.statements import without_rules
 from mars_asp.term import arguments, as_symbol, atoms, labelled
 
+#: The code of what is said of packs that leave no answer.
+INCONSISTENT = "rules-inconsistent"
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
 
@@ -39,7 +41,7 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
     raise MarsError(
         (
             Diagnostic(
-                "rules-inconsistent",
+                INCONSISTENT,
                 "error",
                 f"{message} every answer for this configuration",
                 rule.span,

@@ -22,7 +22,7 @@ _MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
 #: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
 _TOKEN = re.compile(
-    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{}]|[-+*/\\&?^|~]|[^\x00-\x7f]+'
+    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{}]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
 )
 #: What counts in a block comment, where `%` begins one that goes to the end of its line.
 _COMMENTED = re.compile(r"%\*|\*%|%[^\n]*")
@@ -102,7 +102,7 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
             nesting += 1
         elif sign in ")]}":
             nesting -= 1
-        elif sign > "\x7f":
+        elif not " " <= sign <= "~":
             yield (
                 at,
                 f"`{token}` stands outside of comments and strings",

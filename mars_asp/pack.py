@@ -56,13 +56,16 @@ class Seal:
     ids: Mapping[str, Span]
 
     @cached_property
+    def early(self) -> frozenset[Signature]:
+        """Return the predicates that consequences can rest on."""
+        found = (*self.given.items(), *self.derived.items())
+        return frozenset(signature for signature, stage in found if stage == "base")
+
+    @cached_property
     def later(self) -> Mapping[Signature, str]:
-        """Return the predicates that nobody derives or is given for consequences."""
+        """Return the predicates that only later stages derive or are given, with their stages."""
         every = {**self.given, **self.derived}
-        early = {
-            each for known in (self.given, self.derived) for each in known if known[each] == "base"
-        }
-        return {each: stage for each, stage in every.items() if each not in early}
+        return {each: stage for each, stage in every.items() if each not in self.early}
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
@@ -216,6 +219,9 @@ def reserved_heads(rule: Iterable[Statement], seal: Seal, span: Span) -> Iterato
     }
     for place, (name, arity) in sorted(heads):
         signature, advice = (name, arity), "derive a predicate of your own, or `consequence/4`"
+        stage = {**seal.given, **seal.derived}.get(signature, "base")
+        if stage != "base":
+            advice += f"; this one is of `rules/{stage}`"
         expected = sorted(n for other, n in EXTENSIBLE if other == name)
         if signature in EXTENSIBLE:
             continue

@@ -221,7 +221,7 @@ def load_rulebook(
         if found is not None:
             packs.append(found)
     if packs:
-        problems += _wrong_packs(packs, own)
+        problems += _wrong_packs(packs)
     if strict:
         problems += _repeated(own.rules)
     if problems:
@@ -354,17 +354,13 @@ def _read_file(
     return _File(shown, stage, text, written, rules)
 
 
-def _wrong_packs(packs: Sequence[_File], own: Rulebook) -> Iterator[Diagnostic]:
+def _wrong_packs(packs: Sequence[_File]) -> Iterator[Diagnostic]:
     """Yield all that packs may not do, and what would make nothing of their rules."""
     sealed = seal()
     rules = [rule for file in packs for rule in file.rules]
     read = statements_of(rule.text for rule in rules)
-    known = {signature for rule in (*own.rules, *rules) for signature in rule.heads}
-    known |= {
-        each
-        for text in (*(text for _, text in own.texts), *(file.text for file in packs))
-        for each in declared(text)
-    }
+    known = sealed.early | {signature for rule in rules for signature in rule.heads}
+    known |= {each for file in packs for each in declared(file.text)}
     for file in packs:
         yield from misplaced_statements(file.written, sealed, file.shown)
         overflowing = tuple(overflows(file.text, file.shown))

@@ -51,6 +51,8 @@ _OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
 _NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
+#: What stands in any operation, or in any number that does not fit into 32 bits.
+_COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 #: What was read by this process, by the texts of rules; of more than so many none is remembered.
 _read: "dict[str, tuple[Statement, ...]]" = {}
@@ -447,7 +449,12 @@ def head_pool(text: str) -> Place | None:
 
 
 def operands(text: str) -> tuple[Operand, ...]:
-    """Return the numbers and operations of a text that stand in no other operation."""
+    """Return the numbers and operations of a text that stand in no other operation.
+
+    Of one without any operation, small numbers are left out.
+    """
+    if _COMPUTING.search(text.replace(":-", "")) is None:
+        return ()
     reader = ArithmeticReader(text)
     return tuple(operand for node in parsed(text) for operand in reader.outermost(node))
 

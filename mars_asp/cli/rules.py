@@ -2,16 +2,22 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from mars_asp.analysis import analyse
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
+from mars_asp.conflict import INCONSISTENT
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.project import project_facts
 from mars_asp.risks import risks
 from mars_asp.rule_cases import STAGES
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
-from mars_asp.source import point
+from mars_asp.sample import samples
+from mars_asp.source import Span, point
 from mars_asp.spelling import nearest
 
 
@@ -25,8 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     if arguments.action == "lint":
         packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
-        rulebook = load_rulebook([Path(path) for path in packs], STAGES, strict=True)
-        found = tuple(risks(rulebook.rules))
+        found = lint([Path(path) for path in packs])
         report(found, arguments)
         if not found:
             print("nothing wrong")
@@ -49,6 +54,36 @@ def run(arguments: argparse.Namespace) -> int:
         for rule in messages:
             print(f"{rule.id:<32} {rule.span.path}:{rule.span.line}  {rule.because}")
     return 0
+
+
+def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
+    """Return what is noteworthy about rule packs that an analysis would take.
+
+    They are grounded over sample robots, so that what fails while grounding is told, too.
+
+    Raises:
+        MarsError: what an analysis would refuse, with its places.
+    """
+    rulebook = load_rulebook(packs, STAGES, strict=not packs)
+    tried: dict[tuple[str, Span], Diagnostic] = {}
+    for project in samples() if rulebook.packs else ():
+        try:
+            analyse(project_facts(project), rulebook, project.configuration.span)
+        except MarsError as error:
+            for each in map(_of_sample, error.diagnostics):
+                tried.setdefault((each.code, each.span), each)
+    wrong = [each for each in tried.values() if each.severity == "error"]
+    if wrong:
+        raise MarsError(wrong)
+    return (*risks(rulebook.rules), *tried.values())
+
+
+def _of_sample(found: Diagnostic) -> Diagnostic:
+    """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
+    if found.code != INCONSISTENT:
+        return found
+    message = found.message.replace("this configuration", "a sample robot")
+    return replace(found, severity="warning", message=message)
 
 
 def _named(rulebook: Rulebook, name: str) -> Rule:
