@@ -40,6 +40,7 @@ CONSEQUENCE: Signature = ("consequence", 4)
 EXTENSIBLE: frozenset[Signature] = frozenset(
     {CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}
 )
+_EXTENSIBLE_NAMES: Mapping[str, int] = dict(EXTENSIBLE)
 
 
 @dataclass(frozen=True)
@@ -183,9 +184,13 @@ def misplaced_statements(written: Iterable[Piece], seal: Seal, shown: str) -> It
                     advice = "choose another name: `#const` would replace it everywhere"
                     yield Diagnostic("rule-constant", "error", message, place, help=advice)
             case "shown" | "declaration":
-                for signature in sorted({*map(unsigned, shows(piece.text)), *declared(piece.text)}):
-                    if signature in seal.later:
-                        yield _too_early(signature, seal, place)
+                for name, arity in sorted(
+                    {*map(unsigned, shows(piece.text)), *declared(piece.text)}
+                ):
+                    if (name, arity) in seal.later:
+                        yield _too_early((name, arity), seal, place)
+                    elif name.startswith("_"):
+                        yield from _reserved((name, arity), seal, place)
 
 
 def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
@@ -214,29 +219,30 @@ def reserved_heads(rule: Iterable[Statement], seal: Seal, span: Span) -> Iterato
 
     `span` is where the rule stands, for the places of what it says count from its beginning.
     """
-    heads = {
-        (head.literal.place, unsigned(head.literal.signature)) for one in rule for head in one.heads
-    }
-    for place, (name, arity) in sorted(heads):
-        signature, advice = (name, arity), "derive a predicate of your own, or `consequence/4`"
-        stage = {**seal.given, **seal.derived}.get(signature, "base")
-        if stage != "base":
-            advice += f"; this one is of `rules/{stage}`"
-        expected = sorted(n for other, n in EXTENSIBLE if other == name)
-        if signature in EXTENSIBLE:
-            continue
-        if signature in seal.derived:
-            message = f"`{name}/{arity}` is derived by the built-in rules alone"
-        elif signature in seal.given:
-            message = f"`{name}/{arity}` is given, and nothing derives it"
-        elif name.startswith("_"):
-            message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
-        elif expected:
-            message = f"`{name}` has {expected[0]} arguments, not {arity}"
-            advice = "`docs/writing-rules.md` says what each of them is"
-        else:
-            continue
-        yield Diagnostic("rule-reserved", "error", message, placed(span, place), help=advice)
+    heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
+    for place, signature in sorted(heads):
+        yield from _reserved(unsigned(signature), seal, placed(span, place))
+
+
+def _reserved(signature: Signature, seal: Seal, place: Span) -> Iterator[Diagnostic]:
+    name, arity = signature
+    advice = "derive a predicate of your own, or `consequence/4`"
+    if signature in EXTENSIBLE:
+        return
+    if signature in seal.derived:
+        message = f"`{name}/{arity}` is derived by the built-in rules alone"
+    elif signature in seal.given:
+        message = f"`{name}/{arity}` is given, and nothing derives it"
+    elif name.startswith("_"):
+        message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
+    elif name in _EXTENSIBLE_NAMES:
+        message = f"`{name}` has {_EXTENSIBLE_NAMES[name]} arguments, not {arity}"
+        advice = "`docs/writing-rules.md` says what each of them is"
+    else:
+        return
+    if signature in seal.later:
+        advice += f"; this one is of `rules/{seal.later[signature]}`"
+    yield Diagnostic("rule-reserved", "error", message, place, help=advice)
 
 
 def _too_early(signature: Signature, seal: Seal, place: Span) -> Diagnostic:

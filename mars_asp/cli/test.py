@@ -6,7 +6,8 @@ from pathlib import Path
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
-from mars_asp.rule_cases import STAGES, find_cases, run_case
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case
 from mars_asp.visible import visible
 
 
@@ -16,13 +17,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what differs; 1 where a case failed or there was none."""
+    """Print what differs; 1 where a case failed or there was none.
+
+    Raises:
+        MarsError: what is wrong with rules or cases, all of it.
+    """
     rulebook = rulebook_for(arguments, STAGES)
     cases = find_cases(map(Path, arguments.paths), map(Path, arguments.rules))
     if not cases:
         where = ", ".join(map(visible, arguments.paths))
         print(f"mars-asp test: no case, a `.lp` file besides --rules, in {where}", file=sys.stderr)
-    outcomes = [run_case(case, rulebook) for case in cases]
+    outcomes: list[Outcome] = []
+    problems: list[Diagnostic] = []
+    for case in cases:
+        try:
+            outcomes.append(run_case(case, rulebook))
+        except MarsError as error:
+            problems += error.diagnostics
+    if problems:
+        raise MarsError(dict.fromkeys(problems))
     failed = [outcome for outcome in outcomes if not outcome.passed]
     passed = len(outcomes) - len(failed)
     if arguments.format == "json":
