@@ -36,7 +36,7 @@ BATCH, SECONDS = 500, 2.0
 _MEMORY = 2 * 1024**3
 #: Our own rules that the texts are grounded with: all of them would take most of the time.
 _KEPT = "rules/vocabulary.lp"
-_LONGEST = 400
+_LONGEST = 240
 _KNOWN: dict[str, object] = {}
 _WORD = re.compile(r'"[^"\n]*"|[\w\']+|\W')
 _TOKENS = (

@@ -1,13 +1,15 @@
 """Numbers in rules that do not fit into 32 bits, which clingo would wrap without a word."""
 
+import random
 from dataclasses import replace
 from pathlib import Path
 
 import clingo
 import pytest
 
-from mars_asp.arithmetic import LEAST, MOST, overflows
+from mars_asp.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
 from mars_asp.cli import run_here
+from mars_asp.computed import computations
 from mars_asp.risks import risks
 from mars_asp.rule_cases import STAGES
 from mars_asp.rulebook import Rule, load_rulebook
@@ -131,3 +133,114 @@ def test_lint_tells_risks_and_is_content(
 def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
     rules = load_rulebook(stages=STAGES, strict=True).rules
     assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in risks(rules)] == []
+
+
+class _Exact:
+    """A random expression of X and Y as a rule writes it, and what it is in whole numbers."""
+
+    def __init__(self, rng: random.Random, depth: int = 3) -> None:
+        self.sign = rng.choice(["+", "-", "*", "&", "X", "Y", "1", "2147483647"]) if depth else "X"
+        self.inside = [_Exact(rng, depth - 1) for _ in range(2)] if self.sign in "+-*&" else []
+
+    def __str__(self) -> str:
+        return f"({self.inside[0]}{self.sign}{self.inside[1]})" if self.inside else self.sign
+
+    def value(self, known: dict[str, int]) -> int:
+        """Return the value, and raise an error where one inside does not fit."""
+        if not self.inside:
+            return known[self.sign] if self.sign in known else int(self.sign)
+        one, other = (each.value(known) for each in self.inside)
+        found = {"+": one + other, "-": one - other, "*": one * other, "&": one & other}[self.sign]
+        if not LEAST <= found <= MOST:
+            raise OverflowError
+        return found
+
+    def fits(self, known: dict[str, int]) -> bool:
+        """Whether nothing inside leaves 32 bits."""
+        try:
+            self.value(known)
+        except OverflowError:
+            return False
+        return True
+
+
+#: Where an expression may stand: all of them hold for each X of `x/1` and Y of `y/1` but 7.
+FORMS = (
+    "p({}) :- x(X), y(Y), Y != 7.",
+    "p(Z) :- x(X), Z = {}, y(Y), not z(Y).",
+    "p :- x(X), {} > 5, y(Y), not z(Y).",
+    "p(X) :- x(X), 1 < #count {{ Y,{} : y(Y), Y != 7 }}.",
+    "p(X) :- x(X), 1 < #count {{ Z : y(Y), Z = {}, Y != 7 }}, 0 < #count {{ Y : x(Y) }}.",
+    "p(X) :- x(X), not q({}) : y(Y), Y != 7.",
+    "{{ p({}) : y(Y), not z(Y) }} :- x(X).",
+    "p(X,Y) :- x(X), y(Y), Y != 7, not q(f({})).",
+    ":- x(X), q({}), y(Y), Y != 7.",
+    "p(V) :- x(X), y(Y), Y != 7, V = #sum {{ {},Z : y(Z), Z = 1 ; 1 : q(X) }}.",
+)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_wraps_while_grounding_is_what_does_not_fit(form: str) -> None:
+    wrapping = 0
+    for seed in range(60):
+        rng = random.Random(f"{form}{seed}")
+        pool = [0, 1, 2, -1, 46340, 46341, 65536, MOST, LEAST + 1, -46341, 2**30]
+        xs, ys = rng.sample(pool, 3), [*rng.sample(pool, 2), 1, 7]
+        expression = _Exact(rng)
+        if not expression.inside:
+            continue
+        rule = form.format(expression)
+        expected = not all(expression.fits({"X": x, "Y": y}) for x in xs for y in ys if y != 7)
+        told = [
+            Asked(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule]).get(rule, ())
+        ]
+        facts = [*(f"x({x})." for x in xs), *(f"y({y})." for y in ys), "z(7).", "#defined q/1."]
+        control = clingo.Control(["--warn=none"])
+        program = [rule, *facts, *(telling(number, each) for number, each in enumerate(told))]
+        control.add("base", [], "\n".join(program))
+        control.ground()
+        found = [each.message for each in (*wrapped(control, told), *overflows(rule, "a.lp"))]
+        assert bool([each for each in found if "sum" not in each]) == expected, (
+            rule,
+            xs,
+            ys,
+            found,
+        )
+        wrapping += expected
+    assert wrapping > 10
+
+
+@pytest.mark.parametrize(
+    ("rule", "facts", "wrong"),
+    [
+        ("s(S) :- S = #sum { W : w(W) }.", "w(2147483647). w(1).", ["2147483648"]),
+        ("s(S) :- S = #sum { W : w(W) }.", "w(2147483647). w(1). w(-1).", []),
+        ("s(S) :- S = #sum { W : w(W) }.", "w(-2147483648). w(-1).", ["-2147483649"]),
+        ("s(S) :- S = #sum+ { W : w(W) }.", "w(2147483647). w(1). w(-1).", ["2147483648"]),
+        ("s :- 5 > #sum { W,1 : w(W) ; W,1 : v(W) }.", "w(2000000000). v(2000000000).", []),
+        (
+            "s :- 5 > #sum { W,1 : w(W) ; W,2 : v(W) }.",
+            "w(2000000000). v(2000000000).",
+            ["4000000000"],
+        ),
+        ("s(G) :- g(G), 5 > #sum { W : w(G,W) }.", "g(1..2). w(1,2147483647). w(2,1).", []),
+        (
+            "s(G) :- g(G), 5 > #sum { W : w(G,W) }.",
+            "g(1..2). w(1,2147483647). w(1,1).",
+            ["2147483648"],
+        ),
+        ("s :- 5 > #sum { W : w(W) }.", "{ w(2147483647;1) }. w(-1).", []),
+        ("s :- 5 > #sum { W : w(W) }.", "{ w(2147483647;1;-3) }.", ["2147483648"]),
+        ("s :- 5 > #sum { W : w(W) }.", "w(2147483646). { w(1;2) }.", ["2147483649"]),
+    ],
+)
+def test_sums_that_may_not_fit_are_told_with_what_they_may_be(
+    rule: str, facts: str, wrong: list[str]
+) -> None:
+    told = [Asked(Span("a.lp", 1, 1, 1, 1), each) for each in computations([rule])[rule]]
+    control = clingo.Control(["--warn=none"])
+    # The sum itself would end the process of a clingo that adds in 32 bits, or refuse.
+    rules = (telling(number, each) for number, each in enumerate(told))
+    control.add("base", [], "\n".join((facts, "#defined w/1. #defined v/1. #defined w/2.", *rules)))
+    control.ground()
+    assert [each.message.split()[4].rstrip(",") for each in wrapped(control, told)] == wrong
