@@ -152,17 +152,17 @@ def telling(number: int, asked: Asked) -> str:
 def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnostic]:
     """Yield what left 32 bits while the rules that `telling` gives were grounded with all others.
 
-    Of each operation one instance is told, of each sum one that may be so large.
+    Of each operation the instance with the least numbers is told, of each sum one.
     """
-    least: dict[tuple[Span, _Overflow], str] = {}
+    least: dict[tuple[Span, _Overflow], tuple[int, str]] = {}
     for atom, _, _ in labelled(control, "_computed", 2, True):
         number, values = arguments(atom)
         span, computed = asked[as_symbol(number).number]
         if isinstance(computed, Computed):
-            told = [as_symbol(value) for value in arguments(values)[1:]]
+            inside = [as_symbol(value) for value in arguments(values)[1:]]
             known = {
                 leaf: value.number
-                for leaf, value in zip(computed.leaves, told, strict=True)
+                for leaf, value in zip(computed.leaves, inside, strict=True)
                 if value.type == clingo.SymbolType.Number
             }
             found: dict[_Overflow, None] = {}
@@ -171,8 +171,9 @@ def wrapped(control: clingo.Control, asked: Sequence[Asked]) -> Iterator[Diagnos
                 where = [f"`{leaf}` is {number}" for leaf, number in known.items()]
                 message = f"`{overflow.text}` does not fit into 32 bits"
                 message += f" where {' and '.join(where)}" if where else ""
-                least[span, overflow] = min(message, least.get((span, overflow), message))
-    for (span, overflow), message in least.items():
+                told = (max(map(abs, known.values()), default=0), message)
+                least[span, overflow] = min(told, least.get((span, overflow), told))
+    for (span, overflow), (_, message) in least.items():
         yield _too_large(span, overflow.place, message)
     yield from _oversized(control, asked, {span for span, _ in least})
 
