@@ -20,7 +20,7 @@ from mars_asp.facts import facts_text
 from mars_asp.joined import Fragment
 from mars_asp.pack import CONSEQUENCE, SEVERITIES
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.solve import Grounding
+from mars_asp.solve import Grounding, unsolved
 from mars_asp.source import Span
 from mars_asp.term import Term, arguments, as_symbol, atoms
 
@@ -98,7 +98,11 @@ def analyse(
         Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
     ]
     text = facts_text(facts)
-    grounding = Grounding([*rulebook.fragments("base"), *said, *asked, Fragment(text, "facts")])
+    program = [*rulebook.fragments("base"), *said, *asked, Fragment(text, "facts")]
+    try:
+        grounding = Grounding(program)
+    except MarsError as error:
+        raise _all_wrong(error, program, rulebook) from None
     overflowing = tuple(wrapped(grounding.control, rulebook.asked))
     if overflowing:
         raise MarsError(overflowing)
@@ -108,6 +112,18 @@ def analyse(
     # Also where a slice of packs does not count them.
     check_severities(grounding.control, _SAID, speakers)
     return Analysis(grounding, facts, speakers, configuration, subject)
+
+
+def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook) -> MarsError:
+    """Return what cannot be grounded with the numbers that do not fit.
+
+    Of a sum that a choice decides the solver says no more than that it is too large.
+    """
+    if not rulebook.asked:
+        return error
+    overflowing = tuple(wrapped(unsolved(program), rulebook.asked))
+    placed = (each for each in error.diagnostics if each.code == "rule-undefined")
+    return MarsError((*overflowing, *placed)) if overflowing else error
 
 
 def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Consequence, ...]:

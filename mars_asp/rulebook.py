@@ -8,7 +8,7 @@ Comments `%! key: text` directly above a rule give it an `id`, a `because` (its 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
@@ -244,23 +244,27 @@ def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
     Raises:
         MarsError: it may not be given to clingo.
     """
-    problems: list[Diagnostic] = []
-    shown = str(path)
-    found = _read_text(path, shown, problems)
-    if found is not None:
-        text, written = found
-        rules = (
-            (each.text, Span(shown, *each.begin, *each.end))
-            for each in written
-            if each.sort == "rule"
-        )
-        problems += (each for text_, span in rules for each in called_functions(text_, span))
-        problems += overflows(text, shown)
-        # Of some numbers that do not fit clingo itself ends the process.
-        problems += () if problems else refused_rules(text, shown)
-    if problems or found is None:
+    text = gate.gate_text(path, str(path))
+    written, problems = _case(text, str(path))
+    if problems:
         raise MarsError(problems)
-    return found
+    return text, written
+
+
+@lru_cache(maxsize=1000)
+def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, ...]]:
+    """Return what a case is made of, and all that is wrong with it; many are read again."""
+    problems: list[Diagnostic] = []
+    written = _pieces(text, shown, problems)
+    for piece in written:
+        if piece.sort == "rule":
+            problems += called_functions(piece.text, Span(shown, *piece.begin, *piece.end))
+    if not problems:
+        problems += overflows(text, shown)
+    # Of some numbers that do not fit clingo itself ends the process.
+    if not problems:
+        problems += refused_rules(text, shown)
+    return written, tuple(problems)
 
 
 def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
@@ -325,27 +329,28 @@ def _version(files: Iterable[tuple[Path, str, str]]) -> str:
     return version_of((*makers, *(path for path, _, _ in files)))
 
 
-def _read_text(
-    path: Path, shown: str, problems: list[Diagnostic]
-) -> tuple[str, tuple[Piece, ...]] | None:
-    """Return a text that clingo can parse, and what it is made of."""
+def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, ...]:
+    """Return what a text is made of; nothing where clingo cannot parse it."""
     try:
-        text = gate.gate_text(path, shown)
-        return text, tuple(pieces(text))
-    except MarsError as error:
-        problems += error.diagnostics
+        return tuple(pieces(text))
     except RuleSyntaxError as error:
         problems += (_syntax(note, shown) for note in error.notes[:20])
-    return None
+    return ()
 
 
 def _read_file(
     path: Path, shown: str, stage: str, problems: list[Diagnostic], strict: bool
 ) -> _File | None:
-    found = _read_text(path, shown, problems)
-    if found is None:
+    """Return a file; `None` where it cannot be read as rules, and `problems` say why."""
+    before = len(problems)
+    try:
+        text = gate.gate_text(path, shown)
+    except MarsError as error:
+        problems += error.diagnostics
         return None
-    text, written = found
+    written = _pieces(text, shown, problems)
+    if len(problems) > before:
+        return None
     if strict:
         problems += overflows(text, shown)
     rules = tuple(_rules_of(written, shown, stage, path.stem, problems))

@@ -3,7 +3,7 @@
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -329,6 +329,16 @@ class Grounding:
             return optimise(component, deadline)
         except UnsatisfiableError:
             raise self.refused("no resolution satisfies the rules of `rules/resolve`") from None
+
+
+def unsolved(program: Iterable[Fragment]) -> clingo.Control:
+    """Return what a program derives, as far as it can be grounded; no solver is told of it."""
+    control = clingo.Control(_OPTIONS, lambda *_: None, _MOST_MESSAGES)
+    control.register_observer(clingo.Observer(), replace=True)
+    with suppress(RuntimeError):
+        control.add("base", [], joined(program))
+        control.ground()
+    return control
 
 
 def _noting(
