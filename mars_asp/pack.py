@@ -99,7 +99,9 @@ def unknown_predicates(
     literals = {(each.place, unsigned(each.signature)) for one in rule for each in one.read}
     for place, (name, arity) in sorted(literals):
         if (name, arity) in seal.later:
-            yield _too_early((name, arity), seal, placed(span, place))
+            # Of what packs derive, too, the head has been told.
+            if (name, arity) not in known or (name, arity) in EXTENSIBLE:
+                yield _too_early((name, arity), seal, placed(span, place))
         elif (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
             others = sorted(f"`{other}/{n}`" for other, n in known if other == near)

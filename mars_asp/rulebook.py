@@ -364,8 +364,8 @@ def _wrong_packs(packs: Sequence[_File]) -> Iterator[Diagnostic]:
     sealed = seal()
     rules = [rule for file in packs for rule in file.rules]
     read = statements_of(rule.text for rule in rules)
-    known = sealed.early | {signature for rule in rules for signature in rule.heads}
-    known |= {each for file in packs for each in declared(file.text)}
+    known = {each for file in packs for each in declared(file.text)} - sealed.later.keys()
+    known |= sealed.early | {signature for rule in rules for signature in rule.heads}
     for file in packs:
         yield from misplaced_statements(file.written, sealed, file.shown)
         overflowing = tuple(overflows(file.text, file.shown))
