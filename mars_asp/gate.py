@@ -22,7 +22,7 @@ _MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
 #: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
 _TOKEN = re.compile(
-    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{}]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
+    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{},;:]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
 )
 #: What counts in a block comment, where `%` begins one that goes to the end of its line.
 _COMMENTED = re.compile(r"%\*|\*%|%[^\n]*")
@@ -83,25 +83,34 @@ def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
 def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
     """Yield the statements that are too long or too deep, and characters that stand for nothing.
 
-    Comments and strings count for nothing, wherever they stand: so it is for clingo.
+    Comments and strings count for nothing, wherever they stand: so it is for clingo. How deep a
+    term is, brackets and the operators between two commas tell: `1+1+1` is `(1+1)+1`.
     """
-    begin = commented = nesting = operators = statements = 0
+    begin = commented = operators = statements = 0
     told = False
+    # Of each open bracket the operators so far.
+    open_ = [0]
+    depth = 0
     for at, end, token in _tokens(text):
         sign = token[0]
         if sign == "%":
             commented += end - at
-        elif sign == "." and len(token) == 1:
+        elif token == ".":
             statements += 1
             if statements > MOST_STATEMENTS:
                 advice = f"a file holds at most {MOST_STATEMENTS}: split it"
                 yield at, "too many statements", advice
                 return
-            begin, commented, nesting, operators, told = end, 0, 0, 0, False
+            begin, commented, operators, told, open_, depth = end, 0, 0, False, [0], 0
         elif sign in "([{":
-            nesting += 1
+            open_.append(0)
+            depth += 1
         elif sign in ")]}":
-            nesting -= 1
+            if len(open_) > 1:
+                depth -= open_.pop() + 1
+        elif sign in ",;:":
+            depth -= open_[-1]
+            open_[-1] = 0
         elif not " " <= sign <= "~":
             yield (
                 at,
@@ -110,11 +119,13 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
             )
         elif sign != '"':
             operators += 1
+            open_[-1] += 1
+            depth += 1
         if told:
             continue
-        if nesting > MOST_NESTING:
+        if depth > MOST_NESTING:
             told = True
-            yield at, "nested too deep", f"at most {MOST_NESTING} deep"
+            yield at, "nested too deep", f"at most {MOST_NESTING} brackets and operators deep"
         elif operators > MOST_OPERATORS or end - begin - commented > MOST_STATEMENT:
             told = True
             yield at, "a statement too long", "split it"

@@ -109,6 +109,33 @@ def test_what_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: P
         assert (found.code, found.span.path) == ("rules-refused", str(path))
 
 
+@pytest.mark.parametrize("verb", [["analyse"], ["explain"], ["explain", "deep(Camera)"]])
+@pytest.mark.parametrize(
+    "term",
+    [
+        "+".join(["X"] * 198),
+        "-" * 190 + "X",
+        "f(" * 190 + "X" + ")" * 190,
+        "f(0+" * 95 + "X" + ")" * 95,
+        "1," * 30_000 + "X",
+        ",".join(["-X"] * 4_000),
+    ],
+    ids=["sum", "signs", "functions", "both", "arguments", "negatives"],
+)
+def test_what_is_deep_or_long_but_allowed_is_read(
+    term: str, verb: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    path = tmp_path / "deep.lp"
+    path.write_text(
+        f"deep(M,({term})) :- module(M), X = 1.\n"
+        f"consequence(deep,note,M,1) :- deep(M,_), not deep(M,({term.replace('X', '2')}),0).\n"
+        "#defined deep/3.\n"
+    )
+    known = "X" in term and not term.startswith("f(0+")
+    assert run_here([verb[0], ROBOT, *verb[1:], "--rules", str(path)]) == (0 if known else 2)
+
+
 def test_a_case_passes_the_gate_and_the_mask(tmp_path: Path) -> None:
     path = tmp_path / "case.lp"
     for text, place in [
