@@ -17,6 +17,7 @@ import clingo
 import networkx as nx
 from clingo import ast
 
+from mars_asp.diagnostic import MarsError
 from mars_asp.rule_cases import STAGES, case_facts, find_cases, run_case, stages_of
 from mars_asp.rulebook import Rule, Rulebook, load_rulebook
 from mars_asp.statements import children, sign_and_function
@@ -82,7 +83,7 @@ def _killing_case(paths: Iterable[Path], rulebook: Rulebook) -> Path | None:
         limit(_SECONDS)
         try:
             passed = run_case(path, rulebook).passed
-        except RuntimeError:
+        except MarsError:
             passed = False
         if not passed:
             return path
