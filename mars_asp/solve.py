@@ -31,6 +31,10 @@ _MOST_MESSAGES = 10_000
 #: Each component has at least this long, for most need less, and one must not spoil all others.
 _LEAST_SECONDS = 0.05
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
+# What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
+# with the square of a run of controllers, each of which stands beside the whole run.
+_NOTHING_SHOWN = "#show."
+_SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,13 @@ class Answer:
 
     @cached_property
     def shown(self) -> tuple[clingo.Symbol, ...]:
-        """Return the true atoms that the rules show, facts among them."""
+        """Return the true atoms that the resolution rules show, facts among them."""
         with self._model() as model:
-            return tuple(model.symbols(shown=True))
+            return tuple(
+                as_symbol(atom)
+                for atom, literal, is_fact in self.grounding.shown_atoms()
+                if is_fact or model.is_true(literal)
+            )
 
     @cached_property
     def true(self) -> Mapping[Signature, Sequence[Term]]:
@@ -143,9 +151,10 @@ class Grounding:
         self.parts: list[Part] = []
         self._program = Recorded()
         self._names: dict[int, Term] = {}
+        self._shown: list[tuple[str, str]] = []
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
-        self.add(text)
+        self.add(f"{text}\n{_NOTHING_SHOWN}")
         self.state(stated)
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
@@ -221,7 +230,8 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
-        self.add(rules)
+        self._shown = _SHOWN.findall(rules)
+        self.add(_SHOWN.sub("", rules))
         self._names = {
             literal: atom
             for name, arity in _PROJECTED.findall(rules)
@@ -264,6 +274,11 @@ class Grounding:
     def facts(self) -> frozenset[int]:
         """Return what the resolution rules decide at once, by its numbers in the ground program."""
         return frozenset(self._program.facts)
+
+    def shown_atoms(self) -> Iterator[Labelled]:
+        """Yield the atoms of the predicates that the resolution rules show."""
+        for name, arity in self._shown:
+            yield from labelled(self.control, name, int(arity), True)
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         """Yield the predicates that the rules leave open, at least in part, and their atoms."""

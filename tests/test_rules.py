@@ -98,6 +98,7 @@ TOGETHER = (
     "participant(module_conflict, M, cycle, I, M')",
     "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",
+    "leaf(M, R - R', K)",
     "hears(R, B, inherited(M))",
     "voice(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",

@@ -48,6 +48,7 @@ class ControlLines:
             for stated in draft.relationships.values()
             if isinstance(stated, Control) and node_kind(stated.controlled) == "inheritance_node"
         }
+        self._named: dict[Signal, str] = {}
         self._written: set[_Feed] = set()
         self._opened: set[Symbol] = set()
 
@@ -166,7 +167,12 @@ class ControlLines:
         return module.string
 
     def _arbiter(self, signal: Signal) -> str:
-        return self._draft.node("arbitration_node", f"arbiter({self._arbiters[signal]})")
+        # The text of a run is as long as the run, and each of its lines asks.
+        known = self._named.get(signal)
+        if known is None:
+            term = f"arbiter({self._arbiters[signal]})"
+            known = self._named[signal] = self._draft.node("arbitration_node", term)
+        return known
 
     def _producer(self, signal: Signal) -> str:
         if signal in self._arbiters:
