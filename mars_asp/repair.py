@@ -29,6 +29,9 @@ STAGES = ("resolve", "repair")
 MOST_MENDS, MOST_TRIED, MOST_EDITS = 5, 60, 3
 #: For all findings together, until so many facts were solved; a try costs as much as so many facts.
 MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
+#: Where more edits are proposed than one in so many tries could try, edits that change much at once
+#: come first, and of the tries one in so many is left once all findings have a mend.
+ONE_IN_FOR_EACH, ONE_IN_FOR_FURTHER = 4, 10
 #: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
 HEAVIEST = 3
 _EDIT = ("edit", 5)
@@ -247,12 +250,18 @@ class _Search:
         left: set[int] = set()
         hurried: set[int] = set()
         solved = 0
-        # Behind sets of all sizes, the edits that stand alone because they change so much.
-        for size in (*range(1, MOST_EDITS + 1), None):
-            unmended = [number for number, found in enumerate(mends) if not found]
-            for group in _shared({n: proposed[n] for n in unmended}, size):
+        singles = len(_shared(dict(enumerate(proposed)), 1))
+        crowded = singles > max(LEAST_TRIED, most // ONE_IN_FOR_EACH)
+        further = max(LEAST_TRIED, most // ONE_IN_FOR_FURTHER)
+        # Behind sets of all sizes, the edits that stand alone because they change so much; before
+        # them, where to try each edit would take long.
+        sizes = tuple(range(1, MOST_EDITS + 1))
+        for size in (None, *sizes) if crowded else (*sizes, None):
+            wanting = [number for number, found in enumerate(mends) if not found or size == 1]
+            for group in _shared({n: proposed[n] for n in wanting}, size):
                 now = time.monotonic()
                 late = self._deadline is not None and now + longest > self._deadline
+                most = min(most, further) if crowded and all(mends) else most
                 wanted = {
                     number: edits
                     for number, edits in group.items()

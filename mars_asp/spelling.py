@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Collection, Iterable, Iterator
+from functools import lru_cache
 from itertools import islice
 
 #: So many pairs of names are compared at most; a pair takes some 15 microseconds.
@@ -18,7 +19,29 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | Non
     for candidate in words:
         if candidate.lower() == word.lower():
             return candidate
-    return next(iter(difflib.get_close_matches(word, reversed(words), 1, likeness)), None)
+    alike = ((_ratio(word, candidate, likeness), candidate) for candidate in words)
+    best, candidate = max(alike, default=(0.0, ""))
+    return candidate if best >= likeness else None
+
+
+@lru_cache(maxsize=_MOST_COMPARED)
+def _ratio(word: str, candidate: str, likeness: float) -> float:
+    """Return how alike two words are, or 0 where that is less than `likeness`.
+
+    The same words are compared again wherever an edit of a configuration is tried.
+    """
+    matcher = _matcher(word)
+    matcher.set_seq1(candidate)
+    if matcher.real_quick_ratio() < likeness or matcher.quick_ratio() < likeness:
+        return 0.0
+    ratio = matcher.ratio()
+    return ratio if ratio >= likeness else 0.0
+
+
+@lru_cache(maxsize=1)
+def _matcher(word: str) -> "difflib.SequenceMatcher[str]":
+    """Return what looks a word up in others, which is costly to begin."""
+    return difflib.SequenceMatcher(None, "", word)
 
 
 def resemblances(

@@ -3,6 +3,7 @@
 import io
 import json
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -138,6 +139,45 @@ def test_an_edit_that_many_findings_share_is_tried_once_and_first(
         assert (each.tried, len(each.mends), each.complete) == (
             (2, 2, True) if number < 4 else (1, 1, False)
         )
+
+
+def _undeclared(count: int) -> str:
+    """Return a configuration of which as many modules are used and not named, a third misspelt."""
+    known = [f"Client{number:03}" for number in range(0, count, 3)]
+    lines = ["@configuration", "@modules S, " + ", ".join(known), *_uses("S", known)]
+    names = [f"{'Cliemt' if not n % 3 else 'Other'}{n:03}" for n in range(count)]
+    return "\n".join([*lines, *_uses("S", names), ""])
+
+
+def _uses(source: str, clients: Iterable[str]) -> list[str]:
+    return [f"{client} uses_data_from {source}" for client in clients]
+
+
+def test_many_undeclared_names_are_all_mended_by_one_edit_and_a_bounded_number_of_tries() -> None:
+    project = load_project("robot.mars", text=_undeclared(120))
+    told: list[tuple[int, int]] = []
+    found = repairs(project, RULEBOOK, progress=lambda *state: told.append(state))
+    most = repair.MOST_FACTS // (len(project_facts(project)) + repair.FACTS_OF_A_TRY)
+    assert len(told) <= max(repair.LEAST_TRIED, most // repair.ONE_IN_FOR_FURTHER) < 120
+    assert len(found) == 120
+    whole = {mend.lines: mend for each in found for mend in each.mends if mend.others == 119}
+    (all_named,) = whole.values()
+    for each in found:
+        assert all_named.lines in [mend.lines for mend in each.mends]
+        assert each.mends[-1].lines == all_named.lines, "what changes less comes first"
+    assert _errors(_analyse(_edited(project, all_named))) == []
+    # The edits of one name alone that were tried are what they are for few names, too.
+    alone = [mend for each in found for mend in each.mends if mend.lines != all_named.lines]
+    assert alone
+    for mend in alone:
+        assert len(_errors(_analyse(_edited(project, mend)))) == mend.errors == 119
+
+
+def test_where_each_edit_can_be_tried_all_names_are_not_named_at_once() -> None:
+    project = load_project("robot.mars", text=_undeclared(9))
+    for each in repairs(project, RULEBOOK):
+        assert each.complete
+        assert "name_all" not in [str(edit.term) for mend in each.mends for edit in mend.edits]
 
 
 def test_findings_that_no_try_is_left_for_say_so(

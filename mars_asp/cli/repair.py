@@ -17,6 +17,9 @@ from mars_asp.resolve import COSTS
 from mars_asp.text_edits import LineEdit
 from mars_asp.visible import visible
 
+#: A mend of more lines is printed once, however many findings it mends.
+_MOST_PRINTED_AGAIN = 8
+
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
     """Print repairs; 1 where an error is there to repair, 3 where no time was left."""
@@ -37,6 +40,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
 def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
     if not found:
         yield "nothing to repair"
+    printed: dict[tuple[LineEdit, ...], str] = {}
     for repair in found:
         consequence = repair.consequence
         span = consequence.spans[0]
@@ -44,7 +48,8 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
         place = visible(f"{span.path}:{span.line}:{span.column}")
         yield f"{place}: {kind}: {visible(consequence.message)}"
         for number, mend in enumerate(repair.mends, 1):
-            yield from _mend_text(number, mend)
+            here = f"repair {number} of `{consequence.kind}({visible(consequence.subject)})`"
+            yield from _mend_text(number, mend, printed.setdefault(mend.lines, here), here)
         if not repair.proposed:
             rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
             yield f"  no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
@@ -57,12 +62,15 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
             yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
 
 
-def _mend_text(number: int, mend: Mend) -> Iterator[str]:
+def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
+    """Yield a mend, its lines where it is `first` or they are few."""
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield f"  {number}. {messages}  [{rules}]"
-    for line in mend.lines:
-        yield from _line_text(line)
+    lines = [text for line in mend.lines for text in _line_text(line)]
+    if first != here and len(lines) > _MOST_PRINTED_AGAIN:
+        lines = [f"       the {len(lines)} lines of {first}"]
+    yield from lines
     if mend.others:
         yield f"       mends {mend.others} other finding{'s' * (mend.others > 1)}, too"
     for warning in mend.warnings:
