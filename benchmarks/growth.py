@@ -2,6 +2,8 @@
 
     python benchmarks/growth.py [MODULES ...]
 
+`benchmarks/controllers.py` has the growth of other verbs with the controllers of one module.
+
 Three kinds of input: independent robots of ten modules each, one robot that hangs together, and
 one whose modules all have the same source and the same controllers.
 Prints processor seconds and memory of clingo on the same facts and rules, of `analyse --format
