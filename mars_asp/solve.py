@@ -154,7 +154,8 @@ class Grounding:
         self._shown: list[tuple[str, str]] = []
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
-        self.add(f"{text}\n{_NOTHING_SHOWN}")
+        shows_nothing = Fragment(_NOTHING_SHOWN, "rules")
+        self.add(f"{text}\n{_NOTHING_SHOWN}" if isinstance(text, str) else [*text, shows_nothing])
         self.state(stated)
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
