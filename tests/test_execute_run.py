@@ -434,7 +434,7 @@ ODD_ERROR = "class Odd(Exception):\n    def __str__(self):\n        return 1 / 0
 
 @pytest.mark.parametrize(
     ("raised", "first"),
-    [("ValueError('no\\nmap')", "ValueError: no\nmap"), ("Odd()", "Odd")],
+    [("ValueError('no\\nmap')", r"ValueError: no\nmap"), ("Odd()", "Odd")],
 )
 def test_a_module_that_fails_fails_the_run(raised: str, first: str, tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text(f"{ODD_ERROR}def go():\n    raise {raised}\n")
