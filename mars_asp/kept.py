@@ -1,8 +1,8 @@
 """Values that are dear to make, kept with Python's own compiled files.
 
-What is kept is trusted like those files. It is made anew for another version of its maker, and
-never kept where Python keeps none of its own. Before it stands a digest: a file that was damaged
-holds nothing, for a value that was read wrongly would be a wrong answer.
+What is kept is trusted like those files. It is made anew for another version of its maker. Where
+Python keeps none of its own it is kept for this process alone. Before it stands a digest: a file
+that was damaged holds nothing, for a value that was read wrongly would be a wrong answer.
 """
 
 import contextlib
@@ -23,6 +23,8 @@ _Value = TypeVar("_Value")
 _MOST = 5000
 #: How many bytes of a file are its digest.
 _DIGEST = 32
+#: What is kept for this process alone: versions and values by their names.
+_here: dict[str, tuple[str, object]] = {}
 
 
 def version_of(files: Iterable[Path]) -> str:
@@ -34,6 +36,8 @@ def version_of(files: Iterable[Path]) -> str:
 
 def recall(name: str, version: str) -> Any:
     """Return what was kept under a name; `None` where that is nothing, or of another version."""
+    if _here.get(name, ("",))[0] == version:
+        return _here[name][1]
     try:
         held = _place(name).read_bytes()
         digest, pickled = held[:_DIGEST], held[_DIGEST:]
@@ -48,6 +52,7 @@ def recall(name: str, version: str) -> Any:
 def keep(name: str, version: str, value: object) -> None:
     """Keep a value under a name, whole or not at all."""
     if sys.dont_write_bytecode:
+        _here[name] = version, value
         return
     place = _place(name)
     part = place.with_name(f"{place.name}.{os.getpid()}")

@@ -13,6 +13,7 @@ from mars_asp.rulebook import load_rulebook
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
     monkeypatch.setattr(kept, "_place", lambda name: tmp_path / name)
+    monkeypatch.setattr(kept, "_here", {})
     return tmp_path
 
 
@@ -33,12 +34,14 @@ def test_a_broken_file_holds_nothing(place: Path, content: bytes) -> None:
     assert kept.recall("a", "1") is None
 
 
-def test_nothing_is_kept_where_python_keeps_nothing(
+def test_where_python_keeps_nothing_values_are_kept_for_the_process_alone(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     kept.keep("a", "1", 2)
     assert list(place.iterdir()) == []
+    assert kept.recall("a", "1") == 2
+    assert kept.recall("a", "2") is None
 
 
 def test_a_version_changes_with_its_files(tmp_path: Path) -> None:

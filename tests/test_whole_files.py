@@ -50,6 +50,7 @@ def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> N
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "kept"
     monkeypatch.setattr(kept, "_place", lambda name: path)
+    monkeypatch.setattr(kept, "_here", {})
     monkeypatch.setattr("sys.dont_write_bytecode", False)
     return path
 
