@@ -22,7 +22,7 @@ from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.python_mutants import compiled_mutants, noting_module
 
-_REPAIRS = ("test_edits", "test_repair", "test_repair_search", "test_text_edits")
+_REPAIRS = ("test_edits", "test_text_edits", "test_repair")
 _EXECUTION = (
     "test_execute_arbitration",
     "test_execute_delivery",
@@ -36,21 +36,23 @@ _EXECUTION = (
 _MOTION = (
     "test_supports",
     "test_frames",
+    "test_physical_facts",
     "test_combinations",
     "test_physical",
     "test_wheel",
     "test_urdf",
 )
-#: The modules that judge, weigh or repair, and the test files that concern them.
+#: The modules that judge, weigh or repair, and the test files that concern them, those first that
+#: pin most for little time.
 TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/verify.py": ("test_verify", "test_realises", "test_standalone", "test_exhaustive"),
-    "mars_asp/repair.py": _REPAIRS,
+    "mars_asp/repair.py": ("test_repair_search", "test_repair"),
     "mars_asp/edits.py": _REPAIRS,
     "mars_asp/text_edits.py": _REPAIRS,
     "mars_asp/annotation_edits.py": _REPAIRS,
-    "mars_asp/frames.py": (*_MOTION, *_EXECUTION),
-    "mars_asp/supports.py": (*_MOTION, *_EXECUTION),
-    "mars_asp/physical.py": ("test_physical_facts", *_MOTION),
+    "mars_asp/frames.py": _MOTION,
+    "mars_asp/supports.py": (*_MOTION, "test_sharing"),
+    "mars_asp/physical.py": _MOTION,
     "mars_asp/execute/plan.py": _EXECUTION,
     "mars_asp/sharing.py": ("test_sharing", *_EXECUTION, "test_combinations"),
     "mars_asp/optimum.py": (
@@ -149,7 +151,9 @@ def _concerned(mutant: Mutant, runs: Sequence[Run], seconds: float) -> Iterator[
     if not tests and mutant.before.startswith(": "):
         tests = [run for run in runs if any(path == mutant.path for path, _ in run.lines)]
     left = seconds
-    for run in tests:
+    names = TESTS[mutant.path]
+    ranked = {name: rank for rank, name in enumerate(names)}
+    for run in sorted(tests, key=lambda run: ranked.get(run.item.path.stem, len(names))):
         left -= run.seconds
         if left > 0:
             yield run
