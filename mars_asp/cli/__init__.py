@@ -43,15 +43,12 @@ DONE, FOUND, USAGE, LIMIT, CLOSED_PIPE = 0, 1, 2, 3, 141
 
 def run_command(words: Sequence[str]) -> int:
     """Run one command line; return its exit status, never a traceback for a user's mistake."""
-    from mars_asp.cli.worker import Ended, ended_by_signals
-
     try:
-        with ended_by_signals():
-            try:
-                status = _run(words)
-            except SystemExit as exit_:  # argparse printed help or what is wrong
-                status = int(exit_.code or 0)
-            sys.stdout.flush()
+        try:
+            status = _run(words)
+        except SystemExit as exit_:  # argparse printed help or what is wrong
+            status = int(exit_.code or 0)
+        sys.stdout.flush()
     except BrokenPipeError:
         _close_output()
         return CLOSED_PIPE
@@ -59,8 +56,6 @@ def run_command(words: Sequence[str]) -> int:
         _close_output()
         print(f"mars-asp: standard output: {error.strerror or error}", file=sys.stderr)
         return USAGE
-    except Ended as ended:
-        return 128 + ended.number
     return status
 
 

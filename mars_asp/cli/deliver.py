@@ -4,9 +4,7 @@ In a worker everything goes through a pipe. The command collects it and writes i
 is there, so that a verb that was ended, or that somebody's code broke off, leaves nothing behind.
 """
 
-import hashlib
 import io
-import json
 import os
 import sys
 import threading
@@ -48,8 +46,8 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     if _pipe is None:
         _write(file)
         return
-    header = {"path": os.fsencode(path).hex(), "read": file.read}
-    _send(_FILE, json.dumps(header).encode() + b"\n" + raw)
+    header = f"{os.fsencode(path).hex()} {file.read or ''}"
+    _send(_FILE, header.encode() + b"\n" + raw)
 
 
 # ---- In the worker -------------------------------------------------------------------------------
@@ -97,7 +95,7 @@ class _Output(io.RawIOBase):
 def runs_code_of(paths: Iterable[str]) -> None:
     """Say whose code runs from now on, in case that it ends the worker."""
     if _pipe is not None:
-        _send(_CODE, json.dumps(list(paths)).encode())
+        _send(_CODE, b"\0".join(map(os.fsencode, paths)))
 
 
 def end(status: int) -> None:
@@ -161,11 +159,11 @@ class Told:
             self.output.append(payload)
         elif kind == _FILE:
             header, _, content = payload.partition(b"\n")
-            said = json.loads(header)
-            path = os.fsdecode(bytes.fromhex(said["path"]))
-            self.files.append(File(path, content, said["read"]))
+            path, _, read = header.decode().partition(" ")
+            named = os.fsdecode(bytes.fromhex(path))
+            self.files.append(File(named, content, read or None))
         elif kind == _CODE:
-            self.code = tuple(json.loads(payload))
+            self.code = tuple(map(os.fsdecode, payload.split(b"\0"))) if payload else ()
         elif kind == _END:
             self.status = int(payload)
         else:
@@ -212,6 +210,8 @@ def _write(file: File) -> None:
 
 
 def _digest(content: bytes) -> str:
+    import hashlib
+
     return hashlib.sha256(content).hexdigest()
 
 
