@@ -7,15 +7,12 @@ import signal
 import sys
 from types import FrameType
 
-#: A command lives shortly and its values hold no cycles; looking for some at Python's own pace
-#: would take a tenth of its time.
-COLLECT_AFTER = 100_000
-
 
 def main() -> int:
     """Run the command line; return the exit status."""
     _end_plainly()
-    gc.set_threshold(COLLECT_AFTER)
+    # What is imported stays, so looking for cycles in it is lost time; a worker looks for its own.
+    gc.disable()
     _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         # What we print is read again as UTF-8, and some systems would write something else.

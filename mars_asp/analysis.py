@@ -220,9 +220,8 @@ def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
 
 def _saying(number: int, rule: Rule) -> str:
     """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
-    body = "; ".join(str(literal) for literal in rule.ast.body)
-    values = "".join(f"{hole}," for hole in rule.holes)
-    return f"{_SAID}({number},{rule.ast.head},v({values.rstrip(',')})) :- {body}."
+    head, body = rule.written
+    return f"{_SAID}({number},{head},v({','.join(rule.holes)})) :- {body}."
 
 
 def _first_said(control: clingo.Control) -> dict[Term, tuple[int, Term]]:

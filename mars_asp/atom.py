@@ -1,15 +1,13 @@
 """Ground atoms and facts, apart from clingo's own symbols."""
 
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mars_asp.source import Span
 
 Term: TypeAlias = "int | str | Atom"
 
 
-@dataclass(frozen=True, slots=True)
-class Atom:
+class Atom(NamedTuple):
     """A ground atom or function term; an `int` is a number, a `str` an ASP string.
 
     A constant is an atom without arguments; a tuple is an atom without a name.
@@ -36,8 +34,7 @@ def term_text(term: Term) -> str:
     return str(term)
 
 
-@dataclass(frozen=True, slots=True)
-class Fact:
+class Fact(NamedTuple):
     """A given atom and where it comes from."""
 
     atom: Atom

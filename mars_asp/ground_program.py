@@ -43,8 +43,7 @@ class Component:
     projected: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Partition:
+class Partition(NamedTuple):
     """Components with their own numbering, each with the ground atoms that its numbers stand for.
 
     `constant` is the cost, level by level, of what is decided already.

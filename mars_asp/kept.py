@@ -1,16 +1,16 @@
 """Values that are dear to make, kept with Python's own compiled files.
 
 What is kept is trusted like those files. It is made anew for another version of its maker. Where
-Python keeps none of its own it is kept for this process alone. Before it stands a digest: a file
+Python keeps none of its own it is kept for this process alone. Before it stands a checksum: a file
 that was damaged holds nothing, for a value that was read wrongly would be a wrong answer.
 """
 
 import contextlib
-import hashlib
 import importlib.util
 import os
 import pickle
 import sys
+import zlib
 from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -21,8 +21,8 @@ _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
 #: Where more values are kept than this, those that the last command did not ask for go.
 _MOST = 5000
-#: How many bytes of a file are its digest.
-_DIGEST = 32
+#: How many bytes of a file are its checksum.
+_CHECKSUM = 4
 #: What is kept for this process alone: versions and values by their names.
 _here: dict[str, tuple[str, object]] = {}
 
@@ -31,7 +31,7 @@ def version_of(files: Iterable[Path]) -> str:
     """Return what changes with any of the files that a value is made from or by."""
     stats = ((path, path.stat()) for path in files)
     told = [f"{path}:{found.st_mtime_ns}:{found.st_size}" for path, found in stats]
-    return hashlib.sha256("\0".join([__version__, sys.version, *told]).encode()).hexdigest()
+    return "\0".join([__version__, sys.version, *told])
 
 
 def recall(name: str, version: str) -> Any:
@@ -40,8 +40,8 @@ def recall(name: str, version: str) -> Any:
         return _here[name][1]
     try:
         held = _place(name).read_bytes()
-        digest, pickled = held[:_DIGEST], held[_DIGEST:]
-        if hashlib.sha256(pickled).digest() != digest:
+        checksum, pickled = held[:_CHECKSUM], held[_CHECKSUM:]
+        if _checksum(pickled) != checksum:
             return None
         written, value = pickle.loads(pickled)
     except Exception:  # whatever is wrong with the file, it holds nothing
@@ -58,7 +58,7 @@ def keep(name: str, version: str, value: object) -> None:
     part = place.with_name(f"{place.name}.{os.getpid()}")
     with contextlib.suppress(OSError):
         pickled = pickle.dumps((version, value))
-        part.write_bytes(hashlib.sha256(pickled).digest() + pickled)
+        part.write_bytes(_checksum(pickled) + pickled)
         part.replace(place)
 
 
@@ -77,6 +77,10 @@ def made_of(
     if not used.keys() <= known.keys():
         keep(name, version, {**known, **used} if len(known) < _MOST else used)
     return used
+
+
+def _checksum(content: bytes) -> bytes:
+    return zlib.crc32(content).to_bytes(_CHECKSUM, "big")
 
 
 def _place(name: str) -> Path:

@@ -1,8 +1,8 @@
 """Delivery modes and frequencies as they are written in annotations and in `.mars` files."""
 
 import re
-from dataclasses import dataclass
 from decimal import Decimal
+from typing import NamedTuple
 
 from mars_asp.model import DELIVERY_MODES, MODE_ARGUMENTS, Mode
 from mars_asp.ranges import ARGUMENT, NumberProblem
@@ -13,8 +13,7 @@ _MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
 _DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a least difference"}
 
 
-@dataclass(frozen=True, slots=True)
-class ModeProblem:
+class ModeProblem(NamedTuple):
     """What is wrong with a mode: where in its text (from 0), the message and what to do."""
 
     offset: int

@@ -4,8 +4,8 @@ Rules reason with whole numbers of 32 bits, so every number is checked where it 
 """
 
 import re
-from dataclasses import dataclass
 from decimal import Decimal
+from typing import NamedTuple
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
 #: Signs and leading zeros do not count among them, so what is read can be printed.
@@ -17,16 +17,14 @@ _FARTHEST = Decimal(MOST) / 1000
 _WIDEST = Decimal(MOST) / 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class NumberProblem:
+class NumberProblem(NamedTuple):
     """What is wrong with a number, and what to do."""
 
     message: str
     help: str
 
 
-@dataclass(frozen=True, slots=True)
-class Range:
+class Range(NamedTuple):
     """The numbers that may stand at one place; `noun` comes with its article.
 
     `least` and `most` are within, unless `least` is 0 and `above` says that it is not; `decimals`

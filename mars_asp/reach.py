@@ -4,12 +4,39 @@ A rule with a premise of which no atom holds cannot have fired.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Set
+from pathlib import Path
+from typing import NamedTuple
 
-from mars_asp.statements import Literal, Signature, Statement, constants
+from mars_asp import statements as reader
+from mars_asp.kept import made_of
+from mars_asp.statements import Signature, Statement, constants, statements
+
+
+class Outline(NamedTuple):
+    """What decides whether a question reaches a rule without pools: what it derives and reads.
+
+    `heads` are the names of the predicates in its head, each with the first argument where that is
+    a constant; `needs` are those of the predicates without which it cannot fire; `constants` those
+    of the constants that it names.
+    """
+
+    heads: tuple[tuple[str, str | None], ...]
+    needs: frozenset[str]
+    derives: frozenset[Signature]
+    reads: frozenset[Signature]
+    constants: frozenset[str]
+
+
+def outlines_of(texts: Iterable[str]) -> list[tuple[Outline, ...]]:
+    """Return the outlines of rules, kept between commands: most of what they say is not asked."""
+    asked = tuple(texts)
+    files = map(Path, (__file__, reader.__file__))
+    made = made_of("outlines", files, asked, lambda text: tuple(map(_outline, statements(text))))
+    return [made[text] for text in asked]
 
 
 def reachable_rules(
-    rules: Sequence[Sequence[Statement]],
+    rules: Sequence[Sequence[Outline]],
     asked: Mapping[str, frozenset[str]],
     present: Set[str] | None,
     replaced: Set[str] = frozenset(),
@@ -24,12 +51,12 @@ def reachable_rules(
     deriving: dict[Signature, list[int]] = {}
     waiting: list[int] = []
     for number, variants in enumerate(rules):
-        for statement in variants:
-            if present is None or _names(statement.body.positive) <= present:
-                for signature in statement.derives:
+        for outline in variants:
+            if present is None or outline.needs <= present:
+                for signature in outline.derives:
                     deriving.setdefault(signature, []).append(number)
-                fixed = not replaced or replaced.isdisjoint(constants(statement.text).names)
-                if any(_is_asked(head.literal, asked, fixed) for head in statement.heads):
+                fixed = replaced.isdisjoint(outline.constants)
+                if any(_is_asked(head, asked, fixed) for head in outline.heads):
                     waiting.append(number)
     found: set[int] = set()
     demanded: set[Signature] = set()
@@ -43,18 +70,26 @@ def reachable_rules(
     return tuple(sorted(found))
 
 
-def reads(rule: Iterable[Statement]) -> frozenset[Signature]:
+def reads(rule: Iterable[Outline]) -> frozenset[Signature]:
     """Return the predicates that a rule reads."""
-    return frozenset().union(*(statement.reads for statement in rule))
+    return frozenset().union(*(outline.reads for outline in rule))
 
 
-def _is_asked(head: Literal, asked: Mapping[str, frozenset[str]], fixed: bool) -> bool:
-    name, arity = head.signature
-    if name not in asked:
-        return False
-    first = head.terms[0].constant if arity and fixed else None
-    return first is None or first in asked[name]
+def _outline(statement: Statement) -> Outline:
+    heads = (head.literal for head in statement.heads)
+    return Outline(
+        tuple(
+            (each.signature[0], each.terms[0].constant if each.terms else None) for each in heads
+        ),
+        frozenset(literal.signature[0] for literal in statement.body.positive),
+        statement.derives,
+        statement.reads,
+        constants(statement.text).names,
+    )
 
 
-def _names(literals: Iterable[Literal]) -> frozenset[str]:
-    return frozenset(literal.signature[0] for literal in literals)
+def _is_asked(
+    head: tuple[str, str | None], asked: Mapping[str, frozenset[str]], fixed: bool
+) -> bool:
+    name, first = head
+    return name in asked and (first is None or not fixed or first in asked[name])

@@ -189,8 +189,8 @@ def _proposals(
 
 
 def _saying(number: int, rule: Rule) -> str:
-    body = "; ".join(str(literal) for literal in rule.ast.body)
-    return f"_proposed({number},{rule.ast.head},v({','.join(rule.holes)})) :- {body}."
+    head, body = rule.written
+    return f"_proposed({number},{head},v({','.join(rule.holes)})) :- {body}."
 
 
 def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:

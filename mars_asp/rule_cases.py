@@ -124,7 +124,7 @@ def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]
 
 def _saying(number: int, rule: Rule) -> str:
     """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
-    body = "; ".join(str(literal) for literal in rule.ast.body) or "#true"
+    body = rule.written[1] or "#true"
     return f"{_SAID}({number},v({','.join(rule.holes)})) :- {body}."
 
 

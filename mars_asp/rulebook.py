@@ -75,6 +75,11 @@ class Rule:
         """Return clingo's syntax tree of the text, for further rules to be made of it."""
         return tree(self.text)
 
+    @cached_property
+    def written(self) -> tuple[str, str]:
+        """Return the head and the body as clingo writes them."""
+        return str(self.ast.head), "; ".join(map(str, self.ast.body))
+
     @property
     def statements(self) -> tuple[Statement, ...]:
         """Return what the rule says, without pools."""
@@ -115,8 +120,10 @@ class Rule:
     def __getstate__(self) -> dict[str, object]:
         """Keep what most questions need of what the rule says."""
         written = {field.name: getattr(self, field.name) for field in fields(self)}
-        known = {name: getattr(self, name) for name in ("heads", "reads", "is_choice", "kinds")}
-        return {**written, **known}
+        names = ["heads", "reads", "is_choice", "kinds"]
+        # Of a rule with a message every question makes another.
+        names += ["written"] if self.because is not None else []
+        return {**written, **{name: getattr(self, name) for name in names}}
 
     @property
     def holes(self) -> tuple[str, ...]:

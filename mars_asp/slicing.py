@@ -15,14 +15,14 @@ from mars_asp.atom import Fact
 from mars_asp.lookup import KEYS, Lookup
 from mars_asp.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.pack import CONSEQUENCE
-from mars_asp.reach import reachable_rules, reads
+from mars_asp.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.resolve import UNRESOLVABLE
 from mars_asp.rulebook import Rule, Rulebook, consequence_kinds
 from mars_asp.statements import Statement, has_rules_alone, statements_of
 from mars_asp.symbols import symbol_in, symbol_of, term_of
 
-#: A rule, and what is read of it.
-_Read: TypeAlias = tuple[Rule, tuple[Statement, ...]]
+#: A rule and its outlines.
+_Outlined: TypeAlias = tuple[Rule, tuple[Outline, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,16 +48,15 @@ def slice_for(
     """
     name, first = _asked(subject, rulebook)
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
-    read = statements_of(rule.text for rule in rules)
-    base = [(rule, read[rule.text]) for rule in rules]
-    if rulebook.packs and (rulebook.asked or not _has_one_answer(base, rulebook)):
+    if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
+    base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
     if not any(name == head for rule in rules for head, _ in rule.heads):
         return None
     asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
-    demand = _demand(subject, name, [one for _, variants in possible for one in variants])
+    demand = _demand(subject, name, _statements(rule for rule, _ in possible))
     if demand is None:
         facts = tuple(facts_of(_read(possible, name)))
         text = None
@@ -126,7 +125,12 @@ def _is_read(rule: Rule, kinds: Set[str]) -> bool:
     return named is None or not named or not named.isdisjoint(kinds)
 
 
-def _has_one_answer(base: Iterable[_Read], rulebook: Rulebook) -> bool:
+def _statements(rules: Iterable[Rule]) -> list[Statement]:
+    read = statements_of(rule.text for rule in rules)
+    return [statement for variants in read.values() for statement in variants]
+
+
+def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
     """Say whether rules with packs have just one answer, whatever the facts are.
 
     So it is where packs hold rules alone, each of which forces one atom, and recursion leads
@@ -134,7 +138,7 @@ def _has_one_answer(base: Iterable[_Read], rulebook: Rulebook) -> bool:
     """
     if any(not has_rules_alone(text) for _, text in rulebook.texts[-rulebook.packs :]):
         return False
-    every = [statement for _, variants in base for statement in variants]
+    every = _statements(base)
     if not are_forced(every) or negates_itself(every):
         return False
     # What is classically negated excludes what is not.
@@ -192,13 +196,13 @@ class _Context:
 
 
 def _behind(
-    rules: Sequence[_Read], asked: Mapping[str, frozenset[str]], present: Set[str] | None
-) -> tuple[_Read, ...]:
+    rules: Sequence[_Outlined], asked: Mapping[str, frozenset[str]], present: Set[str] | None
+) -> tuple[_Outlined, ...]:
     found = reachable_rules([variants for _, variants in rules], asked, present)
     return tuple(rules[number] for number in found)
 
 
-def _read(rules: Iterable[_Read], asked: str) -> frozenset[str]:
+def _read(rules: Iterable[_Outlined], asked: str) -> frozenset[str]:
     names = (name for _, variants in rules for name, _ in reads(variants))
     return frozenset({asked, *names})
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import NamedTuple
 
 import clingo
 
@@ -116,8 +117,7 @@ class Resolution:
         return self.answer.taken
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """A component, the ground atoms that its numbers from 1 stand for, and its optimum."""
 
     component: Component

@@ -1,9 +1,12 @@
 """What a misspelt word was probably meant to be."""
 
-import difflib
 from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 from itertools import islice
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from difflib import SequenceMatcher
 
 #: So many pairs of names are compared at most; a pair takes some 15 microseconds.
 _MOST_COMPARED = 100_000
@@ -39,9 +42,12 @@ def _ratio(word: str, candidate: str, likeness: float) -> float:
 
 
 @lru_cache(maxsize=1)
-def _matcher(word: str) -> "difflib.SequenceMatcher[str]":
+def _matcher(word: str) -> "SequenceMatcher[str]":
     """Return what looks a word up in others, which is costly to begin."""
-    return difflib.SequenceMatcher(None, "", word)
+    # Few words are misspelt, so that few commands need it.
+    from difflib import SequenceMatcher  # noqa: PLC0415
+
+    return SequenceMatcher(None, "", word)
 
 
 def resemblances(

@@ -5,6 +5,7 @@ further rules from trees. To walk a tree takes a thousand times as long as to re
 it, so that is kept from one command to the next.
 """
 
+import pickle
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -288,7 +289,10 @@ def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     asked = tuple(texts)
     new = [text for text in asked if text not in _read]
     if new:
-        _remember(made_of("statements", map(Path, (__file__, ast.__file__)), new, _statements))
+        files = map(Path, (__file__, ast.__file__))
+        # Most questions need few rules, and to make values of what is kept is most of the cost.
+        packed = made_of("statements", files, new, lambda text: pickle.dumps(_statements(text)))
+        _remember({text: pickle.loads(each) for text, each in packed.items()})
     return {text: _read[text] for text in asked}
 
 

@@ -150,5 +150,5 @@ def _conversions(specification: Configuration, project: Project) -> Iterator[Fac
 
 def _saying(number: int, rule: Rule) -> str:
     """Return a rule that keeps the values of the holes; it begins with what is rarely there."""
-    body = "; ".join(str(literal) for literal in (rule.ast.head, *rule.ast.body))
-    return f"_judged({number},{rule.ast.head},v({','.join(rule.holes)})) :- {body}."
+    head, body = rule.written
+    return f"_judged({number},{head},v({','.join(rule.holes)})) :- {head}; {body}."

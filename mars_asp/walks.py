@@ -1,14 +1,12 @@
 """Closed walks in relationships: what a graph shows, not what it means."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 Edge: TypeAlias = tuple[str, str, int]
 
 
-@dataclass(frozen=True, slots=True)
-class Knot:
+class Knot(NamedTuple):
     """A strongly connected part of a graph: its nodes, sorted, and one of its shortest cycles."""
 
     nodes: tuple[str, ...]

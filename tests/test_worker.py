@@ -174,6 +174,18 @@ def test_a_behaviour_that_ends_the_program_fails_the_run(
     assert mentions in (output + said).decode()
 
 
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")
+def test_what_a_behaviour_forks_holds_nothing_up(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import os, signal, time\ndef go():\n    if not os.fork():\n        os.setsid()\n"
+        "        time.sleep(30)\n    os.kill(os.getpid(), signal.SIGSEGV)\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    command = start("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    assert command.wait(timeout=20) == 1
+
+
 def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(
         "import os\ndef go():\n    child = os.fork()\n    if not child: os._exit(3)\n"

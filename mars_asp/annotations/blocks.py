@@ -2,8 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model import Module
@@ -14,8 +13,7 @@ if TYPE_CHECKING:
 _START = re.compile(r"(?mi)^[ \t]*@module_start\b")
 
 
-@dataclass(frozen=True, slots=True)
-class Blocks:
+class Blocks(NamedTuple):
     """The modules of the blocks, what is wrong, and the (first, last) lines of each block."""
 
     modules: tuple[Module, ...]

@@ -9,7 +9,7 @@ import os
 import sys
 import threading
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from mars_asp.visible import visible, write_whole
 
@@ -26,8 +26,7 @@ class ChangedError(OSError):
     """A file that is to be replaced is not what was read."""
 
 
-@dataclass(frozen=True, slots=True)
-class File:
+class File(NamedTuple):
     """A file to write. `read` is a digest of what it held when it was read, to be replaced."""
 
     path: str
@@ -123,18 +122,18 @@ def _send(kind: bytes, payload: bytes) -> None:
 # ---- In the command ------------------------------------------------------------------------------
 
 
-@dataclass
 class Told:
     """What a worker said so far; `status` once it said that this is all.
 
     `code` are the files of others whose code it runs.
     """
 
-    output: list[bytes] = field(default_factory=list)
-    files: list[File] = field(default_factory=list)
-    code: tuple[str, ...] = ()
-    status: int | None = None
-    _rest: bytearray = field(default_factory=bytearray)
+    def __init__(self) -> None:
+        self.output: list[bytes] = []
+        self.files: list[File] = []
+        self.code: tuple[str, ...] = ()
+        self.status: int | None = None
+        self._rest = bytearray()
 
     def hear(self, chunk: bytes) -> None:
         """Take in what came through the pipe.

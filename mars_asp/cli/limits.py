@@ -105,4 +105,4 @@ def _containers() -> Iterator[int]:
                     break
                 for name in _MOST:
                     with contextlib.suppress(OSError, ValueError):
-                        yield int((folder / name).read_text(encoding="ascii"))
+                        yield int((folder / name).read_text(encoding="utf-8"))

@@ -12,12 +12,13 @@ the files whose code runs from now on, `.` the end (the exit status).
 import argparse
 import gc
 import os
+import select
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from types import FrameType
 from typing import NoReturn
 
@@ -47,14 +48,15 @@ class Ended(BaseException):
 
 def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
     """Return a verb's exit status; 3 where a time or memory limit ended it."""
-    if not hasattr(os, "fork"):
-        return run_plain(run, arguments)
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
     # What both have in common is not written to, and so not copied, by a collection in the worker.
     gc.freeze()
     # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
     gc.set_threshold(50_000, 20, 20)
+    gc.enable()
+    if not hasattr(os, "fork"):
+        return run_plain(run, arguments)
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
     results, said = os.pipe()
     watched, alive = os.pipe()
     with _held_back():
@@ -178,16 +180,16 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
                 spent = time.monotonic() - arguments.started
                 signal.setitimer(signal.ITIMER_REAL, max(0.001, limit - spent) + _GRACE_SECONDS)
             told = deliver.Told()
-            with open(results, "rb", buffering=0) as pipe, suppress(ValueError):
-                while told.status is None and (chunk := pipe.read(1 << 20)):
+            with suppress(ValueError), closing(_heard(results, worker)) as chunks:
+                while told.status is None and (chunk := next(chunks, b"")):
                     told.hear(chunk)
             if told.status is None:
                 _end_group(worker)
-            _, status, used = os.wait4(worker, 0)
+            _, status = os.waitpid(worker, 0)
             signal.setitimer(signal.ITIMER_REAL, 0)
             _end_group(worker)
             if told.status is None:
-                return _broken(status, used.ru_maxrss, told.code, arguments)
+                return _broken(status, told.code, arguments)
             return told.deliver()
     except Ended as ended:
         _end_group(worker)
@@ -197,6 +199,29 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
             print(f"mars-asp: the time limit of {limit:g} s ended this", file=sys.stderr)
             return 3
         return 128 + ended.number
+
+
+def _heard(results: int, worker: int) -> Generator[bytes]:
+    """Yield what comes through the pipe until it is closed, or the worker has ended.
+
+    A process that the worker began may hold the pipe open for longer. Where the system does not
+    tell of an end, that process is waited for.
+    """
+    ended = None
+    with suppress(AttributeError, OSError):
+        ended = os.pidfd_open(worker)
+    ready = select.poll()
+    for each in (results, ended):
+        if each is not None:
+            ready.register(each, select.POLLIN)
+    try:
+        # What was sent before the end is still heard.
+        while results in dict(ready.poll()) and (chunk := os.read(results, 1 << 20)):
+            yield chunk
+    finally:
+        os.close(results)
+        if ended is not None:
+            os.close(ended)
 
 
 @contextmanager
@@ -228,19 +253,21 @@ def _end_group(worker: int) -> None:
             end(worker, signal.SIGKILL)
 
 
-def _broken(status: int, used: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
+def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
     """Say why a worker ended without its end mark; return the exit status.
 
-    `used` is how much memory it held at most, in kilobytes (on macOS in bytes); `code` are the
-    files of others whose code it ran.
+    `code` are the files of others whose code it ran.
     """
+    import resource
+
     if code:
         files = " or ".join(f"`{visible(path)}`" for path in code)
         print(f"mars-asp: the code of {files} ended the run, so it failed", file=sys.stderr)
         return 1
     most = memory_limit(arguments)
     # Where no memory is left, libraries end the process in ways of their own. They ask for much at
-    # a time, so that a good part of what was allowed may be left.
+    # a time, so that a good part of what was allowed may be left. The unit is the system's.
+    used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     megabytes = used / (1024 * 1024 if sys.platform == "darwin" else 1024)
     if most is not None and megabytes > most / 2:
         say_memory_ended(arguments)

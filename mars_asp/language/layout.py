@@ -3,7 +3,7 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from mars_asp.source import Span
 
@@ -13,8 +13,7 @@ COMMENT = re.compile(r"(?://|#)[^\n]*")
 _CONTINUED = re.compile(r"(?<=,)\s++|(?<=[^\s,])\s++(?=[,(])")
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """The original text by lines, and the text that the grammar reads."""
 
     path: str

@@ -5,10 +5,10 @@ import os
 import re
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 from lark import Lark, UnexpectedInput
 
@@ -37,8 +37,7 @@ _STAND_IN = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Parsed:
+class Parsed(NamedTuple):
     """A file that could be read, with what is noteworthy about it.
 
     `blocks` are the texts of its module blocks, as they are written.

@@ -6,9 +6,8 @@ from types import MappingProxyType
 
 import clingo
 
-from mars_asp.reach import reachable_rules
+from mars_asp.reach import outlines_of, reachable_rules
 from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.statements import statements_of
 from mars_asp.term import Signature, Term, arguments, as_symbol, as_term, atoms, state
 from mars_asp.trace.firings import Firing, read_firings
 from mars_asp.trace.given import GivenFacts
@@ -66,8 +65,7 @@ class Explainer:
             asked.setdefault(asking_name(name), []).append(term)
             firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
         told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
-        read = statements_of(rule.text for rule in self.rules)
-        rules = [read[rule.text] for rule in self.rules]
+        rules = outlines_of(rule.text for rule in self.rules)
         numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
