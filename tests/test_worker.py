@@ -174,6 +174,16 @@ def test_a_behaviour_that_ends_the_program_fails_the_run(
     assert mentions in (output + said).decode()
 
 
+def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text("p(-2147483647 - 1).\nd(-1).\nq(X / Y) :- p(X), d(Y).\n")
+    command = start("check", "examples/level0/config.mars", "--rules", str(pack))
+    output, said = command.communicate(timeout=60)
+    assert (command.returncode, output) == (2, b"")
+    assert b"crashed (SIGFPE)" in said
+    assert b"divide -2147483648 by -1?" in said
+
+
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")
 def test_what_a_behaviour_forks_holds_nothing_up(tmp_path: Path) -> None:
     (tmp_path / "drive.py").write_text(

@@ -280,5 +280,7 @@ def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> 
         print("mars-asp: the system ended this; was memory short?", file=sys.stderr)
         return 3
     name = signal.Signals(number).name
-    print(f"mars-asp: the reasoner crashed ({name}), so there is no result", file=sys.stderr)
+    # No other quotient ends clingo.
+    why = ": does a rule divide -2147483648 by -1?" if number == signal.SIGFPE else ""
+    print(f"mars-asp: the reasoner crashed ({name}), so there is no result{why}", file=sys.stderr)
     return 2
