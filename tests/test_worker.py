@@ -180,8 +180,8 @@ def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
     command = start("check", "examples/level0/config.mars", "--rules", str(pack))
     output, said = command.communicate(timeout=60)
     assert (command.returncode, output) == (2, b"")
-    assert b"crashed (SIGFPE)" in said
-    assert b"divide -2147483648 by -1?" in said
+    # Other processors wrap, so that the rule is found as others that compute what does not fit.
+    assert b"(SIGFPE), so there is no result: does a rule divide" in said or b"pack.lp:3" in said
 
 
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")
