@@ -12,7 +12,6 @@ import time
 
 from growth import robot_lines
 
-from mars_asp.__main__ import COLLECT_AFTER
 from mars_asp.explain import explain
 from mars_asp.project import load_project
 from mars_asp.rulebook import load_rulebook
@@ -25,6 +24,10 @@ ASKED = (
     "service_dependency(M6_4)",
     "unused_module(M5_7)",
 )
+
+
+#: Objects between two looks for cycles, as in a command's worker.
+COLLECT_AFTER = 50_000
 
 
 def main() -> None:
