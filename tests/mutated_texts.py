@@ -6,6 +6,7 @@ Texts are read in child processes, so that the end of one is seen. What grounds 
 by a clock, or by a limit on memory, as the command does it.
 """
 
+import functools
 import os
 import random
 import re
@@ -15,7 +16,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import mock
@@ -59,7 +59,7 @@ _TOKENS = (
 )
 
 
-@cache
+@functools.cache
 def texts() -> tuple[str, ...]:
     """Return what is changed: parts of our rule files, packs and cases."""
     rules = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "rules").rglob("*.lp"))]
@@ -112,7 +112,7 @@ def _changed(text: str, rng: random.Random) -> str:
     return text[:at] + rng.choice(_TOKENS) + text[rng.choice((at, near)) :]
 
 
-@cache
+@functools.cache
 def _facts() -> tuple[Fact, ...]:
     here = point("c.mars", 1, 1)
     told = (
