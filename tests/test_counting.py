@@ -1,6 +1,7 @@
 """Firings that count over the same elements share them, and each says what it rests on."""
 
 import random
+import time
 
 import clingo
 import pytest
@@ -74,6 +75,55 @@ def test_what_is_counted_is_found_once_for_all_firings(
         trace = found[0].why([_A])[_A]
         assert isinstance(trace, Derived)
     assert sizes[1] <= 2 * sizes[0]
+
+
+#: Bodies that fail for each value and for each element, by what stands in the way of sharing that.
+_FAILING = [
+    "v(_), u(X) : w(X).",
+    "v(Y), u(X) : w(X).",
+    "v(_), not v(X) : w(X).",
+    "v(Y), u(X) : w(X), X < Y + {size}, w(1).",
+    "v(_), w(_), u(X) : w(X).",
+    "v(_), w(_), u.",
+    "v(Y), not w(_).",
+    "v(Y), u(X) : w(X); 2 <= #count {{ X : v(X) }}.",
+    "v(Y), v(X) : w(X); u(X) : w(X).",
+]
+
+
+@pytest.mark.parametrize("body", _FAILING)
+def test_what_fails_is_found_once_for_all_values(
+    body: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes: list[int] = []
+
+    def read(control: clingo.Control, question: int) -> list[Firing]:
+        if question == 1:
+            sizes.append(len(control.symbolic_atoms))
+        return read_firings(control, question)
+
+    monkeypatch.setattr(explainer, "read_firings", read)
+    for size in (10, 20):
+        found = explainer_of((f"a :- {body}" + _VALUES).format(size=size))
+        assert found is not None
+        assert isinstance(why_not(found[0], _A, 1), Missing)
+    assert sizes[1] <= 2 * sizes[0]
+
+
+def test_what_counts_is_tested_once_for_all_values() -> None:
+    seconds = [_seconds_of_why_not(size) for size in (500, 2000)]
+    # Four times as much where growth is linear, 16 times where each value counts anew.
+    assert seconds[1] < 8 * seconds[0]
+
+
+def _seconds_of_why_not(size: int) -> float:
+    """Return the processor time of asking why a rule does not hold that counts beside a value."""
+    body = "v(Y), {size} - 1 <= #count {{ X : v(X) }}, u(X) : w(X)."
+    found = explainer_of((f"a :- {body}" + _VALUES).format(size=size))
+    assert found is not None
+    begin = time.process_time()
+    assert isinstance(why_not(found[0], _A, 1), Missing)
+    return time.process_time() - begin
 
 
 @pytest.mark.parametrize(

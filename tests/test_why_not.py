@@ -41,6 +41,18 @@ def attempts(program: str, atom: str) -> list[Attempt]:
         ("q(5). { p(X) } :- q(X), r(X).", "r(X)", "r(5)", None),
         ("q(5). { p(X) : r(X) } :- q(X).", "r(X)", "r(5)", None),
         ("q(5). { p(X) } :- q(X). :- p(X).", None, None, None),
+        # Of several it is the least, in whatever order they are given.
+        ("q(5). s(3). s(1..2). p(X) :- q(X), t(Y) : s(Y).", "t(Y): s(Y)", "t(1)", None),
+        ("q(5). s(3). s(1..2). p(X) :- q(X), not s(Y) : s(Y).", "not s(Y): s(Y)", "s(1)", None),
+        ("q(5). s(3). s(1..2). p(X) :- q(X), not s(_).", "not s(_)", "s(1)", None),
+        ("q(5). s(3). s(1..2). p(X) :- q(X), t(Y,_) : s(Y).", "t(Y,_): s(Y)", "t(1,_)", None),
+        ("q(5). s(1). p(X) :- q(X), t((1;2)) : s(Y).", "t(1): s(Y)", "t(1)", None),
+        ("q(5). s(1). { u }. :- u. p(X) :- q(X), u : s(Y).", "u: s(Y)", "u", None),
+        ("q(5). s(1). { u }. :- not u. p(X) :- q(X), not u : s(Y).", "not u: s(Y)", "u", None),
+        ("q(5). s(1). p(X) :- q(X), t(Y,Z) : s(Y).", "t(Y,Z): s(Y)", None, None),
+        ("q(5). s(1). p(X) :- q(X), t(2 * Y + 1), s(Y).", "t(((2*Y)+1))", "t(3)", None),
+        ("q(5). s(1). t(3). p(X) :- q(X), t(2 * Y + 1), r(Y).", "r(Y)", "r(1)", None),
+        ("q(5). s(1). p(X) :- q(X), s(Z), t(1 - Y * 2).", "t((1-(Y*2)))", "t((1-(Y*2)))", None),
     ],
 )
 def test_what_fails(program: str, fails: str | None, cause: str | None, value: str | None) -> None:

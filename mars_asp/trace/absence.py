@@ -62,13 +62,17 @@ def _come_near(
     return found
 
 
-def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str]:
-    """Return a sort key: a choice that was not made, one literal alone, then most that hold."""
+def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str, int]:
+    """Return a sort key: a choice that was not made, one literal alone, then most that hold.
+
+    Of variants of a rule that differ in a pool it is the first.
+    """
     return (
         candidate.fails is not None,
         not candidate.alone,
         -candidate.kept,
         str(as_symbol(firing.values)),
+        firing.rule,
     )
 
 

@@ -8,7 +8,7 @@ questions by the frontier picky, Chapman and Jagadish 2009.)
 """
 
 import re
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 
 import clingo
@@ -21,7 +21,6 @@ from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
 from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms
 from mars_asp.trace.scope import (
     AGGREGATES,
-    Renamed,
     atoms_of_head,
     global_variables,
     variables_of,
@@ -30,6 +29,10 @@ from mars_asp.trace.scope import (
 _TYPE = ast.ASTType
 #: The predicate that asks: `NEAR(index, w(Parts))`.
 NEAR = f"_near{QUESTION}"
+#: The variable for what an aggregate amounts to.
+_VALUE = "_Value"
+#: The variable for what a literal lacks.
+_LACK = "_Lack"
 _MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
 
 
@@ -93,7 +96,8 @@ class NearMisses:
             bound = match.bound.union(*(needs(other, shared) for other in others))
             if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
                 candidate = Candidate(index, number, fails, place, True)
-                yield from self._candidate(candidate, literal, asked, others, bound, shared)
+                kept = [other for other, _ in around]
+                yield from self._candidate(candidate, literal, asked, kept, bound, shared)
         offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
         if offers and len(order) == len(literals):
             candidate = Candidate(index, number, None, len(order), True)
@@ -111,16 +115,66 @@ class NearMisses:
         shared: Set[str],
     ) -> Iterator[str]:
         terms = Terms("N")
-        joined, lack, tests = self._instead(left_out, terms, set(bound), shared)
+        joined, lack, tests = self._instead(left_out, terms, set(bound))
+        body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
+        yield from rules
+        if left_out is not None and not joined and variables_of((lack, *tests)) - bound:
+            named = needs(left_out, shared) & bound
+            element = f"{lack} : {', '.join((*tests, *terms.equations))}"
+            yield from self._least(element, sorted(named), body)
+            lack, tests, terms = _LACK, [self._found(named)], Terms("N")
         tag = f"near({len(self.candidates)},{lack})"
         self.candidates.append(candidate)
         names = {name for name in bound if not name.startswith("_")}
+        # What is lacking is told alone, not with what holds.
+        alone = left_out is not None and lack != "test" and not joined
+        before, literals = ((*body, *tests), ()) if alone else ((asked, *tests), (*kept, *joined))
         yield from self._rewriter.instance(
-            candidate.rule, tag, "none", [asked, *tests], (*kept, *joined), terms, names, False
+            candidate.rule, tag, "none", before, literals, terms, names, False, counting
         )
 
+    def _counted_apart(
+        self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
+    ) -> tuple[list[str], list[str], list[str]]:
+        """Return a body in which what counts is tested apart, these tests, and rules for them.
+
+        The literals stand in an order in which each can be tested. clingo counts anew for each
+        instance of the rest of a body, also of variables that the literal does not name.
+        """
+        place = f"{QUESTION}_{len(self.candidates)}"
+        body, counting, rules = [asked], list[str](), list[str]()
+        bound = variables_of((asked,))
+        for number, literal in enumerate(literals):
+            named = variables_of((literal,)) & {*shared, _VALUE}
+            text = self._rewriter.renamed(literal)
+            if literal.ast_type == _TYPE.ConditionalLiteral or literal.atom.ast_type in AGGREGATES:
+                before = f"_d{place}_{number}({','.join(sorted(named & bound))})"
+                test = f"_c{place}_{number}({','.join(sorted(named))})"
+                rules += (f"{before} :- {'; '.join(body)}.", f"{test} :- {before}; {text}.")
+                counting.append(test)
+                text = test
+            body.append(text)
+            bound |= named
+        return body, counting, rules
+
+    def _least(self, element: str, names: Sequence[str], body: Sequence[str]) -> Iterator[str]:
+        """Yield rules for the least of what could be said to be lacking.
+
+        It depends on the literal left out and on its global variables, `names`, alone: found for
+        each instance of the body, there would be as many as instances times elements. It is the
+        least, so that no order of grounding shows.
+        """
+        asked = f"_n{QUESTION}_{len(self.candidates)}({','.join(names)})"
+        least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"
+        yield f"{asked} :- {'; '.join(body)}."
+        yield f"{self._found(names)} :- {asked}; {least}."
+
+    def _found(self, names: Iterable[str]) -> str:
+        """Return the atom that says what is lacking for values of these variables."""
+        return f"_l{QUESTION}_{len(self.candidates)}({','.join((*sorted(names), _LACK))})"
+
     def _instead(
-        self, literal: ast.AST | None, terms: Terms, bound: set[str], shared: Set[str]
+        self, literal: ast.AST | None, terms: Terms, bound: set[str]
     ) -> tuple[tuple[ast.AST, ...], str, list[str]]:
         """Return what stands in the body instead of a literal, and a term for what it lacks.
 
@@ -130,15 +184,14 @@ class NearMisses:
         if literal is None:
             return (), "taken", []
         if literal.ast_type == _TYPE.ConditionalLiteral:
-            local = Renamed(variables_of((literal,)) - shared, "_L")
-            inner, condition = local(literal.literal), tuple(map(local, literal.condition))
-            if inner.atom.ast_type != _TYPE.SymbolicAtom:
+            inner, condition = literal.literal, literal.condition
+            known = bound | variables_of(condition)
+            if inner.atom.ast_type != _TYPE.SymbolicAtom or variables_of((inner,)) - known:
                 return (), "test", []
-            names = bound.union(*(variables_of((part,)) for part in condition))
-            _, lack, tests = self._instead(inner, terms, names, shared)
+            _, lack, tests = self._instead(inner, terms, known)
             if lack.startswith("no("):
                 tests = [self._rewriter.renamed(inner.update(sign=ast.Sign.Negation))]
-            return condition, lack, tests
+            return (), lack, [*map(self._rewriter.renamed, condition), *tests]
         if literal.atom.ast_type == _TYPE.SymbolicAtom:
             symbol = literal.atom.symbol
             if literal.sign == ast.Sign.Negation:
@@ -152,10 +205,10 @@ class NearMisses:
             return (), f"no({sign}{function.name}{inside})", []
         if literal.atom.ast_type not in AGGREGATES:
             return (), "test", []
-        value = ast.Variable(literal.location, "_Value")
+        value = ast.Variable(literal.location, _VALUE)
         guard = ast.Guard(ast.ComparisonOperator.Equal, value)
         atom = literal.atom.update(left_guard=guard, right_guard=None)
-        return (literal.update(atom=atom, sign=ast.Sign.NoSign),), "value(_Value)", []
+        return (literal.update(atom=atom, sign=ast.Sign.NoSign),), f"value({_VALUE})", []
 
 
 class _Match:

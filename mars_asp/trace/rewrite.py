@@ -127,11 +127,13 @@ class Rewriter:
         terms: "Terms",
         names: Iterable[str],
         ask: bool = True,
+        tests: Sequence[str] | None = None,
     ) -> Iterator[str]:
         """Yield rules for the instances of literals of rule `number` where `asked` holds too.
 
         `shown` is the head and `names` are the variables that tell instances apart. With `ask`
-        the premises are asked for in turn.
+        the premises are asked for in turn. `tests` say the same as the literals that count, which
+        are tested here where they are `None`.
         """
         rule = _NUMBER if ask else str(number)
         place = f"{QUESTION}_{rule}"
@@ -157,7 +159,9 @@ class Rewriter:
                 rest.append(self.renamed(literal))
                 if literal.atom.ast_type == _TYPE.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
-        if counting and any(_is_projected(literal) for literal in literals):
+        if tests is not None:
+            counting = list(tests)
+        elif counting and any(_is_projected(literal) for literal in literals):
             body = "; ".join((*before, *map(self.renamed, literals)))
             shared = sorted(global_variables((), literals) | variables_of(before))
             holds = f"_b{place}({','.join((term_text(body), *shared))})"
