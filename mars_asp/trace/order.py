@@ -7,12 +7,14 @@ what binds more. This is the left-to-right safety of Datalog engines (Ullman 198
 from collections.abc import Iterator, Sequence, Set
 from functools import partial
 
+import clingo
 from clingo import ast
 
 from mars_asp.trace.scope import AGGREGATES, guards, variables_of
 
 _TYPE = ast.ASTType
 _INVERTIBLE = (ast.BinaryOperator.Plus, ast.BinaryOperator.Minus)
+_TIMES = ast.BinaryOperator.Multiplication
 
 
 def in_order(
@@ -46,11 +48,35 @@ def provided(term: ast.AST) -> set[str]:
         return set() if term.name == "_" else {term.name}
     if term.ast_type == _TYPE.Function:
         return {name for argument in term.arguments for name in provided(argument)}
-    if term.ast_type == _TYPE.BinaryOperation and term.operator_type in _INVERTIBLE:
-        sides = (term.left, term.right)
-        if any(side.ast_type == _TYPE.SymbolicTerm for side in sides):
-            return {side.name for side in sides if side.ast_type == _TYPE.Variable} - {"_"}
+    return _inverted(term)
+
+
+def _inverted(term: ast.AST) -> set[str]:
+    """Return the variable that clingo solves a linear term for, as X of `2 * X + 1`."""
+    if term.ast_type == _TYPE.Variable:
+        return {term.name} - {"_"}
+    if term.ast_type == _TYPE.UnaryOperation and term.operator_type == ast.UnaryOperator.Minus:
+        return _inverted(term.argument)
+    if term.ast_type == _TYPE.BinaryOperation:
+        sides = ((term.left, term.right), (term.right, term.left))
+        known = _is_factor if term.operator_type == _TIMES else _is_constant
+        if term.operator_type in (_TIMES, *_INVERTIBLE):
+            return {name for side, other in sides if known(other) for name in _inverted(side)}
     return set()
+
+
+def _is_constant(term: ast.AST) -> bool:
+    """Say whether a term is made of constants by arithmetic."""
+    if term.ast_type == _TYPE.BinaryOperation:
+        return _is_constant(term.left) and _is_constant(term.right)
+    if term.ast_type == _TYPE.UnaryOperation:
+        return _is_constant(term.argument)
+    return bool(term.ast_type == _TYPE.SymbolicTerm)
+
+
+def _is_factor(term: ast.AST) -> bool:
+    """Say whether what is multiplied by a term can be found from the product."""
+    return bool(term.ast_type == _TYPE.SymbolicTerm and term.symbol != clingo.Number(0))
 
 
 def _turn(names: Set[str], turn: tuple[ast.AST, set[str]]) -> tuple[bool, bool]:
