@@ -1,16 +1,19 @@
 """How explanations grow with how often a rule fires that counts over what it fires for.
 
-`python benchmarks/counting.py [SIZE ...]`: a rule pack for each construct, of which one rule fires
-for each of SIZE values and counts over all of them. Prints the processor seconds of whole processes
-beyond those with two values, the least of three runs, and how many times as much each size takes as
-the one before: twice as much where the size doubles and growth is linear.
+`python benchmarks/counting.py [QUESTION ...] [SIZE ...]`: a rule pack for each construct, of which
+one rule fires for each of SIZE values and counts over all of them; QUESTION is "why", "every
+derivation" or "why not". Prints the processor seconds of whole processes beyond those with two
+values, the lesser of two turns, and how many times as much each size takes as the one before: twice
+as much where the size doubles and growth is linear. From the first size to the last there are three
+exponents: of the seconds of the whole process, of those beyond two values, and of the bytes that
+are printed.
 """
 
 import sys
 import tempfile
 from pathlib import Path
 
-from growth import used
+from controllers import Taken, exponents, least
 
 CONFIGURATION = "@configuration\n@modules Drive\n"
 HEAD = 'consequence(counted, note, "Drive", values) :- '
@@ -46,6 +49,11 @@ ABSENT = {
     "max": "value(_,S), {size} < #max {{ V : value(V,S) }}.",
     "set": "value(_,S), {{ value(V,S) }} 2.",
     "conditional": "value(_,S), s(V) : listed(V).",
+    "conditional, negated": "value(_,S), not value(V,S) : listed(V).",
+    "conditional, value named": "value(W,S), s(V) : listed(V).",
+    "conditional, two values": "value(_,S), value(_,S), s(V) : listed(V).",
+    "conditional and count": "value(W,S), {size} <= #count {{ V : value(V,S) }}, s(V) : listed(V).",
+    "none of any": "value(W,S), not value(_,S).",
     "negation": "value(_,S), 2 <= #count {{ V : value(V,S) }}, not s(S).",
 }
 ASKED = {
@@ -55,30 +63,34 @@ ASKED = {
 }
 
 
-def seconds(folder: Path, body: str, size: int, *words: str) -> float:
-    """Return the seconds of CPU that an explanation takes."""
+def asked(folder: Path, body: str, size: int, *words: str) -> Taken:
+    """Return what an explanation takes."""
     file, pack = folder / "drive.mars", folder / "pack.lp"
     file.write_text(CONFIGURATION, encoding="utf-8")
     pack.write_text(f"{HEAD}{body} {VALUES}".format(size=size), encoding="utf-8")
-    explain = (sys.executable, "-m", "mars_asp", "explain", "--rules", str(pack), str(file))
-    return min(used((*explain, *words), (0,))[0] for _ in range(3))
+    return least(("explain", "--rules", str(pack), str(file), *words))
 
 
 def main() -> None:
-    sizes = [int(word) for word in sys.argv[1:]] or [250, 500, 1000, 2000, 4000]
-    print(f"seconds for {', '.join(map(str, sizes))} values (times the size before)")
+    sizes = [int(word) for word in sys.argv[1:] if word.isdigit()] or [250, 500, 1000, 2000, 4000]
+    questions = [word for word in sys.argv[1:] if not word.isdigit()] or list(ASKED)
+    print(f"seconds for {', '.join(map(str, sizes))} values (times the size before); exponents")
+    print("of time, of time beyond that of two values, and of what is printed")
     with tempfile.TemporaryDirectory() as name:
-        for title, (bodies, words) in ASKED.items():
+        for title in questions:
+            bodies, words = ASKED[title]
             for construct, body in bodies.items():
-                empty = seconds(Path(name), body, 2, *words)
+                empty = asked(Path(name), body, 2, *words)
                 print(f"{title}, {construct}:", end="", flush=True)
+                each: list[Taken] = []
                 previous = 0.0
                 for size in sizes:
-                    beyond = seconds(Path(name), body, size, *words) - empty
+                    each.append(asked(Path(name), body, size, *words))
+                    beyond = each[-1].seconds - empty.seconds
                     grown = f" ({beyond / previous:.1f})" if previous > 0 else ""
                     print(f"  {beyond:.2f}{grown}", end="", flush=True)
                     previous = beyond
-                print(flush=True)
+                print("  ", "  ".join(exponents(sizes, empty, each)), flush=True)
 
 
 if __name__ == "__main__":

@@ -50,6 +50,10 @@ def attempts(program: str, atom: str) -> list[Attempt]:
         ("q(5). s(1). { u }. :- u. p(X) :- q(X), u : s(Y).", "u: s(Y)", "u", None),
         ("q(5). s(1). { u }. :- not u. p(X) :- q(X), not u : s(Y).", "not u: s(Y)", "u", None),
         ("q(5). s(1). p(X) :- q(X), t(Y,Z) : s(Y).", "t(Y,Z): s(Y)", None, None),
+        # What computes with a constant has no value, so that nothing satisfies it.
+        ("q(5,a). p(X) :- q(X,Y), r(Y + 1).", "r((Y+1))", None, None),
+        ("q(5,a). p(X) :- q(X,Y), not r(Y + 1).", "not r((Y+1))", None, None),
+        ("q(5,a). p(X) :- q(X,Y), s(Z) : r(Z); r(Y + 1).", "r((Y+1))", None, None),
         ("q(5). s(1). p(X) :- q(X), t(2 * Y + 1), s(Y).", "t(((2*Y)+1))", "t(3)", None),
         ("q(5). s(1). t(3). p(X) :- q(X), t(2 * Y + 1), r(Y).", "r(Y)", "r(1)", None),
         ("q(5). s(1). p(X) :- q(X), s(Z), t(1 - Y * 2).", "t((1-(Y*2)))", "t((1-(Y*2)))", None),

@@ -10,7 +10,7 @@ from mars_asp.rulebook import Rule
 from mars_asp.term import Term, as_symbol, as_term
 from mars_asp.trace.explainer import Explainer
 from mars_asp.trace.firings import Firing
-from mars_asp.trace.near import NEAR, Candidate, NearMisses
+from mars_asp.trace.near import IN_QUESTION, LACKING, NEAR, Candidate, NearMisses
 from mars_asp.trace.pattern import can_be_followed, fixed_parts, shown_pattern
 from mars_asp.trace.values import Absent, Attempt, Missing, Trace, bindings_of
 
@@ -20,7 +20,7 @@ Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
 def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
     """Return what keeps an atom from holding; holes of the pattern are any value.
 
-    Each level below is one more grounding; at most `depth` of them.
+    Each level below is one more grounding, or two; at most `depth` of them are asked for.
     """
     near = NearMisses(explainer.rewriter)
     found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
@@ -56,10 +56,28 @@ def _come_near(
         key = (candidate.pattern, candidate.rule)
         if key not in best or _nearness(candidate, firing) < _nearness(*best[key]):
             best[key] = (candidate, firing)
+    lacking = _lacking(explainer, near, [firing for _, firing in best.values()])
     found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {p: [] for p in patterns}
-    for (index, _), attempt in sorted(best.items(), key=lambda item: item[0]):
-        found[patterns[index]].append(attempt)
+    for (index, _), (candidate, firing) in sorted(best.items(), key=lambda item: item[0]):
+        lacks = lacking.get(firing.rule, firing.lacks)
+        found[patterns[index]].append((candidate, firing._replace(lacks=lacks)))
     return found
+
+
+def _lacking(
+    explainer: Explainer, near: NearMisses, firings: Sequence[Firing]
+) -> dict[int, clingo.Symbol]:
+    """Return what firings lack, by the numbers of their candidates, where that has to be asked.
+
+    Each lacks one of many things. Asked for all that come near, there would be as many as these
+    times the elements of a conditional literal.
+    """
+    asked = {f.rule: _lack(f) for f in firings if _lack(f).name == IN_QUESTION}
+    if not asked:
+        return {}
+    questions = [as_term(clingo.Tuple_([clingo.Number(n), lack])) for n, lack in asked.items()]
+    text = "\n".join(map(near.lacking.__getitem__, asked))
+    return {f.rule: f.lacks for f in explainer.firings(text, {LACKING: questions}) if f.lacks}
 
 
 def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str, int]:

@@ -8,7 +8,7 @@ questions by the frontier picky, Chapman and Jagadish 2009.)
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 import clingo
@@ -18,10 +18,11 @@ from mars_asp.rulebook import Rule
 from mars_asp.statements import sign_and_function
 from mars_asp.trace.order import in_order, needs, provided
 from mars_asp.trace.pattern import has_holes, is_hole, pattern_term
-from mars_asp.trace.rewrite import QUESTION, Rewriter, Terms
+from mars_asp.trace.rewrite import OPERATOR, QUESTION, Rewriter, Terms
 from mars_asp.trace.scope import (
     AGGREGATES,
     atoms_of_head,
+    bare,
     global_variables,
     variables_of,
 )
@@ -29,6 +30,10 @@ from mars_asp.trace.scope import (
 _TYPE = ast.ASTType
 #: The predicate that asks: `NEAR(index, w(Parts))`.
 NEAR = f"_near{QUESTION}"
+#: The predicate that asks what a candidate lacks: `LACKING(number, values in question)`.
+LACKING = f"_lacking{QUESTION}"
+#: What is lacking where that is still to be asked, for the values that decide it.
+IN_QUESTION = "in_question"
 #: The variable for what an aggregate amounts to.
 _VALUE = "_Value"
 #: The variable for what a literal lacks.
@@ -58,6 +63,9 @@ class NearMisses:
         """Write with the rewriter's open predicates."""
         self._rewriter = rewriter
         self.candidates: list[Candidate] = []
+        #: Rules for what candidates lack where several things could be said or none, by their
+        #: numbers.
+        self.lacking: dict[int, str] = {}
 
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
         """Return what finds near misses of a rule; the atom `_near` with `index` asks."""
@@ -118,11 +126,13 @@ class NearMisses:
         joined, lack, tests = self._instead(left_out, terms, set(bound))
         body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
         yield from rules
-        if left_out is not None and not joined and variables_of((lack, *tests)) - bound:
-            named = needs(left_out, shared) & bound
+        several = variables_of((lack, *tests)) - bound
+        # A term such as `X + 1` can be undefined, and no atom with it would be there to be read.
+        if left_out is not None and not joined and (several or OPERATOR.search(bare(lack))):
             element = f"{lack} : {', '.join((*tests, *terms.equations))}"
-            yield from self._least(element, sorted(named), body)
-            lack, tests, terms = _LACK, [self._found(named)], Terms("N")
+            deciding = ",".join(sorted(needs(left_out, shared) & bound))
+            lack, tests, terms = f"{IN_QUESTION}({deciding})", [], Terms("N")
+            self.lacking[len(self.candidates)] = self._least(candidate.rule, element, lack)
         tag = f"near({len(self.candidates)},{lack})"
         self.candidates.append(candidate)
         names = {name for name in bound if not name.startswith("_")}
@@ -157,21 +167,15 @@ class NearMisses:
             bound |= named
         return body, counting, rules
 
-    def _least(self, element: str, names: Sequence[str], body: Sequence[str]) -> Iterator[str]:
-        """Yield rules for the least of what could be said to be lacking.
+    def _least(self, rule: int, element: str, values: str) -> str:
+        """Return a rule for the least of what could be said to be lacking for some values.
 
-        It depends on the literal left out and on its global variables, `names`, alone: found for
-        each instance of the body, there would be as many as instances times elements. It is the
-        least, so that no order of grounding shows.
+        It is the least, so that no order of grounding shows.
         """
-        asked = f"_n{QUESTION}_{len(self.candidates)}({','.join(names)})"
+        number = len(self.candidates)
+        asked = f"{LACKING}({number},{values})"
         least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"
-        yield f"{asked} :- {'; '.join(body)}."
-        yield f"{self._found(names)} :- {asked}; {least}."
-
-    def _found(self, names: Iterable[str]) -> str:
-        """Return the atom that says what is lacking for values of these variables."""
-        return f"_l{QUESTION}_{len(self.candidates)}({','.join((*sorted(names), _LACK))})"
+        return f"_s{QUESTION}_{rule}(near({number},{_LACK}),none,p,a,v(n)) :- {asked}; {least}."
 
     def _instead(
         self, literal: ast.AST | None, terms: Terms, bound: set[str]

@@ -307,7 +307,7 @@ class Terms:
         text = bare(term)
         if text == "_":
             return self.fresh()
-        if ".." in text or (fresh_complex and _OPERATOR.search(text)):
+        if ".." in text or (fresh_complex and OPERATOR.search(text)):
             name = self.fresh()
             self.equations.append(f"{name} = {term}")
             return name
@@ -360,7 +360,8 @@ def _values(names: Sequence[str]) -> str:
 
 
 _ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
-_OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
+#: What computes, in the text of a term without its strings.
+OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
 
 
 def _anonymous(term: ast.AST) -> str:
