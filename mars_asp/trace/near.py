@@ -5,6 +5,19 @@ one are looked for, and those of the first few. The nearest instance lacks one l
 otherwise it is one of the longest beginning, and the literal behind that fails for it. So what is
 said to fail is false, whichever instance is shown. (The idea is that of answers to why-not
 questions by the frontier picky, Chapman and Jagadish 2009.)
+
+Hence nothing needs to be told of why a literal fails before the nearest instance is known. Where
+that could be several things, as of a conditional literal, it is asked for this instance alone: for
+all of them there would be as many as instances times elements. The least is told, so that no order
+of grounding shows. For `p(X) :- q(X,Y), t(Z) : s(Y,Z)` with number 14, candidate 2 and question 3,
+asked in question 4:
+
+    _s3_14(near(2,in_question(Y)),none,p,a,v(n("X","Y"),X,Y)) :- _near3(0,w(X)); q(X,Y).
+    _s4_14(near(2,_Lack),none,p,a,v(n)) :- _lacking4(2,in_question(Y));
+        _Lack = #min { no(t(Z)) : s(Y,Z), not t(Z) }; _Lack < #sup.
+
+For the same reason what counts is tested once for the variables that it names, whatever else the
+body has: see `_counted_apart`.
 """
 
 import re
