@@ -48,6 +48,8 @@ MODES: Mapping[tuple[str, ...], tuple[str, float]] = {
     ("--memory-limit", "512", "--time-limit", "60"): (" ended this", 61.0),
     (): ("half of what there is", 120.0),
 }
+#: Seconds within which an interrupted command ends.
+_SOON = 1.0
 _REFUSED, _ENDED, _INTERRUPTED = 2, 3, 128 + signal.SIGINT
 
 
@@ -70,9 +72,9 @@ def contained(name: str, options: tuple[str, ...], said: str, seconds: float) ->
         try:
             _, told = command.communicate(timeout=None if options else seconds)
         except subprocess.TimeoutExpired:
+            seconds = time.monotonic() - begun + _SOON
             command.send_signal(signal.SIGINT)
             _, told = command.communicate()
-            seconds += 1
         took = time.monotonic() - begun
     last = (told.strip().splitlines() or [f"status {command.returncode}"])[-1]
     end = f"{took:.1f} s, {last:.100}"
