@@ -206,7 +206,8 @@ def _sums(rule: ast.AST, reader: ArithmeticReader) -> Iterator[Summed]:
         if aggregate.function not in _SUMS:
             continue
         names = sorted(variables(aggregate))
-        for element in aggregate.elements:
+        # An element without a term weighs nothing.
+        for element in filter(lambda each: each.terms, aggregate.elements):
             condition = element.condition
             if aggregate.ast_type == _TYPE.HeadAggregate:
                 condition = condition.condition
