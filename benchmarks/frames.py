@@ -11,11 +11,19 @@ step as a ratio to those at the smallest size: at most 1 is growth no faster tha
 import time
 from collections.abc import Sequence
 
-from mars_asp.analysis import analyse
-from mars_asp.model import Configuration, Function, Module, Mount, Name, Service, Transformation
-from mars_asp.project import Project, project_facts
-from mars_asp.rulebook import load_rulebook
-from mars_asp.source import point
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.diagnostic import point
+from mars_asp.model.declarations import (
+    Configuration,
+    Function,
+    Module,
+    Mount,
+    Name,
+    Service,
+    Transformation,
+)
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
 
 HERE = point("benchmark.mars", 1, 1)
 FUNCTIONS = ("Rotn_Y", "Trans_Z", "Rotn_X")

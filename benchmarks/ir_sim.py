@@ -16,8 +16,8 @@ import numpy as np
 with contextlib.redirect_stdout(io.StringIO()):  # it tells which displays it has tried
     import irsim
 
-from mars_asp.sim import Body, Circle, Pose, World, sonar
-from mars_asp.sim.devices import mounted
+from mars_asp.execution.simulator import Body, Circle, Pose, World, sonar
+from mars_asp.execution.simulator.devices import mounted
 
 BEAMS, REACH, STEP, STEPS = 24, 3000.0, 0.1, 100
 AHEAD, TURN = 200.0, 0.5  # mm/s, radians/s: a circle of 400 mm radius

@@ -12,12 +12,12 @@ from pathlib import Path
 
 from case_study import specified
 
-from mars_asp.execute import Behaviour, Executor
-from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.execution.scenario.read import load_scenario
+from mars_asp.execution.trial import stage_trial
 from mars_asp.language import parse_text
-from mars_asp.model import Configuration
-from mars_asp.scenario import load_scenario
-from mars_asp.trial import stage_trial
+from mars_asp.model.declarations import Configuration
 
 LEVEL0 = Path("examples/level0")
 

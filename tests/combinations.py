@@ -1,6 +1,6 @@
 """Combinations of motions by brute force over subsets, written from the text of the reference.
 
-Nothing here comes from `mars_asp.frames` or `mars_asp.supports`: rotations are Rodrigues' formula,
+Nothing here comes from `mars_asp.kinematics`: rotations are Rodrigues' formula,
 the twist of a joint in a module's frame is `X^-1 S X` with the joint's generator S (Lynch and Park,
 5.1.4), and every subset of modules and of columns is tried by least squares.
 """

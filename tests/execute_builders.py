@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable
 from decimal import Decimal
 from typing import Any
 
-from mars_asp.execute import Behaviour, Executor
-from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.diagnostic import point
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.language import parse_text
-from mars_asp.model import Configuration, Function, Mode, Module, Service
-from mars_asp.modes import parse_mode
-from mars_asp.source import point
+from mars_asp.model.declarations import Configuration, Function, Mode, Module, Service
+from mars_asp.model.modes import parse_mode
 
 HERE = point("test", 1, 1)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TypeAlias
 
-from mars_asp.model import Configuration, Control, Data, Mode, Module, Mount
+from mars_asp.model.declarations import Configuration, Control, Data, Mode, Module, Mount
 from tests.least_supports import least_supports
 
 #: (nodes, conversion cost, relationships).

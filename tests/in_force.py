@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from mars_asp.model import Configuration, Control, Module
+from mars_asp.model.declarations import Configuration, Control, Module
 from tests.exhaustive import STANDS_FOR, hearing, inheritance
 
 #: When a controller sends what; one value for its one function.

@@ -1,6 +1,6 @@
 """Which functions a mounted module inherits, and who provides each, from sections 3 and 5 alone.
 
-Nothing here uses `mars_asp.frames` or reads `rules/`. Frames are 4x4 matrices, lengths in mm; a
+Nothing here uses `mars_asp.kinematics` or reads `rules/`. Frames are 4x4 matrices, lengths in mm; a
 twist is angular (radians), then linear, each in the frame of the module that inherits.
 """
 
@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from mars_asp.model import Module, Mount, Transformation
+from mars_asp.model.declarations import Module, Mount, Transformation
 
 Matrix: TypeAlias = NDArray[np.float64]
 #: The provider of a column (6,), and the column.

@@ -6,7 +6,7 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import TypeAlias
 
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     NODE_NAMES,
     Configuration,
     Control,
@@ -18,7 +18,7 @@ from mars_asp.model import (
     Relationship,
     node_kind,
 )
-from mars_asp.modes import parse_mode
+from mars_asp.model.modes import parse_mode
 from tests.random_configurations import CONDITIONS
 
 PRIORITIES = (None, 0, 1, 2, 3, 42000, 46340, 46341, 65536, 2147483646, 2147483647)

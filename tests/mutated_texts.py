@@ -20,14 +20,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import mock
 
-from mars_asp import kept, rulebook
-from mars_asp.analysis import analyse
-from mars_asp.atom import Atom, Fact
+from mars_asp.asp import cache
+from mars_asp.asp.rules import rulebook
+from mars_asp.asp.rules.cases import find_cases, run_case
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.cli.report import diagnostic_text
-from mars_asp.diagnostic import MarsError
-from mars_asp.rule_cases import find_cases, run_case
-from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.source import point
+from mars_asp.diagnostic import MarsError, point
+from mars_asp.reasoning.analysis import analyse
 from tests.documents import ROOT
 from tests.random_packs import random_pack
 
@@ -160,8 +160,8 @@ def faults(first: int, count: int, seen: Counter[str]) -> Iterator[str]:
     with (
         TemporaryDirectory() as folder,
         # What is kept of a text is asked for as long as it is read.
-        mock.patch.object(kept, "recall", lambda name, _: _KNOWN.get(name)),
-        mock.patch.object(kept, "keep", lambda name, _, value: _KNOWN.update({name: value})),
+        mock.patch.object(cache, "recall", lambda name, _: _KNOWN.get(name)),
+        mock.patch.object(cache, "keep", lambda name, _, value: _KNOWN.update({name: value})),
         mock.patch.object(rulebook, "_built_in", lambda *_: own),
         mock.patch.object(rulebook, "seal", lambda: seal),
     ):

@@ -5,13 +5,13 @@ from collections.abc import Iterable
 import clingo
 from clingo import ast
 
-from mars_asp.atom import Atom, Fact
-from mars_asp.atom import Term as AtomTerm
-from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.source import Span
-from mars_asp.term import Signature, Term, as_term
-from mars_asp.trace import Explainer
-from mars_asp.trace.given import GivenFacts
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.atoms import Term as AtomTerm
+from mars_asp.asp.solve.term_ids import Signature, Term, as_term
+from mars_asp.asp.trace import Explainer
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.diagnostic import Span
 
 
 def rulebook_of(text: str) -> Rulebook:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from mars_asp.language import parse_text
-from mars_asp.model import GRASP, Mount
+from mars_asp.model.declarations import GRASP, Mount
 from tests.least_supports import FUNCTIONS, UnclearError, least_supports
 
 REPRESENTATIONS = ("P", "Q", "R", "S", "T")

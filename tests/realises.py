@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mars_asp.model import Configuration, Control, Conversion, Data, Module, node_kind
+from mars_asp.model.declarations import Configuration, Control, Conversion, Data, Module, node_kind
 from tests.exhaustive import PERIODIC, Offer, inheritance, reach, serve
 
 #: Relationships of a specification that follow each other, from a module to a module.

@@ -4,7 +4,8 @@ import random
 from collections.abc import Sequence
 from decimal import Decimal
 
-from mars_asp.model import (
+from mars_asp.diagnostic import point
+from mars_asp.model.declarations import (
     MOTION_FUNCTIONS,
     Configuration,
     Function,
@@ -15,7 +16,6 @@ from mars_asp.model import (
     Transformation,
     Vertex,
 )
-from mars_asp.source import point
 
 HERE = point("robot.mars", 1, 1)
 RIGHT_ANGLES = (-270, -180, -90, 0, 90, 180, 270, 360, 450)

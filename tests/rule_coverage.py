@@ -12,9 +12,9 @@ from pathlib import Path
 import clingo
 from clingo import ast
 
-from mars_asp.rule_cases import case_facts, stages_of
-from mars_asp.rulebook import Rule, Rulebook
-from mars_asp.statements import children
+from mars_asp.asp.rules.cases import case_facts, stages_of
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.statements import children
 
 _TYPE = ast.ASTType
 

@@ -21,10 +21,9 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.analysis import analyse
-from mars_asp.facts import facts_text, mode_of
+from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     NODE_NAMES,
     Configuration,
     Control,
@@ -34,10 +33,11 @@ from mars_asp.model import (
     Name,
     Relationship,
 )
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
-from mars_asp.rulebook import load_rulebook
-from mars_asp.verify import verify
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import facts_text, mode_of
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.verification import verify
 from tests.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))

@@ -8,16 +8,16 @@ from itertools import product
 import clingo
 import pytest
 
-from mars_asp.apart import kept_apart
-from mars_asp.explain import explain
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.asp.slice import kept_apart
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.trace.text import trace_json
 from mars_asp.language import parse_text
-from mars_asp.lookup import CONNECTED
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import introduced_with
-from mars_asp.rulebook import load_rulebook
-from mars_asp.solve import Grounding
-from mars_asp.stretches import stretches
-from mars_asp.trace.text import trace_json
+from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.synthesis.stretches import stretches
+from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()

@@ -7,14 +7,14 @@ from pathlib import Path
 import clingo
 import pytest
 
-from mars_asp.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
+from mars_asp.asp.rules.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
+from mars_asp.asp.rules.cases import STAGES
+from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.risks import risks
+from mars_asp.asp.rules.rulebook import Rule, load_rulebook
+from mars_asp.asp.rules.statements import pieces
 from mars_asp.cli import run_here
-from mars_asp.computed import computations
-from mars_asp.risks import risks
-from mars_asp.rule_cases import STAGES
-from mars_asp.rulebook import Rule, load_rulebook
-from mars_asp.source import Span
-from mars_asp.statements import pieces
+from mars_asp.diagnostic import Span
 
 
 @pytest.mark.parametrize(

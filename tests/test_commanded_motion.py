@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mars_asp.execute import Behaviour, Executor
-from mars_asp.execute.schedule import MILLISECOND
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.language import parse_text
-from mars_asp.model import Configuration
+from mars_asp.model.declarations import Configuration
 from tests.combinations import (
     FUNCTIONS,
     UNIT,

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.solve.components import Component, GroundRule
+from mars_asp.asp.solve.optimum import MOST_COST, TooCostlyError, check_costs, optimise
 from mars_asp.cli import run_here
-from mars_asp.ground_program import Component, GroundRule
-from mars_asp.optimum import MOST_COST, TooCostlyError, check_costs, optimise
 from tests.test_verify import CHOICE, CHOSEN
 
 
@@ -52,7 +52,7 @@ def test_conversion_costs_that_do_not_fit_stand_where_the_largest_is_stated(
     files = [str(tmp_path / f"{name}.mars") if len(name) == 1 else name for name in names]
     assert run_here([verb, *files, "--format", "json"]) == 0
     capsys.readouterr()
-    monkeypatch.setattr("mars_asp.optimum.MOST_COST", 4)
+    monkeypatch.setattr("mars_asp.asp.solve.optimum.MOST_COST", 4)
     assert run_here([verb, *files, "--format", "json"]) == 2
     error = json.loads(capsys.readouterr().err)
     assert error["code"] == "costs-too-large"

@@ -6,9 +6,9 @@ import time
 import clingo
 import pytest
 
-from mars_asp.trace import Derived, Missing, explainer
-from mars_asp.trace.absence import why_not
-from mars_asp.trace.firings import Firing, read_firings
+from mars_asp.asp.trace import Derived, Missing, explainer
+from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.firings import Firing, read_firings
 from tests.programs import explainer_of
 from tests.test_traces import wrong_derivations, wrong_explanations
 from tests.trace_checker import faults

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 
 from mars_asp.cli import run_here
-from mars_asp.diff import Difference, diff
-from mars_asp.model import Configuration
-from mars_asp.project import Project
+from mars_asp.model.declarations import Configuration
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.diff import Difference, diff
 from tests.documents import ROOT, run
 from tests.test_properties import RULEBOOK, configurations, few
 

@@ -21,7 +21,7 @@ from mars_asp.draw.mermaid import mermaid_text
 from mars_asp.draw.picture import Box, Line, LineKind
 from mars_asp.draw.svg import svg_text
 from mars_asp.language.print import print_relationship
-from mars_asp.project import load_project
+from mars_asp.reasoning.project import load_project
 from tests.documents import ROOT
 
 PICTURES = ROOT / "docs" / "pictures"

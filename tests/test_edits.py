@@ -8,15 +8,20 @@ from pathlib import Path
 import pytest
 from clingo import parse_term
 
-from mars_asp.annotation_edits import read
 from mars_asp.annotations.directives import MOST_OTHERS
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import MarsError
-from mars_asp.edits import ImpossibleEditError, Texts, UnknownEditError, apply_edits
-from mars_asp.facts import described_modules, numbered_annotations
-from mars_asp.model import Service, ends_of
-from mars_asp.project import load_project, revised
-from mars_asp.text_edits import LineEdit
+from mars_asp.language.text_edits import LineEdit
+from mars_asp.model.declarations import Service, ends_of
+from mars_asp.reasoning.facts.compile import described_modules, numbered_annotations
+from mars_asp.reasoning.project import load_project, revised
+from mars_asp.reasoning.questions.annotation_edits import read
+from mars_asp.reasoning.questions.edits import (
+    ImpossibleEditError,
+    Texts,
+    UnknownEditError,
+    apply_edits,
+)
 from tests.applied_repairs import applied
 from tests.documents import ROOT
 

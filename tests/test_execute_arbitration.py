@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.diagnostic import MarsError
-from mars_asp.execute import Behaviour, Executor
-from mars_asp.execute.arbitration import HierarchicalArbitration
-from mars_asp.model import GRASP
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+from mars_asp.model.declarations import GRASP
 from tests.execute_builders import Inbox, control_out, effector, executed, ms, sensor
 
 GO = "Trans_Z"

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from mars_asp.execute import Behaviour, Link, Schedule, tick_time
-from mars_asp.execute.schedule import SECOND, last_tick
+from mars_asp.execution.executor import Behaviour, Link, Schedule, tick_time
+from mars_asp.execution.executor.schedule import SECOND, last_tick
 from tests.execute_builders import (
     Inbox,
     counter,

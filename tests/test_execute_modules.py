@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from mars_asp.diagnostic import MarsError
-from mars_asp.execute import Behaviour, Executor
-from mars_asp.execute.behaviour import single_command
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.behaviour import single_command
 from tests.execute_builders import (
     Inbox,
     control_out,

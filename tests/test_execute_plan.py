@@ -4,12 +4,12 @@ from fractions import Fraction
 
 import pytest
 
-from mars_asp.execute.behaviour import Behaviour
-from mars_asp.execute.link import Link
-from mars_asp.execute.plan import DEFAULT_HOLD, Plan
-from mars_asp.execute.schedule import MILLISECOND, SECOND
+from mars_asp.execution.executor.behaviour import Behaviour
+from mars_asp.execution.executor.link import Link
+from mars_asp.execution.executor.plan import DEFAULT_HOLD, Plan
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.language import parse_text
-from mars_asp.model import Module, Service
+from mars_asp.model.declarations import Module, Service
 from tests.execute_builders import (
     HERE,
     control_out,

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 
 import pytest
 
-from mars_asp.execute import Behaviour, Executor
+from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model import Configuration, Module
+from mars_asp.model.declarations import Configuration, Module
 from tests.execute_builders import Inbox, ms
 from tests.in_force import Reading, Script, Told
 from tests.random_configurations import random_control

@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from mars_asp.model import Configuration, Control, node_kind
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis
-from mars_asp.verify import verify
+from mars_asp.model.declarations import Configuration, Control, node_kind
+from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, Synthesis
+from mars_asp.reasoning.verification import verify
 from tests.exhaustive import Cost, add, inheritance, minimal
 from tests.least_supports import UnclearError
 from tests.random_configurations import random_configuration, random_mounts, random_twins

@@ -19,7 +19,7 @@ from mars_asp.annotations.skim import annotated_comments
 from mars_asp.annotations.types import representation
 from mars_asp.cli.extract import extraction_json
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.model import Module
+from mars_asp.model.declarations import Module
 from tests.documents import ROOT, run
 
 FOLDER = Path(__file__).parent / "extraction"

@@ -7,7 +7,7 @@ import pytest
 
 from mars_asp.annotations.files import MOST_BYTES, extract
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.project import load_project
+from mars_asp.reasoning.project import load_project
 
 MODULE = (
     "// @module_start\n// @module_name {name}\n// @Sense NotifyWhenReady\nX f();\n// @module_end\n"

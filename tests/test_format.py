@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.format import format_text, meaning
-from mars_asp.model import Configuration
+from mars_asp.model.declarations import Configuration
 from tests.documents import ROOT
 from tests.test_properties import configurations, few
 

@@ -11,8 +11,8 @@ import pytest
 from mcap.reader import make_reader
 
 from mars_asp.cli import run_here
-from mars_asp.foxglove import SCHEMAS, mcap_bytes
-from mars_asp.record import Record
+from mars_asp.execution.recording.mcap import SCHEMAS, mcap_bytes
+from mars_asp.execution.recording.record import Record
 from tests.documents import ROOT
 from tests.test_replay import trial
 

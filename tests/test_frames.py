@@ -9,7 +9,7 @@ import pytest
 from pytransform3d.rotations import active_matrix_from_angle
 from pytransform3d.transformations import adjoint_from_transform, concat
 
-from mars_asp.frames import (
+from mars_asp.kinematics.frames import (
     Joint,
     Matrix,
     adjoint,
@@ -23,9 +23,9 @@ from mars_asp.frames import (
     transformation_matrix,
     unit_twist,
 )
-from mars_asp.model import MOTION_FUNCTIONS, Mount
-from mars_asp.physical import frames
-from mars_asp.supports import spanned
+from mars_asp.kinematics.supports import spanned
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Mount
+from mars_asp.reasoning.facts.motion import frames
 from tests.robots import HERE, module, placed, random_chain, random_placement, robot
 
 

@@ -12,16 +12,15 @@ import clingo
 import pytest
 from clingo import ast
 
-from mars_asp.atom import Fact
-from mars_asp.diagnostic import MarsError
-from mars_asp.rule_cases import STAGES, case_facts, find_cases, stages_of
-from mars_asp.rulebook import Rule, load_rulebook
-from mars_asp.solve import Grounding
-from mars_asp.source import Span
-from mars_asp.term import Signature, Term, as_term
-from mars_asp.trace import Derived, Explainer, Trace
-from mars_asp.trace.given import GivenFacts
-from mars_asp.trace.text import traces_text
+from mars_asp.asp.rules.cases import STAGES, case_facts, find_cases, stages_of
+from mars_asp.asp.rules.rulebook import Rule, load_rulebook
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.solve.term_ids import Signature, Term, as_term
+from mars_asp.asp.trace import Derived, Explainer, Trace
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.text import traces_text
+from mars_asp.diagnostic import MarsError, Span
 from tests.documents import ROOT
 from tests.programs import atom_of
 

@@ -8,11 +8,11 @@ import pytest
 
 from mars_asp.cli.synthesise import synthesis_json
 from mars_asp.diagnostic import MarsError
-from mars_asp.execute import Behaviour, Executor
+from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.format import format_text
-from mars_asp.model import Configuration
-from mars_asp.verify import verify
+from mars_asp.model.declarations import Configuration
+from mars_asp.reasoning.verification import verify
 from tests.execute_builders import ms
 from tests.subjects import RULEBOOK, read, synthesised
 

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 import clingo
 import pytest
 
-from mars_asp.atom import Fact
-from mars_asp.magic import Asked, demand_of
-from mars_asp.rulebook import Rulebook
-from mars_asp.source import Span
-from mars_asp.statements import Statement
-from mars_asp.trace import Explainer
-from mars_asp.trace.given import GivenFacts
-from mars_asp.trace.text import trace_json
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import Statement
+from mars_asp.asp.slice.magic import Asked, demand_of
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.trace import Explainer
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.text import trace_json
+from mars_asp.diagnostic import Span
 from tests.programs import atom_of, rulebook_of
 
 #: Given predicates, and the arguments by which their facts are found.

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from mars_asp import optimum
-from mars_asp.ground_program import Component, GroundRule
-from mars_asp.optimum import (
+from mars_asp.asp.solve import optimum
+from mars_asp.asp.solve.components import Component, GroundRule
+from mars_asp.asp.solve.optimum import (
     LateError,
     Optimum,
     UnsatisfiableError,

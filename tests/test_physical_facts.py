@@ -5,9 +5,9 @@ from decimal import Decimal
 
 import pytest
 
-from mars_asp.model import Module, Mount, Transformation
-from mars_asp.physical import frame_facts
-from mars_asp.ranges import MOST
+from mars_asp.model.declarations import Module, Mount, Transformation
+from mars_asp.model.ranges import MOST
+from mars_asp.reasoning.facts.motion import frame_facts
 from tests.robots import HERE, module, placed, robot
 
 

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mars_asp.diagnostic import Span
 from mars_asp.language import parse_file, parse_text, print_configuration
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     MOTION_FUNCTIONS,
     SERVICE_KINDS,
     Configuration,
@@ -24,8 +25,7 @@ from mars_asp.model import (
     Transformation,
     Vertex,
 )
-from mars_asp.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
-from mars_asp.source import Span
+from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
 from tests.documents import ROOT
 from tests.robots import HERE
 

@@ -12,14 +12,22 @@ from decimal import Decimal
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mars_asp.analysis import analyse
-from mars_asp.facts import configuration_facts
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.diagnostic import point
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model import Configuration, Control, Data, Mode, Mount, Name, Relationship
-from mars_asp.ranges import MOST
-from mars_asp.resolve import NODES, Synthesis, synthesise
-from mars_asp.rulebook import load_rulebook
-from mars_asp.source import point
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Mode,
+    Mount,
+    Name,
+    Relationship,
+)
+from mars_asp.model.ranges import MOST
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.synthesis.synthesise import NODES, Synthesis, synthesise
 from tests.documents import ROOT
 
 HERE = point("config.mars", 1, 1)

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from mars_asp.model import Configuration
-from mars_asp.project import Project
-from mars_asp.verify import verify
+from mars_asp.model.declarations import Configuration
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.verification import verify
 from tests.mutants import mutant
 from tests.random_configurations import random_configuration, random_mounts
 from tests.realises import UnsaidError, violation

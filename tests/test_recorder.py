@@ -3,7 +3,7 @@
 import clingo
 import pytest
 
-from mars_asp.recorder import Recorded, plain_record, raw_recorder
+from mars_asp.asp.solve.observer import Recorded, plain_record, raw_recorder
 
 BEFORE = "a(1..3). {b(X)} :- a(X)."
 PROGRAM = """
@@ -59,7 +59,7 @@ def test_what_stops_a_recorder_is_raised_where_clingo_was_called(
     def full() -> Recorded:
         return Recorded(rules=Full())  # type: ignore[arg-type]
 
-    monkeypatch.setattr("mars_asp.recorder.Recorded", full)
+    monkeypatch.setattr("mars_asp.asp.solve.observer.Recorded", full)
     for record in (raw_recorder(), plain_record):
         with pytest.raises(KeyboardInterrupt):
             recorded(record)

@@ -8,15 +8,21 @@ from types import SimpleNamespace
 import pytest
 from clingo import Symbol, parse_term
 
-from mars_asp import repair
-from mars_asp.analysis import Analysis, Consequence, analyse
-from mars_asp.atom import Fact
-from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.edits import Texts, apply_edits
-from mars_asp.project import Project, load_project, project_facts
-from mars_asp.repair import STAGES, Repair, Told, new_remarks, order_kept, repairs
-from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.source import Span, point
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.project import Project, load_project, project_facts
+from mars_asp.reasoning.questions import repair
+from mars_asp.reasoning.questions.edits import Texts, apply_edits
+from mars_asp.reasoning.questions.repair import (
+    STAGES,
+    Repair,
+    Told,
+    new_remarks,
+    order_kept,
+    repairs,
+)
 
 RULEBOOK = load_rulebook(stages=STAGES)
 ROBOT = "@configuration hierarchical\n@modules W, A\nW is_controlled_by A\n"

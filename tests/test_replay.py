@@ -15,15 +15,15 @@ from typing import Any
 import pytest
 
 from mars_asp.cli.outputs import write_outputs
-from mars_asp.execute.arbitration import Holding
-from mars_asp.execute.link import Observer
+from mars_asp.execution.executor.arbitration import Holding
+from mars_asp.execution.executor.link import Observer
+from mars_asp.execution.recording.picture import Picture, plot_run
+from mars_asp.execution.recording.record import Record
+from mars_asp.execution.recording.replay import replay_json, replay_page
+from mars_asp.execution.scenario.read import read_scenario
+from mars_asp.execution.simulator import Pose
+from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
-from mars_asp.plot import Picture, plot_run
-from mars_asp.record import Record
-from mars_asp.replay import replay_json, replay_page
-from mars_asp.scenario import read_scenario
-from mars_asp.sim import Pose
-from mars_asp.trial import Trial, stage_trial
 
 #: `High` is silent from 1 to 2 s; `Low` always speaks. Holds are 2.5 periods of 100 ms.
 SPECIFICATION = """@specification hierarchical

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case, shown_by, stages_of
-from mars_asp.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.cases import STAGES, Outcome, find_cases, run_case, shown_by, stages_of
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
 from tests.documents import ROOT
 from tests.rule_coverage import covered, places
 

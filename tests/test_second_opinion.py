@@ -2,11 +2,11 @@
 
 import pytest
 
-from mars_asp.analysis import analyse
 from mars_asp.language import parse_text
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
-from mars_asp.verify import verify
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.verification import verify
 from tests.second_opinion import MOST_NODES, PARTS, RULEBOOK, cheaper_than, second_opinion
 
 

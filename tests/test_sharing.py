@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import pytest
 
-from mars_asp.frames import Joint, build_robot
-from mars_asp.model import MOTION_FUNCTIONS, Mount, Transformation
-from mars_asp.sharing import Carrying
+from mars_asp.kinematics.frames import Joint, build_robot
+from mars_asp.kinematics.sharing import Carrying
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Mount, Transformation
 from tests.robots import HERE, module, placed
 
 Positions = dict[str, dict[str, float]]

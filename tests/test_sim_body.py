@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mars_asp.sim import (
+from mars_asp.execution.simulator import (
     Body,
     Circle,
     Joint,
@@ -23,7 +23,7 @@ from mars_asp.sim import (
     odometry,
     sonar,
 )
-from mars_asp.sim.devices import mounted
+from mars_asp.execution.simulator.devices import mounted
 
 WALL = ((1000.0, -5000.0), (1000.0, 5000.0))
 

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mars_asp.sim import Circle, World, regular_polygon
+from mars_asp.execution.simulator import Circle, World, regular_polygon
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Point: TypeAlias = tuple[float, float]

@@ -8,14 +8,14 @@ from pathlib import Path
 import clingo
 import pytest
 
-from mars_asp.analysis import analyse
-from mars_asp.explain import explain, explainer_for
-from mars_asp.facts import ANNOTATIONS, WIRING
-from mars_asp.lookup import KEYS
-from mars_asp.project import Project, load_project, project_facts, project_lookup
-from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.slicing import Slice, slice_for, slice_for_resolution
-from mars_asp.trace.text import trace_json
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.trace.text import trace_json
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
+from mars_asp.reasoning.facts.index import KEYS
+from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
+from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
+from mars_asp.reasoning.questions.explain import explain, explainer_for
 from tests.documents import ROOT
 from tests.random_configurations import random_configuration
 

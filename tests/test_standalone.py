@@ -12,8 +12,8 @@ import pytest
 from mars_asp.annotations.files import find_paths
 from mars_asp.cli import run_here
 from mars_asp.language import parse_file
-from mars_asp.project import load_project
-from mars_asp.relocate import relocated, sources_seen_from
+from mars_asp.language.relocate import relocated, sources_seen_from
+from mars_asp.reasoning.project import load_project
 from tests.documents import ROOT
 from tests.random_configurations import random_configuration
 

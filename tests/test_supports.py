@@ -7,9 +7,16 @@ from math import comb, cos, sin, sqrt
 import numpy as np
 import pytest
 
-from mars_asp import supports
-from mars_asp.frames import TOLERANCE, Matrix, build_robot, jacobian, scaled, take_posture
-from mars_asp.supports import circuits, columns_with_share, fewest_groups, spanned
+from mars_asp.kinematics import supports
+from mars_asp.kinematics.frames import (
+    TOLERANCE,
+    Matrix,
+    build_robot,
+    jacobian,
+    scaled,
+    take_posture,
+)
+from mars_asp.kinematics.supports import circuits, columns_with_share, fewest_groups, spanned
 
 UNITS = range(6)
 

@@ -2,7 +2,7 @@
 
 import clingo
 
-from mars_asp.term import Reader, Term, plain_reader, raw_reader
+from mars_asp.asp.solve.term_ids import Reader, Term, plain_reader, raw_reader
 
 PROGRAM = 'p(1..3,"a",f(X,-2)) :- X = (1,("b",#inf,()),-g). -p(c,d,#sup). q. r(X) :- p(X,_,_).'
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mars_asp.text_edits import ConflictError, Draft, LineEdit, apply_lines
+from mars_asp.language.text_edits import ConflictError, Draft, LineEdit, apply_lines
 
 texts = st.text(alphabet="ab ,\n", min_size=1, max_size=60).map(lambda text: f"x{text}x\n")
 

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp import solve
-from mars_asp.analysis import analyse
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.asp.solve import grounding
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import COSTS, NODES, synthesise
-from mars_asp.rulebook import load_rulebook
-from mars_asp.verify import verify
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, synthesise
+from mars_asp.reasoning.verification import verify
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
 
@@ -46,7 +46,7 @@ def one_source(clients: int, representations: int, converters: int, seed: int) -
 def test_without_time_an_answer_is_found_and_bounded(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solve, "_LEAST_SECONDS", -1.0)
+    monkeypatch.setattr(grounding, "_LEAST_SECONDS", -1.0)
     project = Project(parse_text(one_source(8, 6, 9, seed), "c.mars").configuration, {}, ())
     hurried, proven = (
         synthesise(
@@ -72,7 +72,7 @@ def test_what_was_found_is_printed_with_its_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # A fast machine would prove this one in the time that every search has.
-    monkeypatch.setattr(solve, "_LEAST_SECONDS", -1.0)
+    monkeypatch.setattr(grounding, "_LEAST_SECONDS", -1.0)
     path = tmp_path / "c.mars"
     path.write_text(one_source(40, 14, 50, 1), encoding="utf-8")
     assert run_here(["synthesise", "--time-limit", "0.001", str(path)]) == 3

@@ -14,12 +14,12 @@ from dataclasses import replace
 import clingo
 import pytest
 
-from mars_asp.rulebook import Rule
-from mars_asp.source import Span
-from mars_asp.term import Term, as_term
-from mars_asp.trace import Absent, Derived, Given
-from mars_asp.trace.absence import why_not
-from mars_asp.trace.text import trace_json, traces_text, wrapped
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.solve.term_ids import Term, as_term
+from mars_asp.asp.trace import Absent, Derived, Given
+from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.text import trace_json, traces_text, wrapped
+from mars_asp.diagnostic import Span
 from tests.programs import explainer_of, rulebook_of
 from tests.random_programs import atoms_besides, random_program
 from tests.trace_checker import (

@@ -11,14 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytransform3d.urdf import UrdfTransformManager
 
-from mars_asp.diagnostic import MarsError
-from mars_asp.frames import Joint, Matrix, build_robot, take_posture
+from mars_asp.diagnostic import MarsError, point
+from mars_asp.exchange.urdf import MOST_BYTES, export_urdf, import_urdf
+from mars_asp.exchange.urdf.angles import rotation_of, turns_of
+from mars_asp.kinematics.frames import Joint, Matrix, build_robot, take_posture
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
-from mars_asp.physical import frames
-from mars_asp.source import point
-from mars_asp.urdf import MOST_BYTES, export_urdf, import_urdf
-from mars_asp.urdf.angles import rotation_of, turns_of
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
+from mars_asp.reasoning.facts.motion import frames
 from tests.documents import run
 from tests.robots import HERE, module, placed, robot
 from tests.test_command_line import mars

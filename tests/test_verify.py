@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.analysis import analyse
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model import Configuration, Control, Data, Mode, Mount, Relationship
-from mars_asp.modes import parse_mode
-from mars_asp.project import Project, project_facts
-from mars_asp.resolve import synthesise
-from mars_asp.rulebook import load_rulebook
-from mars_asp.solve import Resolution
-from mars_asp.verify import judge_specification, verify, written_cost
+from mars_asp.model.declarations import Configuration, Control, Data, Mode, Mount, Relationship
+from mars_asp.model.modes import parse_mode
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.synthesise import synthesise
+from mars_asp.reasoning.verification import judge_specification, verify, written_cost
 from tests.documents import run
 from tests.random_configurations import random_configuration
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp import kept
-from mars_asp.visible import write_whole
+from mars_asp.asp import cache
+from mars_asp.output import write_whole
 
 
 def test_what_a_killed_command_left_behind_is_removed(tmp_path: Path) -> None:
@@ -49,26 +49,26 @@ def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> N
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "kept"
-    monkeypatch.setattr(kept, "_place", lambda name: path)
-    monkeypatch.setattr(kept, "_here", {})
+    monkeypatch.setattr(cache, "_place", lambda name: path)
+    monkeypatch.setattr(cache, "_here", {})
     monkeypatch.setattr("sys.dont_write_bytecode", False)
     return path
 
 
 def test_a_kept_value_is_recalled_for_its_version(place: Path) -> None:
-    kept.keep("name", "1", {"error": 40})
-    assert kept.recall("name", "1") == {"error": 40}
-    assert kept.recall("name", "2") is None
+    cache.keep("name", "1", {"error": 40})
+    assert cache.recall("name", "1") == {"error": 40}
+    assert cache.recall("name", "2") is None
 
 
 def test_a_kept_value_with_a_flipped_bit_is_made_anew(place: Path) -> None:
-    kept.keep("name", "1", ("error", 40))
+    cache.keep("name", "1", ("error", 40))
     whole = place.read_bytes()
     for bit in range(8 * len(whole)):
         torn = bytearray(whole)
         torn[bit // 8] ^= 1 << bit % 8
         place.write_bytes(torn)
-        assert kept.recall("name", "1") is None
+        assert cache.recall("name", "1") is None
     for size in range(len(whole)):
         place.write_bytes(whole[:size])
-        assert kept.recall("name", "1") is None
+        assert cache.recall("name", "1") is None

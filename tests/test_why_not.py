@@ -6,9 +6,9 @@ from pathlib import Path
 import clingo
 import pytest
 
-from mars_asp.trace import Attempt, Missing
-from mars_asp.trace.absence import why_not
-from mars_asp.trace.pattern import hole
+from mars_asp.asp.trace import Attempt, Missing
+from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.patterns import hole
 from tests.documents import run
 from tests.programs import explainer_of
 from tests.test_command_line import mars

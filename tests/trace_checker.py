@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 import clingo
 from clingo import ast
 
-from mars_asp.rulebook import Rule
-from mars_asp.trace import Absent, Attempt, Derived, Given, Missing, Trace
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.trace import Absent, Attempt, Derived, Given, Missing, Trace
 
 Values = Mapping[str, clingo.Symbol]
 _TYPE = ast.ASTType

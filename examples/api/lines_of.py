@@ -7,11 +7,11 @@ import sys
 from collections.abc import Iterator
 
 from mars_asp.diagnostic import MarsError
-from mars_asp.explain import explain
-from mars_asp.project import load_project
-from mars_asp.rulebook import load_rulebook
-from mars_asp.source import Span
-from mars_asp.trace import Derived, Given, Trace
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.project import load_project
+from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.diagnostic import Span
+from mars_asp.asp.trace import Derived, Given, Trace
 
 
 def places(trace: Trace) -> Iterator[Span]:

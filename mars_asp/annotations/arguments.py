@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeAlias
 
-from mars_asp.model import GRASP, MOTION_FUNCTIONS, Mode, Transformation
-from mars_asp.modes import ModeProblem, parse_mode
-from mars_asp.ranges import BOUND, COST, FREQUENCY, RATE, VERTEX, NumberProblem
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Mode, Transformation
+from mars_asp.model.modes import ModeProblem, parse_mode
+from mars_asp.model.ranges import BOUND, COST, FREQUENCY, RATE, VERTEX, NumberProblem
+from mars_asp.model.transformation import read_transformation
 from mars_asp.spelling import nearest
-from mars_asp.tuples import read_transformation
 
 FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _PERIODIC = "NotifyAtFrequency"

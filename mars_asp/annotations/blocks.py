@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.model import Module
+from mars_asp.model.declarations import Module
 
 if TYPE_CHECKING:
     from mars_asp.annotations.sources import Source

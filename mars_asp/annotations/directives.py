@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from mars_asp.annotations.sources import Source
-from mars_asp.model import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
+from mars_asp.model.declarations import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
 OVERRIDES = ("Output", "Input", "Signature")

@@ -13,9 +13,8 @@ from pathlib import Path
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, Severity, by_place
-from mars_asp.model import Module
-from mars_asp.source import point
+from mars_asp.diagnostic import Diagnostic, Severity, by_place, point
+from mars_asp.model.declarations import Module
 
 MOST_BYTES = 256 * 1024 * 1024
 _HERE = Path()

@@ -15,9 +15,8 @@ from mars_asp.annotations.directives import (
 from mars_asp.annotations.pending import Pending
 from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic
-from mars_asp.model import SERVICE_KINDS, Function, Module, Service, Vertex
-from mars_asp.source import Span
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.model.declarations import SERVICE_KINDS, Function, Module, Service, Vertex
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 #: A file with so many errors is read no further.

@@ -16,9 +16,8 @@ from mars_asp.annotations.following import (
 from mars_asp.annotations.overrides import Overrides, read_overrides
 from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.services import Signature, read_signature
-from mars_asp.diagnostic import Severity
-from mars_asp.model import SERVICE_KINDS, Service
-from mars_asp.source import Span
+from mars_asp.diagnostic import Severity, Span
+from mars_asp.model.declarations import SERVICE_KINDS, Service
 
 #: One declaration has at most so many annotations.
 MOST_ANNOTATIONS = 500

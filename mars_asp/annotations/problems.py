@@ -3,8 +3,7 @@
 from mars_asp.annotations.arguments import Wrong
 from mars_asp.annotations.directives import MOST_CHARACTERS, Directive
 from mars_asp.annotations.sources import Source
-from mars_asp.diagnostic import Diagnostic, Severity
-from mars_asp.source import Span
+from mars_asp.diagnostic import Diagnostic, Severity, Span
 
 
 class Problems:

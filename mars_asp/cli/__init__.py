@@ -114,7 +114,7 @@ class _Parser(argparse.ArgumentParser):
     """Reports a wrong call in one line, with status 2 and where help is to be found."""
 
     def error(self, message: str) -> NoReturn:
-        from mars_asp.visible import visible
+        from mars_asp.output import visible
 
         self.exit(USAGE, f"{self.prog}: {visible(message)}; see `{self.prog} --help`\n")
 

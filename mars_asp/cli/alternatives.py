@@ -4,13 +4,13 @@ import argparse
 import sys
 from collections.abc import Iterator, Mapping
 
-from mars_asp.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.asp.trace.text import wrapped
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
-from mars_asp.project import Project
-from mars_asp.resolve import COSTS
-from mars_asp.trace.text import wrapped
-from mars_asp.visible import visible
+from mars_asp.output import visible
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.reasoning.synthesis.synthesise import COSTS
 
 
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:

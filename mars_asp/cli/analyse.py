@@ -4,7 +4,6 @@ import argparse
 import sys
 from collections.abc import Iterator
 
-from mars_asp.analysis import Analysis, Consequence
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import (
     add_file,
@@ -14,9 +13,10 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
-from mars_asp.project import Project, has_mounts
-from mars_asp.source import Span
-from mars_asp.visible import visible
+from mars_asp.diagnostic import Span
+from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Analysis, Consequence
+from mars_asp.reasoning.project import Project, has_mounts
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +57,7 @@ def frames_json(project: Project) -> dict[str, object]:
     """Return the frames of mounted modules with the keys of the contract."""
     if not has_mounts(project):
         return {}
-    from mars_asp.physical import frames
+    from mars_asp.reasoning.facts.motion import frames
 
     found = frames(project.configuration, project.modules)
     return {

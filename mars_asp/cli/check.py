@@ -2,9 +2,9 @@
 
 import argparse
 
-from mars_asp.analysis import diagnostic
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
+from mars_asp.reasoning.analysis import diagnostic
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

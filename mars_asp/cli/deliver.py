@@ -11,7 +11,7 @@ import threading
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from mars_asp.visible import visible, write_whole
+from mars_asp.output import visible, write_whole
 
 _OUTPUT, _FILE, _CODE, _END = b"o", b"f", b"c", b"."
 _LENGTH = 8

@@ -11,11 +11,11 @@ from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
-from mars_asp.diff import Change, Difference, diff
-from mars_asp.resolve import COSTS, Synthesis
-from mars_asp.source import Span
-from mars_asp.synthesis import Node
-from mars_asp.visible import visible
+from mars_asp.diagnostic import Span
+from mars_asp.output import visible
+from mars_asp.reasoning.questions.diff import Change, Difference, diff
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis.synthesise import COSTS, Synthesis
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

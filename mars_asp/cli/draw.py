@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import add_file, read_project
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 if TYPE_CHECKING:
+    from mars_asp.diagnostic import Span
     from mars_asp.draw import Picture
-    from mars_asp.source import Span
 
 FORMATS = ("svg", "png", "dot", "mmd")
 

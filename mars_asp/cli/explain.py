@@ -6,21 +6,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from mars_asp.asp.trace.absence_text import is_unspoken
+from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
-from mars_asp.explain import Explanation, explain
-from mars_asp.project import Project
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS
-from mars_asp.trace.absence_text import is_unspoken
-from mars_asp.trace.text import DEPTH, trace_json, traces_text
-from mars_asp.trace.values import Absent, Missing, Trace
-from mars_asp.visible import visible
+from mars_asp.output import visible
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.explain import Explanation, explain
+from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS
 
 if TYPE_CHECKING:
-    from mars_asp.why_not import WhyNot
+    from mars_asp.reasoning.questions.why_not import WhyNot
 
 MOST_ALTERNATIVES = 1000
 #: Deep enough to say which premise fails; why that one does is the next question.
@@ -129,7 +129,7 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
 
 
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
-    from mars_asp.why_not import why_not
+    from mars_asp.reasoning.questions.why_not import why_not
 
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth

@@ -16,7 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the mount tree."""
     project = read_project(arguments)
-    from mars_asp.urdf import export_urdf
+    from mars_asp.exchange.urdf import export_urdf
 
     written = export_urdf(project.configuration, project.modules)
     if arguments.output == "-":

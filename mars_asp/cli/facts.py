@@ -3,8 +3,8 @@
 import argparse
 
 from mars_asp.cli.reason import add_file, read_project
-from mars_asp.facts import facts_text
-from mars_asp.project import project_facts
+from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.project import project_facts
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

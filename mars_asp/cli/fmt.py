@@ -12,7 +12,7 @@ from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

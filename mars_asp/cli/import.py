@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the configuration."""
-    from mars_asp.urdf import MOST_BYTES, import_urdf
+    from mars_asp.exchange.urdf import MOST_BYTES, import_urdf
 
     piped = arguments.file == STANDARD_INPUT
     shown = "<stdin>" if piped else arguments.file

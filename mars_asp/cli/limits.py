@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 #: Where the control groups of Linux are, and the files in them that tell how much memory theirs
 #: may have, in bytes or `max`, in the second version and in the first.

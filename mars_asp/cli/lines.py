@@ -2,7 +2,7 @@
 
 import linecache
 
-from mars_asp.source import Span
+from mars_asp.diagnostic import Span
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150

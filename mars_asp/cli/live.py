@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 if TYPE_CHECKING:
-    from mars_asp.trial import Trial
+    from mars_asp.execution.trial import Trial
 
 #: Seconds between two lines: more often is not read, and a terminal takes time.
 _PATIENCE = 0.1

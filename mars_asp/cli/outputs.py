@@ -6,12 +6,11 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_file
-from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.source import point
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 if TYPE_CHECKING:
-    from mars_asp.record import Record
-    from mars_asp.trial import Trial
+    from mars_asp.execution.recording.record import Record
+    from mars_asp.execution.trial import Trial
 
 #: What is imported for files of an ending, and what brings it.
 _NEEDED = {".mcap": ("mcap", "'mars-asp[mcap]'"), ".png": ("resvg_py", "resvg-py")}
@@ -63,7 +62,7 @@ def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespac
     if arguments.plot:
         write_file(arguments.plot, _plotted(trial, arguments.plot))
     if arguments.replay:
-        from mars_asp.replay import replay_page
+        from mars_asp.execution.recording.replay import replay_page
 
         title = f"{trial.scenario.path}, seed {trial.scenario.seed}"
         write_file(arguments.replay, replay_page(trial, title))
@@ -72,7 +71,7 @@ def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespac
 
 
 def _plotted(trial: "Trial", path: str) -> str | bytes:
-    from mars_asp.plot import plot_run
+    from mars_asp.execution.recording.picture import plot_run
 
     svg = plot_run(trial)
     if path.endswith(".svg"):
@@ -85,6 +84,6 @@ def _plotted(trial: "Trial", path: str) -> str | bytes:
 def _recorded(trial: "Trial", record: "Record", path: str) -> str | bytes:
     if path.endswith(".jsonl"):
         return record.lines()
-    from mars_asp.foxglove import mcap_bytes
+    from mars_asp.execution.recording.mcap import mcap_bytes
 
     return mcap_bytes(trial, record.events)

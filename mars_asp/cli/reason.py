@@ -4,17 +4,16 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from mars_asp.analysis import Analysis, analyse
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language import Parsed, parse_file, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode
-from mars_asp.project import Project, load_project, project_facts
-from mars_asp.rulebook import Rulebook, load_rulebook
-from mars_asp.source import point
-from mars_asp.visible import visible
+from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.project import Project, load_project, project_facts
 
 STANDARD_INPUT = "-"
 _SHOWN = "<stdin>"

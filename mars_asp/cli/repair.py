@@ -11,11 +11,11 @@ from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.project import Project
-from mars_asp.repair import STAGES, Edit, Mend, Repair, repairs
-from mars_asp.resolve import COSTS
-from mars_asp.text_edits import LineEdit
-from mars_asp.visible import visible
+from mars_asp.language.text_edits import LineEdit
+from mars_asp.output import visible
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.repair import STAGES, Edit, Mend, Repair, repairs
+from mars_asp.reasoning.synthesis.synthesise import COSTS
 
 #: A mend of more lines is printed once, however many findings it mends.
 _MOST_PRINTED_AGAIN = 8

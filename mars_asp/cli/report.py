@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from mars_asp.cli.encode import encoded
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 _COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m", "note": "\x1b[36m"}
 

@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.analysis import analyse
+from mars_asp.asp.rules.cases import STAGES
+from mars_asp.asp.rules.consistency import INCONSISTENT
+from mars_asp.asp.rules.risks import risks
+from mars_asp.asp.rules.rulebook import Rule, Rulebook, load_rulebook
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.conflict import INCONSISTENT
-from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.project import project_facts
-from mars_asp.risks import risks
-from mars_asp.rule_cases import STAGES
-from mars_asp.rulebook import Rule, Rulebook, load_rulebook
-from mars_asp.sample import samples
-from mars_asp.source import Span, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import project_facts
+from mars_asp.reasoning.sample import samples
 from mars_asp.spelling import nearest
 
 

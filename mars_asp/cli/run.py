@@ -24,18 +24,18 @@ from mars_asp.cli.reason import (
     rulebook_for,
 )
 from mars_asp.cli.report import report
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from mars_asp.execute import Link
-    from mars_asp.judge import Judgement
-    from mars_asp.model import Configuration
-    from mars_asp.project import Project
-    from mars_asp.scenario import Scenario
-    from mars_asp.trial import Trial
+    from mars_asp.execution.executor import Link
+    from mars_asp.execution.judgement import Judgement
+    from mars_asp.execution.scenario.read import Scenario
+    from mars_asp.execution.trial import Trial
+    from mars_asp.model.declarations import Configuration
+    from mars_asp.reasoning.project import Project
 
 #: Simulated seconds between two looks at the run.
 _GLANCE = 0.5
@@ -60,13 +60,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
-    from mars_asp.bindings import bound_functions
-    from mars_asp.facts import described_modules
-    from mars_asp.judge import judge
-    from mars_asp.link_modes import state_modes
-    from mars_asp.record import Record
-    from mars_asp.trace.text import trace_json
-    from mars_asp.trial import stage_trial
+    from mars_asp.asp.trace.text import trace_json
+    from mars_asp.execution.judgement import judge
+    from mars_asp.execution.recording.record import Record
+    from mars_asp.execution.scenario.functions import bound_functions
+    from mars_asp.execution.trial import stage_trial
+    from mars_asp.reasoning.facts.compile import described_modules
+    from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
     check_packages(arguments)
     check_inputs(arguments.file, arguments.scenario)
@@ -110,7 +110,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _scenario(arguments: argparse.Namespace) -> "Scenario":
-    from mars_asp.scenario import load_scenario, read_scenario
+    from mars_asp.execution.scenario.read import load_scenario, read_scenario
 
     if arguments.scenario == STANDARD_INPUT:
         return read_scenario(read_input("<stdin>"), Path("<stdin>"))
@@ -121,8 +121,8 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     """Return the file's specification, or the minimal one of its configuration."""
     if project.configuration.kind == "specification":
         return project.configuration
-    from mars_asp.analysis import diagnostic
-    from mars_asp.resolve import synthesise
+    from mars_asp.reasoning.analysis import diagnostic
+    from mars_asp.reasoning.synthesis.synthesise import synthesise
 
     rulebook = rulebook_for(arguments)
     analysis = analyse_project(project, rulebook, arguments)
@@ -252,8 +252,8 @@ def _print_tables(
 
 
 def _explain(judgement: "Judgement") -> None:
+    from mars_asp.asp.trace.text import traces_text
     from mars_asp.cli.lines import line_at
-    from mars_asp.trace.text import traces_text
 
     for line in traces_text([(c.kind, trace) for c, trace in judgement.traces()], line_at):
         print(visible(line) if line.startswith(" ") else f"\n{visible(line)}")
@@ -301,6 +301,6 @@ def _table(heads: tuple[str, ...], rows: Any) -> "Table":
 
 
 def _suppressed(arbiter: object) -> Mapping[str, int]:
-    from mars_asp.execute.arbitration import HierarchicalArbitration
+    from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 
     return arbiter.suppressed if isinstance(arbiter, HierarchicalArbitration) else {}

@@ -6,20 +6,34 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.analysis import diagnostic
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.facts import module_classes
 from mars_asp.language import print_configuration
 from mars_asp.language.print import print_number
-from mars_asp.model import Configuration, Control, Conversion, Data, Module, Mount, node_kind
-from mars_asp.project import Project
-from mars_asp.relocate import sources_seen_from
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, Synthesis, synthesise
-from mars_asp.verify import verify
+from mars_asp.language.relocate import sources_seen_from
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Conversion,
+    Data,
+    Module,
+    Mount,
+    node_kind,
+)
+from mars_asp.reasoning.analysis import diagnostic
+from mars_asp.reasoning.facts.compile import module_classes
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.synthesis.synthesise import (
+    CONVERSION,
+    NODES,
+    RELATIONSHIPS,
+    Synthesis,
+    synthesise,
+)
+from mars_asp.reasoning.verification import verify
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

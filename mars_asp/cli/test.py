@@ -4,11 +4,11 @@ import argparse
 import sys
 from pathlib import Path
 
+from mars_asp.asp.rules.cases import STAGES, Outcome, find_cases, run_case
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.rule_cases import STAGES, Outcome, find_cases, run_case
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

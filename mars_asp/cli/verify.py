@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
@@ -17,11 +18,16 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.project import Project
-from mars_asp.resolve import CONVERSION, NODES, RELATIONSHIPS, synthesise
-from mars_asp.rulebook import Rulebook
-from mars_asp.verify import Caution, Verification, Violation, judge_specification, written_cost
-from mars_asp.visible import visible
+from mars_asp.output import visible
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.verification import (
+    Caution,
+    Verification,
+    Violation,
+    judge_specification,
+    written_cost,
+)
 
 _LEVELS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 

@@ -25,7 +25,7 @@ from typing import NoReturn
 from mars_asp.cli import deliver
 from mars_asp.cli.limits import limit_memory, memory_limit, run_plain, say_memory_ended
 from mars_asp.cli.progress import clear_line
-from mars_asp.visible import visible
+from mars_asp.output import visible
 
 #: What ends a command, and all that it started.
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from mars_asp.facts import module_classes
 from mars_asp.language.print import print_number, print_relationship
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     Configuration,
     Control,
     Conversion,
@@ -17,7 +16,8 @@ from mars_asp.model import (
     Relationship,
     node_kind,
 )
-from mars_asp.visible import visible
+from mars_asp.output import visible
+from mars_asp.reasoning.facts.compile import module_classes
 
 LineKind: TypeAlias = Literal["mount", "data", "control"]
 

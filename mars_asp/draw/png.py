@@ -3,9 +3,8 @@
 from math import sqrt
 from xml.etree.ElementTree import fromstring
 
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.draw.shapes import FONT
-from mars_asp.source import Span
 
 _ZOOM = 2.0
 #: Each takes four bytes while it is drawn.

@@ -12,12 +12,11 @@ from itertools import pairwise
 from typing import Literal, TypeAlias
 
 from mars_asp.annotations.blocks import read_blocks
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.layout import COMMENT, Layout, lay_out
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.language.print import fill
 from mars_asp.language.tokens import Token, tokens_of
-from mars_asp.source import Span, point
 
 _WORD = re.compile(r"\S+")
 _VERBATIM = re.compile(r"\s*[\"']|\s--(?:\s|$)")

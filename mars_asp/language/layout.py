@@ -5,7 +5,7 @@ from bisect import bisect_right
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from mars_asp.source import Span
+from mars_asp.diagnostic import Span
 
 COMMENT = re.compile(r"(?://|#)[^\n]*")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind

@@ -13,12 +13,11 @@ from typing import NamedTuple, cast
 from lark import Lark, UnexpectedInput
 
 from mars_asp.annotations.blocks import Blocks, read_blocks
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.statements import Builder, Raw, Statements
-from mars_asp.model import Configuration, Conversion, StandIn, ends_of
-from mars_asp.source import point
+from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
 from mars_asp.spelling import nearest
 
 #: Far above any robot; a larger file is a mistake that would only cost time.

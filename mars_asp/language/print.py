@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from decimal import Decimal
 
 from mars_asp.language.parse import ABSTRACT
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     Configuration,
     Control,
     Conversion,

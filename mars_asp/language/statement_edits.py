@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from mars_asp.language.text_edits import Draft
 from mars_asp.language.tokens import Token
-from mars_asp.text_edits import Draft
 
 
 @dataclass(eq=False, slots=True)

@@ -7,9 +7,9 @@ from typing import TypeAlias, cast
 
 from lark import Token, Transformer
 
-from mars_asp.diagnostic import Diagnostic
+from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.language.layout import Layout
-from mars_asp.model import (
+from mars_asp.model.declarations import (
     Allocation,
     Architecture,
     Configuration,
@@ -21,10 +21,9 @@ from mars_asp.model import (
     Relationship,
     Transformation,
 )
-from mars_asp.modes import ModeProblem, parse_mode
-from mars_asp.ranges import FREQUENCY, HOLD, PERIOD, PRIORITY, VERTEX, NumberProblem, Range
-from mars_asp.source import Span
-from mars_asp.tuples import read_transformation
+from mars_asp.model.modes import ModeProblem, parse_mode
+from mars_asp.model.ranges import FREQUENCY, HOLD, PERIOD, PRIORITY, VERTEX, NumberProblem, Range
+from mars_asp.model.transformation import read_transformation
 
 #: The name of a statement's rule and what stands in it: tokens, absences, statements within.
 Raw: TypeAlias = tuple[str, list["Token | Raw | None"]]

@@ -45,17 +45,22 @@ _MOTION = (
 #: The modules that judge, weigh or repair, and the test files that concern them, those first that
 #: pin most for little time.
 TESTS: Mapping[str, tuple[str, ...]] = {
-    "mars_asp/verify.py": ("test_verify", "test_realises", "test_standalone", "test_exhaustive"),
-    "mars_asp/repair.py": ("test_repair_search", "test_repair"),
-    "mars_asp/edits.py": _REPAIRS,
-    "mars_asp/text_edits.py": _REPAIRS,
-    "mars_asp/annotation_edits.py": _REPAIRS,
-    "mars_asp/frames.py": _MOTION,
-    "mars_asp/supports.py": (*_MOTION, "test_sharing"),
-    "mars_asp/physical.py": _MOTION,
-    "mars_asp/execute/plan.py": _EXECUTION,
-    "mars_asp/sharing.py": ("test_sharing", *_EXECUTION, "test_combinations"),
-    "mars_asp/optimum.py": (
+    "mars_asp/reasoning/verification.py": (
+        "test_verify",
+        "test_realises",
+        "test_standalone",
+        "test_exhaustive",
+    ),
+    "mars_asp/reasoning/questions/repair.py": ("test_repair_search", "test_repair"),
+    "mars_asp/reasoning/questions/edits.py": _REPAIRS,
+    "mars_asp/language/text_edits.py": _REPAIRS,
+    "mars_asp/reasoning/questions/annotation_edits.py": _REPAIRS,
+    "mars_asp/kinematics/frames.py": _MOTION,
+    "mars_asp/kinematics/supports.py": (*_MOTION, "test_sharing"),
+    "mars_asp/reasoning/facts/motion.py": _MOTION,
+    "mars_asp/execution/executor/plan.py": _EXECUTION,
+    "mars_asp/kinematics/sharing.py": ("test_sharing", *_EXECUTION, "test_combinations"),
+    "mars_asp/asp/solve/optimum.py": (
         "test_optimum",
         "test_costs",
         "test_counting",

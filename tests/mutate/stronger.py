@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mars_asp.rulebook import Rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from tests.test_exhaustive import compare_mounts, compare_wiring
 from tests.test_verify import carried, refuses_every_mutation
 

@@ -1,0 +1,227 @@
+"""Regression tests on answer sets: facts and what the rules make of them, in one file.
+
+A line `%= atom atom ...` is one expected answer set, which lines `%+ atom ...` below it continue,
+restricted to the predicates that the case's own `#show` lines name, else to `consequence/4`; no
+such line means that there is none. A case in a folder named after a stage (`resolve`) has the
+rules of that stage, too; of its answer sets the least count. A line `%~ 3@30 12@10` is what these
+cost, each level that costs anything with its sum, the highest first. A line `%> id: message` is
+what the rule of that id says; where a case has one, all is compared that is said by rules which
+derive what it shows.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.arithmetic import telling, wrapped
+from mars_asp.asp.rules.rulebook import Rule, Rulebook, read_case
+from mars_asp.asp.rules.statements import Piece
+from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+
+STAGES = ("resolve", "verify", "cost", "run", "can", "repair")
+_EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
+_CONTINUED = re.compile(r"\r?\n%\+")
+_COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
+_MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
+_SAID = "__said"
+_BY_DEFAULT = (("consequence", 4),)
+_MOST_ANSWERS = 100
+_MOST_MESSAGES = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a case expects and what the rules gave, each a tuple of sorted answer sets."""
+
+    path: Path
+    expected: tuple[tuple[str, ...], ...]
+    found: tuple[tuple[str, ...], ...]
+
+    @property
+    def passed(self) -> bool:
+        """Say whether the rules gave what is expected."""
+        return self.expected == self.found
+
+    def difference(self) -> Iterator[str]:
+        """Yield lines that say what is missing and what is too much."""
+        missing = [answer for answer in self.expected if answer not in self.found]
+        extra = [answer for answer in self.found if answer not in self.expected]
+        if not self.expected:
+            yield "  no line `%=`, so no answer set is expected; rules of your own go with --rules"
+        if len(missing) == len(extra) == 1:
+            lost, new = set(missing[0]), set(extra[0])
+            yield from (f"  - {atom}" for atom in sorted(lost - new))
+            yield from (f"  + {atom}" for atom in sorted(new - lost))
+            return
+        yield from (f"  - answer set: {' '.join(answer)}" for answer in missing)
+        yield from (f"  + answer set: {' '.join(answer)}" for answer in extra)
+
+
+def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path, ...]:
+    """Return the case files that paths name, those of folders in the order of their names.
+
+    Of what a folder holds, the files of rule packs are no cases.
+    """
+    rules = {path.resolve() for path in packs}
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            held = sorted(path.rglob("*.lp"))
+            found += (p for p in held if not {p.resolve(), p.resolve().parent} & rules)
+        else:
+            found.append(path)
+    return tuple(found)
+
+
+def stages_of(path: Path) -> tuple[str, ...]:
+    """Return the stages that the folders of a case are named after.
+
+    Where a case lies in the current folder, what that folder is called says nothing.
+    """
+    full, here = path.absolute(), Path.cwd()
+    parts = full.relative_to(here).parts if full.is_relative_to(here) else full.parts
+    return tuple(stage for stage in STAGES if stage in parts)
+
+
+def run_case(path: Path, rulebook: Rulebook) -> Outcome:
+    """Run one case.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    text, written = read_case(path)
+    messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
+    costs = [f"%~ {cost}" for cost in _COST.findall(text)]
+    rest = [*messages, *costs]
+    expected = tuple(
+        sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
+    )
+    wanted = _shown(written) or _BY_DEFAULT
+    stages = ("base", *stages_of(path))
+    speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
+    program = [Fragment(text, str(path))]
+    program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
+    program += [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
+    asked = rulebook.asked
+    program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
+    control = _grounded(program)
+    overflowing = tuple(wrapped(control, asked))
+    if overflowing:
+        raise MarsError(overflowing)
+    return Outcome(path, expected, _answers(control, wanted, speakers, bool(costs)))
+
+
+def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]) -> bool:
+    return bool(rule.because and rule.stage in stages and rule.heads.intersection(wanted))
+
+
+def _saying(number: int, rule: Rule) -> str:
+    """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
+    body = rule.written[1] or "#true"
+    return f"{_SAID}({number},v({','.join(rule.holes)})) :- {body}."
+
+
+def _message(said: clingo.Symbol, speakers: Sequence[Rule]) -> str:
+    number, values = said.arguments
+    rule = speakers[number.number]
+    named = dict(zip(rule.holes, values.arguments, strict=True))
+    return f"%> {rule.id}: {fill(rule.because, named, shown)}"
+
+
+def shown_by(path: Path) -> tuple[tuple[str, int], ...]:
+    """Return the predicates that a case names in `#show` lines, none where it has no such line.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    return _shown(read_case(path)[1])
+
+
+def _shown(written: Iterable[Piece]) -> tuple[tuple[str, int], ...]:
+    return tuple(each for piece in written if piece.sort == "shown" for each in shows(piece.text))
+
+
+def case_facts(path: Path) -> str:
+    """Return the facts of a case, with what it shows.
+
+    Raises:
+        MarsError: the case may not be given to clingo.
+    """
+    return read_case(path)[0]
+
+
+def _grounded(program: Sequence[Fragment]) -> clingo.Control:
+    """Return a control with a program.
+
+    Raises:
+        MarsError: clingo refuses it, or an operation has no value.
+    """
+    said: list[tuple[clingo.MessageCode, str]] = []
+    options = ["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=no-atom-undefined"]
+    control = clingo.Control(options, lambda code, note: said.append((code, note)), _MOST_MESSAGES)
+    reason = ""
+    try:
+        control.add("base", [], joined(program))
+        control.ground()
+    except RuntimeError as error:
+        reason = str(error)
+    undefined = clingo.MessageCode.OperationUndefined
+    wrong = [note for code, note in said if reason or code == undefined]
+    if reason or wrong:
+        place = point(program[0].path, 1, 1)
+        whole = Diagnostic("rules-refused", "error", f"clingo refuses this: {reason}", place)
+        raise MarsError(tuple(refusals(wrong, program)) or (whole,))
+    return control
+
+
+def _answers(
+    control: clingo.Control,
+    wanted: Sequence[tuple[str, int]],
+    speakers: Sequence[Rule],
+    with_costs: bool,
+) -> tuple[tuple[str, ...], ...]:
+    found: set[tuple[str, ...]] = set()
+
+    def keep(model: clingo.Model) -> None:
+        if model.cost and not model.optimality_proven:
+            return
+        atoms = model.symbols(atoms=True)
+        answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}
+        answer |= {_message(a, speakers) for a in atoms if speakers and a.name == _SAID}
+        if with_costs:
+            answer.add(_cost(model))
+        found.add(tuple(sorted(answer)))
+
+    control.solve(on_model=keep)
+    return tuple(sorted(found))
+
+
+def _cost(model: clingo.Model) -> str:
+    levels = zip(model.cost, model.priority, strict=True)
+    return " ".join(["%~", *(f"{cost}@{level}" for cost, level in levels if cost)])
+
+
+def _one_line(text: str) -> str:
+    return _CONTINUED.sub(" ", text)
+
+
+def _atoms(text: str) -> Iterator[str]:
+    """Yield the atoms of a line, which blanks part outside of brackets and strings."""
+    depth, quoted, current = 0, False, ""
+    for character in text.strip() + " ":
+        if character == '"':
+            quoted = not quoted
+        if not quoted:
+            depth += (character == "(") - (character == ")")
+        if character == " " and not depth and not quoted:
+            if current:
+                yield current
+            current = ""
+        else:
+            current += character

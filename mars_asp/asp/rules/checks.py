@@ -1,0 +1,281 @@
+"""What clingo would say of a rule pack too late, or without the place, or not at all."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from functools import cached_property
+
+import clingo
+
+from mars_asp.asp import fragments
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.statements import (
+    Piece,
+    Place,
+    Signature,
+    Statement,
+    argument_place,
+    calls,
+    declared,
+    head_pool,
+    masked,
+    replaced,
+    unsigned,
+)
+from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.diagnostic import Diagnostic, Severity, Span, point
+from mars_asp.spelling import nearest
+
+_UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
+
+#: What is found in all packs together.
+_TWICE = "redefinition of constant"
+
+SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
+
+#: What rules find: kind, severity, subject and case.
+CONSEQUENCE: Signature = ("consequence", 4)
+#: What a rule pack from elsewhere may derive besides predicates of its own.
+EXTENSIBLE: frozenset[Signature] = frozenset(
+    {CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}
+)
+_EXTENSIBLE_NAMES: Mapping[str, int] = dict(EXTENSIBLE)
+
+
+@dataclass(frozen=True)
+class Seal:
+    """What the built-in rules of all stages derive, are given and mean, whichever are loaded.
+
+    `derived` and `given` have the stage of each predicate, `base` where it has several.
+    """
+
+    derived: Mapping[Signature, str]
+    given: Mapping[Signature, str]
+    constants: frozenset[str]
+    #: Where the rules stand that have names.
+    ids: Mapping[str, Span]
+
+    @cached_property
+    def early(self) -> frozenset[Signature]:
+        """Return the predicates that consequences can rest on."""
+        found = (*self.given.items(), *self.derived.items())
+        return frozenset(signature for signature, stage in found if stage == "base")
+
+    @cached_property
+    def later(self) -> Mapping[Signature, str]:
+        """Return the predicates that only later stages derive or are given, with their stages."""
+        every = {**self.given, **self.derived}
+        return {each: stage for each, stage in every.items() if each not in self.early}
+
+
+def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
+    """Yield what clingo says against the rules of a text; none of them is grounded here."""
+    notes: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note))
+    try:
+        # Clingo's columns count bytes, and it cuts what it says of a text between them.
+        control.add("base", [], masked(text))
+        control.ground([("nothing", [])])
+    except RuntimeError:
+        for place, said, _ in fragments.notes(notes, [Fragment(masked(text), shown)]):
+            unsafe = [f"`{name}`" for name in _UNSAFE.findall(said)]
+            if unsafe:
+                message = f"nothing in the body binds {' and '.join(dict.fromkeys(unsafe))}"
+                advice = "name it in a literal of the body that is not negated"
+                yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
+            elif not said.startswith(_TWICE):
+                yield Diagnostic("rule-syntax", "error", said, place)
+
+
+def unknown_predicates(
+    rule: Iterable[Statement], known: Set[Signature], seal: Seal, span: Span
+) -> Iterator[Diagnostic]:
+    """Yield the predicates that a rule reads and nobody gives or derives, or none who comes before.
+
+    A rule that is misspelt, or reads what is decided later, never fires. `span` is where it
+    stands, for the places of what it says count from its beginning.
+    """
+    literals = {(each.place, unsigned(each.signature)) for one in rule for each in one.read}
+    for place, (name, arity) in sorted(literals):
+        if (name, arity) in seal.later:
+            # Of what packs derive, too, the head has been told.
+            if (name, arity) not in known or (name, arity) in EXTENSIBLE:
+                yield _too_early((name, arity), seal, placed(span, place))
+        elif (name, arity) not in known:
+            near = nearest(name, sorted({other for other, _ in known}))
+            others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
+            yield Diagnostic(
+                "rule-unknown",
+                "error",
+                f"nothing gives or derives `{name}/{arity}`",
+                placed(span, place),
+                help=f"did you mean {' or '.join(others)}?"
+                if others
+                else f"`rules/vocabulary.lp` says what is given; write `#defined {name}/{arity}.` "
+                "where only some facts hold it",
+            )
+
+
+def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield what is wrong with a head that tells of a consequence, such as a choice or a pool.
+
+    `text` is that of the rule, `span` where it stands, for the places of what it says count from
+    its beginning.
+    """
+    pool = head_pool(text) if len(rule) > 1 else None
+    for number, statement in enumerate(rule):
+        told = sorted({unsigned(each) for each in statement.derives} & EXTENSIBLE)
+        if told and not statement.forces:
+            name, arity = told[0]
+            negated = len(statement.heads) == 1 and not statement.head.binds
+            where = "behind `not`" if negated else "in a choice, disjunction or condition"
+            yield Diagnostic(
+                "rule-head",
+                "error",
+                f"`{name}/{arity}` stands {where}",
+                placed(span, statement.place),
+                help="what is found follows from the facts: write a rule with this head alone",
+            )
+            return
+        if told and pool is not None:
+            name, arity = told[0]
+            yield Diagnostic(
+                "rule-head",
+                "error",
+                f"`{name}/{arity}` stands in a pool, or holds one",
+                placed(span, pool),
+                help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
+            )
+            return
+        if told and statement.head.is_negated:
+            name, arity = told[0]
+            yield Diagnostic(
+                "rule-head",
+                "error",
+                f"`-{name}/{arity}` says what is not found",
+                placed(span, statement.place),
+                help="only what is found is reported: leave out the rule",
+            )
+        elif statement.derives == {CONSEQUENCE}:
+            term = statement.head.terms[1]
+            if not term.variables and term.text not in SEVERITIES:
+                yield no_severity(term.text, severity_place(text, span, number))
+
+
+def misplaced_statements(written: Iterable[Piece], seal: Seal, shown: str) -> Iterator[Diagnostic]:
+    """Yield the statements of a pack, rules apart, that would change what others mean."""
+    for piece in written:
+        place = point(shown, *piece.begin)
+        match piece.sort:
+            case "cost":
+                message = "a minimisation chooses between answers, and consequences have just one"
+                advice = "derive `consequence/4` for what is dear"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "term":
+                message = "`#show` of a term shows what nothing derives"
+                advice = "derive a predicate, and show that: `#show name/1.`"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "other":
+                message = f"`{piece.text.split()[0]}` is no statement of a rule pack"
+                advice = "it holds rules, `#const`, `#defined` and `#show`"
+                yield Diagnostic("rule-statement", "error", message, place, help=advice)
+            case "constant":
+                for name in sorted(replaced(piece.text) & seal.constants):
+                    message = f"`{name}` is a word of the built-in rules or of what they are given"
+                    advice = "choose another name: `#const` would replace it everywhere"
+                    yield Diagnostic("rule-constant", "error", message, place, help=advice)
+            case "shown" | "declaration":
+                for name, arity in sorted(
+                    {*map(unsigned, shows(piece.text)), *declared(piece.text)}
+                ):
+                    if (name, arity) in seal.later:
+                        yield _too_early((name, arity), seal, place)
+                    elif name.startswith("_"):
+                        yield from _reserved((name, arity), seal, place)
+
+
+def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
+    """Yield the constants that packs define twice; pieces stand beside the names of their files."""
+    first: dict[str, Span] = {}
+    for shown, piece in written:
+        for name in replaced(piece.text) if piece.sort == "constant" else ():
+            place = point(shown, *piece.begin)
+            earlier = first.setdefault(name, place)
+            if earlier != place:
+                message = f"constant `{name}` is defined twice"
+                labels = ((earlier, "first defined here"),)
+                yield Diagnostic("rule-constant", "error", message, place, labels)
+
+
+def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield the functions that a rule calls: rules run no code, so there are none."""
+    for place, name in calls(text):
+        message = f"there is no function `@{name}`"
+        advice = "rules run no code: let facts and rules say what is the case"
+        yield Diagnostic("rule-undefined", "error", message, placed(span, place), help=advice)
+
+
+def reserved_heads(rule: Iterable[Statement], seal: Seal, span: Span) -> Iterator[Diagnostic]:
+    """Yield the predicates that a rule of a pack may not derive, for others mean something by them.
+
+    `span` is where the rule stands, for the places of what it says count from its beginning.
+    """
+    heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
+    for place, signature in sorted(heads):
+        yield from _reserved(unsigned(signature), seal, placed(span, place))
+
+
+def _reserved(signature: Signature, seal: Seal, place: Span) -> Iterator[Diagnostic]:
+    name, arity = signature
+    advice = "derive a predicate of your own, or `consequence/4`"
+    if signature in EXTENSIBLE:
+        return
+    if signature in seal.derived:
+        message = f"`{name}/{arity}` is derived by the built-in rules alone"
+    elif signature in seal.given:
+        message = f"`{name}/{arity}` is given, and nothing derives it"
+    elif name.startswith("_"):
+        message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
+    elif name in _EXTENSIBLE_NAMES:
+        message = f"`{name}` has {_EXTENSIBLE_NAMES[name]} arguments, not {arity}"
+        advice = "`docs/writing-rules.md` says what each of them is"
+    else:
+        return
+    if signature in seal.later:
+        advice += f"; this one is of `rules/{seal.later[signature]}`"
+    yield Diagnostic("rule-reserved", "error", message, place, help=advice)
+
+
+def _too_early(signature: Signature, seal: Seal, place: Span) -> Diagnostic:
+    name, arity = signature
+    stage = seal.later[signature]
+    how = "derived by" if signature in seal.derived else "given to"
+    return Diagnostic(
+        "rule-later",
+        "error",
+        f"`{name}/{arity}` is {how} `rules/{stage}`, after the consequences",
+        place,
+        help="a rule pack rests on what is given or derived in `rules/*.lp`",
+    )
+
+
+def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
+    """Return what is said of a severity that is none."""
+    near = nearest(written, SEVERITIES)
+    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
+    message = f"`{written}` is no severity"
+    return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
+
+
+def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
+    """Return where the head of a rule that stands at `span` says how severe a consequence is.
+
+    Of a rule with pools, `variant` is the number of the one that is meant.
+    """
+    return placed(span, argument_place(rule, variant, 1))
+
+
+def placed(span: Span, place: Place) -> Span:
+    """Return where something stands in a file that has a place in the rule at `span`."""
+    line, column = place
+    return point(span.path, span.line + line - 1, column + (span.column - 1) * (line == 1))

@@ -1,0 +1,131 @@
+"""Rule packs that leave no answer set, or let a choice decide what is found.
+
+Of those that leave none a minimal set is named that does so together. It is found by leaving out
+one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); every rule that is
+kept is needed. The built-in rules alone always have an answer.
+"""
+
+from collections.abc import Sequence
+
+import clingo
+
+from mars_asp.asp.rules.checks import SEVERITIES, no_severity, severity_place
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.statements import without_rules
+from mars_asp.asp.solve.term_ids import arguments, as_symbol, atoms, labelled
+from mars_asp.diagnostic import Diagnostic, MarsError
+
+#: The code of what is said of packs that leave no answer.
+INCONSISTENT = "rules-inconsistent"
+_OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
+
+
+def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None:
+    """Check that the rules of packs have an answer set with facts.
+
+    `control` holds all rules of the base and the facts, grounded; without packs nothing is done.
+
+    Raises:
+        MarsError: there is none; the conflicting rules with their places.
+    """
+    if not rulebook.packs or control.solve().satisfiable:
+        return
+    packs = rulebook.texts[-rulebook.packs :]
+    fixed = [text for stage, text in rulebook.texts[: -rulebook.packs] if stage == "base"]
+    fixed += [without_rules(text) for _, text in packs]
+    first = len(rulebook.rules) - rulebook.pack_rules
+    conflict = _minimal(rulebook.rules[first:], "\n".join([*fixed, facts]))
+    rule, *others = conflict
+    count = len(conflict)
+    message = "this rule excludes" if count == 1 else f"these {count} rules together exclude"
+    raise MarsError(
+        (
+            Diagnostic(
+                INCONSISTENT,
+                "error",
+                f"{message} every answer for this configuration",
+                rule.span,
+                tuple((other.span, f"with `{_one_line(other)}`") for other in others),
+                "drop or weaken one of them; a pack derives `consequence/4` instead of refusing",
+                rule.text.partition("\n")[0],
+            ),
+        )
+    )
+
+
+def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+    """Check that grounding alone decided what the rules of packs find.
+
+    The atoms `said` of `control` have the index of a rule in `speakers` as their first argument.
+
+    Raises:
+        MarsError: a choice, or rules that negate each other, would decide; the rules with places.
+    """
+    open_rules = {
+        as_symbol(arguments(atom)[0]).number
+        for atom, _, is_fact in labelled(control, said, 3, True)
+        if not is_fact
+    }
+    if open_rules:
+        raise MarsError(
+            tuple(
+                Diagnostic(
+                    "rule-undecided",
+                    "error",
+                    "whether this holds depends on a choice",
+                    speakers[number].span,
+                    help="what is found follows from the facts: rest it on no choice, and on no "
+                    "predicate that leads through `not` back to itself",
+                    excerpt=speakers[number].text.partition("\n")[0],
+                )
+                for number in sorted(open_rules)
+            )
+        )
+
+
+def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+    """Check that how severe a consequence is, is one of the words for that.
+
+    A rule may take the word from its body, and a `#const` of a pack may replace it. The atoms
+    `said` are as in `check_decided`.
+
+    Raises:
+        MarsError: it is another word; the rules with places.
+    """
+    wrong = set()
+    for atom in atoms(control, said, 3, True):
+        number, head, _ = arguments(atom)
+        severity = arguments(head)[1]
+        if str(as_symbol(severity)) not in SEVERITIES:
+            wrong.add((as_symbol(number).number, str(as_symbol(severity))))
+    if wrong:
+        raise MarsError(
+            tuple(
+                no_severity(
+                    word,
+                    severity_place(speakers[number].text, speakers[number].span),
+                    speakers[number].text.partition("\n")[0],
+                )
+                for number, word in sorted(wrong)
+            )
+        )
+
+
+def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:
+    kept = list(rules)
+    for rule in rules:
+        rest = [other for other in kept if other is not rule]
+        if not _has_answer(rest, fixed):
+            kept = rest
+    return kept
+
+
+def _has_answer(rules: Sequence[Rule], fixed: str) -> bool:
+    control = clingo.Control(_OPTIONS)
+    control.add("base", [], "\n".join([fixed, *(rule.text for rule in rules)]))
+    control.ground()
+    return bool(control.solve().satisfiable)
+
+
+def _one_line(rule: Rule) -> str:
+    return " ".join(rule.text.split())

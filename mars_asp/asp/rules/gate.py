@@ -1,0 +1,159 @@
+"""What a rule file must be before clingo sees it.
+
+Each check answers a way to hang, crash or mislead the solver: a scripted or included file, a byte
+that kills its logger, a term so deep that its parser overflows.
+"""
+
+import re
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+
+MOST_BYTES = 8 * 1024 * 1024
+MOST_STATEMENTS = 100_000
+MOST_STATEMENT = 64 * 1024
+MOST_NESTING = 200
+MOST_OPERATORS = 4096
+#: Of one file so many refusals are told.
+_MOST_TOLD = 20
+_REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
+#: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
+_TOKEN = re.compile(
+    r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{},;:]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
+)
+#: What counts in a block comment, where `%` begins one that goes to the end of its line.
+_COMMENTED = re.compile(r"%\*|\*%|%[^\n]*")
+
+
+def gate_text(path: Path, shown: str) -> str:
+    """Return the text of a rule file.
+
+    Raises:
+        MarsError: the file cannot be read or may not be given to clingo.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
+        if path.stat().st_size > MOST_BYTES:
+            raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
+        raw = path.read_bytes()
+        text = raw.decode("utf-8")
+    except OSError as error:
+        raise _refused(shown, str(error.strerror), "make the file readable") from None
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        raise _refused(shown, "not UTF-8", "save it as UTF-8", line) from None
+    check_text(text, shown)
+    return text
+
+
+def check_text(text: str, shown: str) -> None:
+    """Refuse a text that may not be given to clingo.
+
+    Raises:
+        MarsError: with the first reasons.
+    """
+    found: list[Diagnostic] = []
+    for offset, what, advice in _wrong(text):
+        line = text.count("\n", 0, offset) + 1
+        column = offset - text.rfind("\n", 0, offset)
+        found.append(_refusal(shown, line, column, what, advice))
+        if len(found) == _MOST_TOLD:
+            break
+    if found:
+        raise MarsError(found)
+
+
+def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield what clingo may not be given: where it is, what it is and what to do."""
+    for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
+        if sign in text:
+            yield text.index(sign), f"holds {name}", "remove it"
+            return
+    if text.lstrip().startswith("asp "):
+        yield 0, "an intermediate format, no rules", "give the rules themselves"
+    for match in _REFUSED.finditer(text):
+        yield match.start(), f"`#{match[1]}` is not allowed", "leave it out"
+    yield from _unfit(text)
+
+
+def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield the statements that are too long or too deep, and characters that stand for nothing.
+
+    Comments and strings count for nothing, wherever they stand: so it is for clingo. How deep a
+    term is, brackets and the operators between two commas tell: `1+1+1` is `(1+1)+1`.
+    """
+    begin = commented = operators = statements = 0
+    told = False
+    # Of each open bracket the operators so far.
+    open_ = [0]
+    depth = 0
+    for at, end, token in _tokens(text):
+        sign = token[0]
+        if sign == "%":
+            commented += end - at
+        elif token == ".":
+            statements += 1
+            if statements > MOST_STATEMENTS:
+                advice = f"a file holds at most {MOST_STATEMENTS}: split it"
+                yield at, "too many statements", advice
+                return
+            begin, commented, operators, told, open_, depth = end, 0, 0, False, [0], 0
+        elif sign in "([{":
+            open_.append(0)
+            depth += 1
+        elif sign in ")]}":
+            if len(open_) > 1:
+                depth -= open_.pop() + 1
+        elif sign in ",;:":
+            depth -= open_[-1]
+            open_[-1] = 0
+        elif not " " <= sign <= "~":
+            yield (
+                at,
+                f"`{token}` stands outside of comments and strings",
+                "names are of ASCII letters, digits and `_`; put any others in a string",
+            )
+        elif sign != '"':
+            operators += 1
+            open_[-1] += 1
+            depth += 1
+        if told:
+            continue
+        if depth > MOST_NESTING:
+            told = True
+            yield at, "nested too deep", f"at most {MOST_NESTING} brackets and operators deep"
+        elif operators > MOST_OPERATORS or end - begin - commented > MOST_STATEMENT:
+            told = True
+            yield at, "a statement too long", "split it"
+
+
+def _tokens(text: str) -> Iterator[tuple[int, int, str]]:
+    """Yield where what counts begins and ends, and what it is; last the end of the text."""
+    at = 0
+    while match := _TOKEN.search(text, at):
+        begin, at = match.span()
+        if match[0] == "%*":
+            at = _closed(text, at)
+        yield begin, at, match[0]
+    yield len(text), len(text), '"'
+
+
+def _closed(text: str, at: int) -> int:
+    """Return where a block comment ends that is open at a place."""
+    depth = 1
+    while depth and (match := _COMMENTED.search(text, at)):
+        at = match.end()
+        depth += {"%*": 1, "*%": -1}.get(match[0], 0)
+    return len(text) if depth else at
+
+
+def _refused(shown: str, what: str, advice: str, line: int = 1) -> MarsError:
+    return MarsError((_refusal(shown, line, 1, what, advice),))
+
+
+def _refusal(shown: str, line: int, column: int, what: str, advice: str) -> Diagnostic:
+    message = f"`{shown}` cannot be used as rules: {what}"
+    return Diagnostic("rules-refused", "error", message, point(shown, line, column), help=advice)

@@ -1,0 +1,109 @@
+"""Arithmetic in rules of which nothing shows that it fits into the 32 bits of clingo's integers."""
+
+from collections.abc import Iterable, Iterator, Mapping, Set
+
+from mars_asp.asp.rules.checks import placed
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.statements import (
+    Operand,
+    Operation,
+    Signature,
+    Statement,
+    operands,
+    statements_of,
+)
+from mars_asp.diagnostic import Diagnostic
+
+#: The positions from 0 of numbers that a user states, however large.
+_STATED: Mapping[Signature, tuple[int, ...]] = {
+    ("period", 1): (0,),
+    ("priority", 2): (1,),
+    ("hold", 2): (1,),
+    ("required_rate", 2): (1,),
+    ("offered_rate", 2): (1,),
+    ("converts", 5): (4,),
+    ("spec_priority", 2): (1,),
+    ("spec_hold", 2): (1,),
+    ("spec_required_rate", 2): (1,),
+}
+
+
+def risks(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+    """Yield what rules compute that may not fit: products, and sums of numbers a user states.
+
+    A rule that says why what it computes `fits` is taken at its word.
+    """
+    rules = tuple(rules)
+    read = statements_of(rule.text for rule in rules)
+    stated = _stated([statement for variants in read.values() for statement in variants])
+    for rule in rules:
+        if rule.fits is not None:
+            continue
+        large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
+        for operation in _risky(operands(rule.text), large):
+            names = sorted(large & _variables(operation))
+            message = f"`{operation.text}` may not fit into 32 bits"
+            if names:
+                message += f", for `{names[0]}` may be as large as any number"
+            place = placed(rule.span, operation.place)
+            advice = "compare numbers, or signs instead of products; `%! fits:` says why it fits"
+            yield Diagnostic("rule-arithmetic", "warning", message, place, help=advice)
+
+
+def _risky(found: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
+    """Yield the outermost operations that may not fit, where some variables are `large`."""
+    for operand in found:
+        if isinstance(operand, Operation):
+            if _is_risky(operand, large):
+                yield operand
+            else:
+                yield from _risky(operand.operands, large)
+
+
+def _is_risky(operation: Operation, large: Set[str]) -> bool:
+    sign, inside = operation.sign, operation.operands
+    if sign in ("*", "**") and sum(bool(_variables(each)) for each in inside) == 2:
+        return True
+    if len(inside) < 2 or large.isdisjoint(_variables(operation)):
+        return False
+    # What users state is never negative, so the difference of two of them fits.
+    computed = any(isinstance(each, Operation) for each in inside)
+    return sign in ("+", "*", "**") or (sign == "-" and computed)
+
+
+def _variables(operand: Operand) -> frozenset[str]:
+    if isinstance(operand, Operation):
+        return frozenset().union(*map(_variables, operand.operands))
+    is_variable = isinstance(operand, str) and operand.lstrip("_")[:1].isupper()
+    return frozenset({operand}) if isinstance(operand, str) and is_variable else frozenset()
+
+
+def _stated(rules: Iterable[Statement]) -> Mapping[Signature, Set[int]]:
+    """Return the positions of numbers that users state, handed on from rule to rule."""
+    found = {signature: set(places) for signature, places in _STATED.items()}
+    rules, before = tuple(rules), -1
+    while before != sum(map(len, found.values())):
+        before = sum(map(len, found.values()))
+        for statement in rules:
+            large = _large(statement, found)
+            for head in statement.heads if large else ():
+                literal = head.literal
+                places = {at for at, term in enumerate(literal.terms) if term.variables & large}
+                if places:
+                    found.setdefault(literal.signature, set()).update(places)
+    return found
+
+
+def _large(statement: Statement, stated: Mapping[Signature, Set[int]]) -> frozenset[str]:
+    """Return the variables of a statement that hold numbers that users state."""
+    found = {
+        name
+        for literal in statement.read
+        if literal.binds
+        for at in stated.get(literal.signature, ())
+        for name in literal.terms[at].variables
+    }
+    for value, elements in statement.assigned:
+        if isinstance(value, str) and any(term in found for _, term in elements):
+            found.add(value)
+    return frozenset(found)

@@ -1,0 +1,758 @@
+"""Rules as all that reasons about them reads them: frozen values from clingo's own parse.
+
+Nothing else reads what a rule says, neither its text nor its tree; explanations alone write
+further rules from trees. To walk a tree takes a thousand times as long as to read what was made of
+it, so that is kept from one command to the next.
+"""
+
+import pickle
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Literal as Choice
+from typing import NamedTuple, TypeAlias
+
+from clingo import SymbolType, ast
+
+from mars_asp.asp.cache import made_of
+
+#: A predicate: its name, with `-` before if it is classically negated, and its arity.
+Signature: TypeAlias = tuple[str, int]
+#: A line and a column in the text of a rule, both from 1; columns count characters.
+Place: TypeAlias = tuple[int, int]
+#: A function by its name and arity.
+Functor: TypeAlias = tuple[str, int]
+
+#: A tree of clingo, for further rules to be made of.
+Tree: TypeAlias = ast.AST
+
+_TYPE = ast.ASTType
+_AGGREGATES = (_TYPE.BodyAggregate, _TYPE.Aggregate)
+_SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
+_BINARY = {
+    ast.BinaryOperator.Plus: "+",
+    ast.BinaryOperator.Minus: "-",
+    ast.BinaryOperator.Multiplication: "*",
+    ast.BinaryOperator.Power: "**",
+    ast.BinaryOperator.Division: "/",
+    ast.BinaryOperator.Modulo: "\\",
+    ast.BinaryOperator.And: "&",
+    ast.BinaryOperator.Or: "?",
+    ast.BinaryOperator.XOr: "^",
+}
+_UNARY = {
+    ast.UnaryOperator.Minus: "-",
+    ast.UnaryOperator.Absolute: "|",
+    ast.UnaryOperator.Negation: "~",
+}
+_OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
+#: Terms with others inside, the negation of which is no operation.
+_COMPOUND = (_TYPE.Function, _TYPE.Pool)
+_NO_PLACE: Place = (1, 1)
+_NONE: frozenset[str] = frozenset()
+#: What stands in any operation, or in any number that does not fit into 32 bits.
+_COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+#: What was read by this process, by the texts of rules; of more than so many none is remembered.
+_read: "dict[str, tuple[Statement, ...]]" = {}
+_MOST = 20_000
+#: What a file of rules is made of: `begin` has no text, it is where each file begins.
+Sort: TypeAlias = Choice[
+    "begin", "comment", "rule", "constant", "declaration", "shown", "term", "cost", "other"
+]
+_SORTS: Mapping[object, Sort] = {
+    _TYPE.Program: "begin",
+    _TYPE.Comment: "comment",
+    _TYPE.Rule: "rule",
+    _TYPE.Definition: "constant",
+    _TYPE.Defined: "declaration",
+    _TYPE.ShowSignature: "shown",
+    _TYPE.ShowTerm: "term",
+    _TYPE.Minimize: "cost",
+}
+
+
+class Function(NamedTuple):
+    """A function or tuple in a rule."""
+
+    functor: Functor
+    arguments: "tuple[Structure, ...]"
+
+
+#: What a term is made of: a variable's name, a function, or `None` for a value or what is computed.
+Structure: TypeAlias = "str | Function | None"
+
+
+class Term(NamedTuple):
+    """A term in a rule, as clingo writes it.
+
+    `is_pattern` is whether it only takes values apart; `is_constant` whether it is one value.
+    """
+
+    text: str
+    is_pattern: bool
+    is_variable: bool
+    is_constant: bool
+    variables: frozenset[str]
+    structure: Structure
+
+    @property
+    def pattern(self) -> str:
+        """Return the term, or any value where it says more than a pattern does."""
+        return self.text if self.is_pattern else "_"
+
+    @property
+    def constant(self) -> str | None:
+        """Return the text of the one value that it is; `None` where it may be others."""
+        return self.text if self.is_constant else None
+
+
+class Literal(NamedTuple):
+    """A predicate with its terms, and whether only its true instances matter.
+
+    So it is with positive literals, but not behind a condition: `p(X) : q(X)` fails where there is
+    a `q(X)` without a `p(X)`.
+    """
+
+    signature: Signature
+    terms: tuple[Term, ...]
+    binds: bool
+    place: Place
+
+    @property
+    def is_negated(self) -> bool:
+        """Whether the predicate is classically negated."""
+        return self.signature[0].startswith("-")
+
+
+class Scope(NamedTuple):
+    """Literals that share their variables: the positive ones, which bind them, and the others."""
+
+    positive: tuple[Literal, ...]
+    others: tuple[Literal, ...] = ()
+
+    @property
+    def literals(self) -> tuple[Literal, ...]:
+        """Return all of its literals."""
+        return (*self.positive, *self.others)
+
+
+class Cost(NamedTuple):
+    """The tuple of a cost; equal tuples of one `level`, a priority and a length, count once."""
+
+    terms: tuple[Term, ...]
+    level: str
+
+
+class Head(NamedTuple):
+    """An atom that a head can give, and the condition under which it does."""
+
+    literal: Literal
+    condition: Scope
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A rule, constraint or cost without pools.
+
+    `written` are the texts of the head and of each literal of the body; `place` is where the head
+    begins. `inner` are the elements of aggregates and conditions in its body; `assigned` are terms
+    of the body that have a value made of what the elements, by their numbers, have in a term.
+
+    `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
+    whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
+    a choice or none.
+    """
+
+    text: str
+    written: tuple[str, ...]
+    place: Place
+    heads: tuple[Head, ...]
+    body: Scope
+    inner: tuple[Scope, ...]
+    assigned: tuple[tuple[Structure, tuple[tuple[int, Structure], ...]], ...]
+    forces: bool
+    offers: bool
+    known: bool
+    cost: Cost | None
+
+    @property
+    def head(self) -> Literal:
+        """Return the atom that it forces."""
+        return self.heads[0].literal
+
+    @cached_property
+    def derives(self) -> frozenset[Signature]:
+        """Return the predicates of its head."""
+        return frozenset(head.literal.signature for head in self.heads)
+
+    @property
+    def literals(self) -> tuple[Literal, ...]:
+        """Return all literals that name a predicate."""
+        return (*(head.literal for head in self.heads), *self.read)
+
+    @property
+    def read(self) -> tuple[Literal, ...]:
+        """Return the literals of its body and conditions."""
+        scopes = (self.body, *self.inner, *(head.condition for head in self.heads))
+        return tuple(literal for scope in scopes for literal in scope.literals)
+
+    @cached_property
+    def reads(self) -> frozenset[Signature]:
+        """Return the predicates of its body and conditions."""
+        return frozenset(literal.signature for literal in self.read)
+
+    @property
+    def parts(self) -> tuple[tuple[Literal, ...], ...]:
+        """Return what its body reads besides positive literals that stand by themselves.
+
+        Those of one element or condition stand together.
+        """
+        return (
+            *((literal,) for literal in self.body.others),
+            *(scope.literals for scope in self.inner),
+        )
+
+    def with_body(self, more: Iterable[str]) -> str:
+        """Return the rule with more literals before those of its body."""
+        head, *body = self.written
+        literals = "; ".join((*more, *body))
+        return f"{head} :- {literals}." if literals else f"{head}."
+
+
+class Number(NamedTuple):
+    """A number in a rule as it is written, whatever clingo makes of it."""
+
+    value: int
+    place: Place
+
+
+class Operation(NamedTuple):
+    """A sum, a product or another operation in a rule."""
+
+    sign: str
+    operands: "tuple[Operand, ...]"
+    text: str
+    place: Place
+
+
+#: What is computed with: numbers, operations, and anything else, such as a variable, as written.
+Operand: TypeAlias = "Number | Operation | str"
+
+
+class Constants(NamedTuple):
+    """The names of constants and functions in a rule, and its strings."""
+
+    names: frozenset[str]
+    strings: frozenset[str]
+
+
+class Piece(NamedTuple):
+    """A comment, rule or other statement of a file: its text, and where it begins and ends."""
+
+    sort: Sort
+    text: str
+    begin: Place
+    end: Place
+
+
+class RuleSyntaxError(Exception):
+    """A text is no rules; `notes` are what clingo says of it."""
+
+    def __init__(self, notes: Sequence[str]) -> None:
+        """Take what clingo says."""
+        super().__init__(*notes)
+        self.notes = notes
+
+
+class Program(NamedTuple):
+    """Statements, and the predicates that tell answers apart."""
+
+    statements: tuple[Statement, ...]
+    projected: frozenset[Signature]
+
+
+# ---- Texts ---------------------------------------------------------------------------------------
+
+
+def statements(text: str) -> tuple[Statement, ...]:
+    """Return a rule, without its pools."""
+    if text not in _read:
+        _remember({text: _statements(text)})
+    return _read[text]
+
+
+def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
+    """Return each of some rules without its pools, by their texts, kept between commands."""
+    asked = tuple(texts)
+    new = [text for text in asked if text not in _read]
+    if new:
+        files = map(Path, (__file__, ast.__file__))
+        # Most questions need few rules, and to make values of what is kept is most of the cost.
+        packed = made_of("statements", files, new, lambda text: pickle.dumps(_statements(text)))
+        _remember({text: pickle.loads(each) for text, each in packed.items()})
+    return {text: _read[text] for text in asked}
+
+
+def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:
+    if len(_read) > _MOST:
+        _read.clear()
+    _read.update(found)
+
+
+def _statements(text: str) -> tuple[Statement, ...]:
+    place = _places(text)
+    return tuple(_statement(node, place) for node in tree(text).unpool())
+
+
+def program_of(text: str) -> Program | None:
+    """Return what a text says; `None` where a statement is of a sort that is not known here."""
+    found: list[Statement] = []
+    projected = []
+    for node in parsed(text):
+        if node.ast_type == _TYPE.ProjectSignature:
+            projected.append((node.name if node.positive else f"-{node.name}", node.arity))
+        elif node.ast_type in (_TYPE.Rule, _TYPE.Minimize):
+            found += (_statement(each, lambda _: _NO_PLACE) for each in node.unpool())
+        elif node.ast_type not in _SILENT:
+            return None
+    if not all(statement.known for statement in found):
+        return None
+    return Program(tuple(found), frozenset(projected))
+
+
+def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
+    """Return what stands for itself in each of some rules, kept between commands."""
+    return made_of("constants", map(Path, (__file__, ast.__file__)), texts, constants)
+
+
+def constants(text: str) -> Constants:
+    """Return what stands for itself in a rule."""
+    names, strings = set(), set()
+    for node in _below(tree(text)):
+        if node.ast_type == _TYPE.Function:
+            names.add(node.name)
+        elif node.ast_type == _TYPE.SymbolicTerm:
+            if node.symbol.type == SymbolType.Function:
+                names.add(node.symbol.name)
+            elif node.symbol.type == SymbolType.String:
+                strings.add(node.symbol.string)
+    return Constants(frozenset(names), frozenset(strings))
+
+
+def bound_variables(text: str) -> frozenset[str]:
+    """Return the variables outside of aggregates and negated literals of a rule's body."""
+    found: set[str] = set()
+    for literal in tree(text).body:
+        if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+            continue
+        if literal.atom.ast_type not in _AGGREGATES:
+            found |= variables(literal)
+            continue
+        for guard in (literal.atom.left_guard, literal.atom.right_guard):
+            if guard is not None and guard.comparison == ast.ComparisonOperator.Equal:
+                found |= variables(guard.term)
+    return frozenset(found)
+
+
+def argument_place(text: str, variant: int, at: int) -> Place:
+    """Return where an argument of the head of a rule, in one of its variants, begins."""
+    return _places(text)(tree(text).unpool()[variant].head.atom.symbol.arguments[at])
+
+
+def unsigned(signature: Signature) -> Signature:
+    """Return a predicate without the sign of classical negation."""
+    name, arity = signature
+    return name.removeprefix("-"), arity
+
+
+def masked(text: str) -> str:
+    """Return a text with one byte for each character that has several, for clingo counts bytes."""
+    return _NOT_ASCII.sub("`", text)
+
+
+def pieces(text: str) -> Iterator[Piece]:
+    """Yield the comments, rules and other statements of a text, in order.
+
+    Raises:
+        RuleSyntaxError: clingo cannot parse it, or a rule apart from the others says another thing.
+    """
+    notes: list[str] = []
+    try:
+        nodes = parsed(masked(text), notes.append)
+    except RuntimeError:
+        raise RuleSyntaxError(notes) from None
+    # Clingo ends lines at LF alone; other ends may stand in comments and strings.
+    lines = text.split("\n")
+    for node in nodes:
+        begin, end = node.location.begin, node.location.end
+        written = lines[begin.line - 1 : end.line]
+        written[-1] = written[-1][: end.column - 1]
+        written[0] = written[0][begin.column - 1 :]
+        piece = "\n".join(written)
+        if node.ast_type == _TYPE.Rule and not _says(piece, node):
+            place = f"<string>:{begin.line}:{begin.column}"
+            raise RuleSyntaxError([f"{place}: error: this rule cannot be told from its neighbours"])
+        yield Piece(
+            _SORTS.get(node.ast_type, "other"),
+            piece,
+            (begin.line, begin.column),
+            (end.line, end.column),
+        )
+
+
+def _says(piece: str, node: ast.AST) -> bool:
+    """Whether a text by itself is the rule, whose characters are ASCII, and nothing else."""
+    try:
+        found = [each for each in parsed(masked(piece)) if each.ast_type != _TYPE.Comment]
+    except RuntimeError:
+        return False
+    return len(found) == 2 and found[1] == node
+
+
+def declared(text: str) -> set[Signature]:
+    """Return the predicates that a text declares as given, by `#defined`, without signs."""
+    if "#defined" not in text:
+        return set()
+    return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}
+
+
+def shown(text: str) -> tuple[Signature, ...]:
+    """Return the predicates that a text shows."""
+    if "#show" not in text:
+        return ()
+    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.ShowSignature)
+    return tuple((node.name if node.positive else f"-{node.name}", node.arity) for node in nodes)
+
+
+def constant_names(text: str) -> frozenset[str]:
+    """Return the names in a text that stand for themselves, and which `#const` would replace."""
+    return frozenset(
+        node.symbol.name
+        for one in parsed(text)
+        for node in _below(one)
+        if node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function
+    )
+
+
+def calls(text: str) -> tuple[tuple[Place, str], ...]:
+    """Return the functions outside of clingo that a rule calls, by `@`, with their places."""
+    if "@" not in text:
+        return ()
+    place = _places(text)
+    found = (node for node in _below(tree(text)) if node.ast_type == _TYPE.Function)
+    return tuple((place(node), node.name) for node in found if node.external)
+
+
+def head_pool(text: str) -> Place | None:
+    """Return where the head of a rule holds a pool, if it does."""
+    found = (node for node in _below(tree(text).head) if node.ast_type == _TYPE.Pool)
+    return next(map(_places(text), found), None)
+
+
+def operands(text: str) -> tuple[Operand, ...]:
+    """Return the numbers and operations of a text that stand in no other operation.
+
+    Of one without any operation, small numbers are left out.
+    """
+    if _COMPUTING.search(text.replace(":-", "")) is None:
+        return ()
+    reader = ArithmeticReader(text)
+    return tuple(operand for node in parsed(text) for operand in reader.outermost(node))
+
+
+def definitions(text: str) -> dict[str, Operand]:
+    """Return what each constant stands for that a text replaces, by `#const`."""
+    reader = ArithmeticReader(text)
+    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
+    return {str(node.name): reader.operand(node.value, []) for node in nodes}
+
+
+def replaced(text: str) -> set[str]:
+    """Return the constants that a text replaces by other values, by `#const`."""
+    if "#const" not in text:
+        return set()
+    return {str(node.name) for node in parsed(text) if node.ast_type == _TYPE.Definition}
+
+
+def has_rules_alone(text: str) -> bool:
+    """Whether a text holds nothing but rules, and what says nothing of answers."""
+    return all(node.ast_type in (_TYPE.Rule, *_SILENT) for node in parsed(text))
+
+
+def without_rules(text: str) -> str:
+    """Return all of a text that is no rule."""
+    silent = (_TYPE.Program, _TYPE.Comment, _TYPE.Rule)
+    return "\n".join(str(node) for node in parsed(text) if node.ast_type not in silent)
+
+
+# ---- Trees ---------------------------------------------------------------------------------------
+
+
+def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST]:
+    """Return clingo's trees of a text; `note` takes what clingo says of it.
+
+    Raises:
+        RuntimeError: clingo cannot parse it.
+    """
+    found: list[ast.AST] = []
+
+    def logger(_: object, said: str) -> None:
+        if note is not None:
+            note(said)
+
+    if not text.isascii():
+        # What clingo says of a text it cuts between bytes, which its own Python cannot read.
+        ast.parse_string(masked(text), lambda _: None, logger=logger)
+    ast.parse_string(text, found.append, logger=logger)
+    return found
+
+
+def tree(text: str) -> ast.AST:
+    """Return clingo's tree of the text of a rule."""
+    return next(node for node in parsed(text) if node.ast_type == _TYPE.Rule)
+
+
+def sign_and_function(symbol: ast.AST) -> tuple[str, ast.AST]:
+    """Return the sign of classical negation, or nothing, and an atom without it."""
+    sign = ""
+    while symbol.ast_type == _TYPE.UnaryOperation:
+        sign, symbol = "" if sign else "-", symbol.argument
+    return sign, symbol
+
+
+def children(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if isinstance(child, ast.ASTSequence):
+            yield from child
+        elif child is not None:
+            yield child
+
+
+def _below(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and all below it."""
+    yield node
+    for child in children(node):
+        yield from _below(child)
+
+
+def _places(text: str) -> Callable[[ast.AST], Place]:
+    """Return what says where a node of the tree of a text begins; clingo counts bytes."""
+    lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
+
+    def place(node: ast.AST) -> Place:
+        begin = node.location.begin
+        if lines is None:
+            return begin.line, begin.column
+        return begin.line, len(
+            lines[begin.line - 1][: begin.column - 1].decode(errors="ignore")
+        ) + 1
+
+    return place
+
+
+def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
+    reader = _Reader(place)
+    for literal in node.body:
+        reader.read(literal)
+    cost, where = None, node
+    heads: list[Head] = []
+    forces = offers = False
+    if node.ast_type == _TYPE.Minimize:
+        terms = tuple(map(_term, node.terms))
+        cost = Cost(terms, f"{node.priority}/{len(terms)}")
+        written = (str(node.weight), *map(str, node.body))
+    else:
+        where = node.head
+        heads, forces, offers = reader.head(node.head)
+        written = (str(node.head), *map(str, node.body))
+    return Statement(
+        str(node),
+        written,
+        place(where),
+        tuple(heads),
+        Scope(tuple(reader.positive), tuple(reader.others)),
+        tuple(reader.inner),
+        tuple(reader.assigned),
+        forces,
+        offers,
+        reader.known,
+        cost,
+    )
+
+
+class _Reader:
+    """Reads one statement, literal by literal."""
+
+    def __init__(self, place: Callable[[ast.AST], Place]) -> None:
+        self._place = place
+        self.positive: list[Literal] = []
+        self.others: list[Literal] = []
+        self.inner: list[Scope] = []
+        self.assigned: list[tuple[Structure, tuple[tuple[int, Structure], ...]]] = []
+        #: Whether all that was read is of a known sort.
+        self.known = True
+
+    def head(self, head: ast.AST) -> tuple[list[Head], bool, bool]:
+        """Return the atoms of a head, and whether it forces one and whether it offers them."""
+        if head.ast_type == _TYPE.Literal:
+            if head.atom.ast_type == _TYPE.BooleanConstant:
+                self.known &= head.sign == ast.Sign.NoSign
+                return [], False, False
+            forces = _is_symbolic(head) and head.sign == ast.Sign.NoSign
+            self.known &= forces
+            found = [Head(self.literal(head), Scope(()))] if _is_symbolic(head) else []
+            return found, forces, False
+        elements = getattr(head, "elements", ())
+        if head.ast_type == _TYPE.HeadAggregate:
+            elements = [element.condition for element in elements]
+        elif head.ast_type == _TYPE.TheoryAtom:
+            elements = ()
+        self.known &= head.ast_type == _TYPE.Aggregate
+        heads = []
+        for element in elements:
+            condition, literal = self._scope(element.condition), element.literal
+            if _is_symbolic(literal):
+                heads.append(Head(self.literal(literal), condition))
+                self.known &= literal.sign == ast.Sign.NoSign
+            elif (
+                literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.BooleanConstant
+            ):
+                self.known = False
+        return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
+
+    def read(self, literal: ast.AST) -> None:
+        """Read a literal of the body."""
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            condition = self._scope(literal.condition)
+            self.known &= _is_plain(literal.literal)
+            then: tuple[Literal, ...] = ()
+            if _is_symbolic(literal.literal):
+                then = (self.literal(literal.literal)._replace(binds=False),)
+            self.inner.append(Scope(condition.positive, (*condition.others, *then)))
+        elif literal.ast_type == _TYPE.Literal and literal.atom.ast_type in _AGGREGATES:
+            if literal.atom.ast_type == _TYPE.BodyAggregate:
+                self._read_aggregate(literal)
+            else:
+                elements = literal.atom.elements
+                self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
+        else:
+            scope = self._scope((literal,))
+            self.positive += scope.positive
+            self.others += scope.others
+
+    def _read_aggregate(self, literal: ast.AST) -> None:
+        elements = []
+        for element in literal.atom.elements:
+            first = _term(element.terms[0]).structure if element.terms else None
+            elements.append((len(self.inner), first))
+            self.inner.append(self._scope(element.condition))
+        guard = literal.atom.left_guard
+        counts = literal.atom.function == ast.AggregateFunction.Count
+        if literal.sign == ast.Sign.NoSign and guard is not None and not counts:
+            if guard.comparison == ast.ComparisonOperator.Equal:
+                self.assigned.append((_term(guard.term).structure, tuple(elements)))
+
+    def _scope(self, literals: Iterable[ast.AST]) -> Scope:
+        literals = tuple(literals)
+        self.known &= all(map(_is_plain, literals))
+        found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
+        positive = tuple(literal for literal in found if literal.binds)
+        return Scope(positive, tuple(literal for literal in found if not literal.binds))
+
+    def literal(self, literal: ast.AST) -> Literal:
+        """Return a literal of a predicate."""
+        sign, symbol = sign_and_function(literal.atom.symbol)
+        terms = tuple(map(_term, symbol.arguments))
+        binds = literal.sign == ast.Sign.NoSign
+        return Literal((sign + symbol.name, len(terms)), terms, binds, self._place(symbol))
+
+
+def _is_plain(literal: ast.AST) -> bool:
+    return literal.ast_type == _TYPE.Literal and literal.atom.ast_type in (
+        _TYPE.SymbolicAtom,
+        _TYPE.Comparison,
+        _TYPE.BooleanConstant,
+    )
+
+
+def _is_symbolic(literal: ast.AST) -> bool:
+    return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
+
+
+def _term(term: ast.AST) -> Term:
+    kind, text = term.ast_type, str(term)
+    if kind == _TYPE.SymbolicTerm:
+        return Term(text, True, False, True, _NONE, None)
+    if kind == _TYPE.Variable:
+        if text == "_":
+            return Term(text, True, False, False, _NONE, None)
+        return Term(text, True, True, False, frozenset((text,)), text)
+    if kind != _TYPE.Function or term.external:
+        return Term(text, False, False, False, _NONE, None)
+    inside = tuple(map(_term, term.arguments))
+    is_pattern = all(each.is_pattern for each in inside)
+    variables = _NONE.union(*(each.variables for each in inside)) if is_pattern else _NONE
+    is_constant = all(each.is_constant for each in inside)
+    structure = Function((term.name, len(inside)), tuple(each.structure for each in inside))
+    return Term(text, is_pattern, False, is_constant, variables, structure if inside else None)
+
+
+def variables(node: ast.AST) -> frozenset[str]:
+    """Return the names of the variables in a tree, but for anonymous ones."""
+    names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
+    return frozenset(name for name in names if name != "_")
+
+
+class ArithmeticReader:
+    """Reads what is computed in a text."""
+
+    def __init__(self, text: str) -> None:
+        self._lines = text.encode().split(b"\n")
+        #: Where a node of the tree begins.
+        self.place = _places(text)
+
+    def outermost(self, node: ast.AST) -> Iterator[Number | Operation]:
+        """Yield the numbers and operations in a tree that stand in no other operation."""
+        rest = list(children(node))
+        if node.ast_type in _OPERANDS:
+            rest.clear()
+            operand = self.operand(node, rest)
+            if isinstance(operand, Number | Operation):
+                yield operand
+        for child in rest:
+            yield from self.outermost(child)
+
+    def operand(self, node: ast.AST, rest: list[ast.AST]) -> Operand:
+        """Return a node as an operand; below what is not computed, `rest` gets the nodes."""
+        match node.ast_type:
+            case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
+                return Number(self._number(node), self.place(node))
+            case _TYPE.BinaryOperation:
+                sign, inside = _BINARY.get(node.operator_type), [node.left, node.right]
+            case _TYPE.UnaryOperation if node.argument.ast_type not in _COMPOUND:
+                sign, inside = _UNARY.get(node.operator_type), [node.argument]
+            case _:
+                rest += children(node)
+                return str(node)
+        operands = tuple(self.operand(each, rest) for each in inside)
+        return Operation(sign or "", operands, self._written(node), self.place(node))
+
+    def _written(self, node: ast.AST) -> str:
+        """Return what stands in the text: a number that does not fit is another in the tree."""
+        begin, end = node.location.begin, node.location.end
+        if begin.line != end.line:
+            return str(node)
+        return str(self._lines[begin.line - 1][begin.column - 1 : end.column - 1], "utf-8")
+
+    def _number(self, node: ast.AST) -> int:
+        written = self._written(node)
+        try:
+            return int(written, 0)
+        except ValueError:
+            # Python reads no more than some thousand digits.
+            return 10**20 if written.isdecimal() else int(node.symbol.number)

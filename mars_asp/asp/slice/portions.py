@@ -1,0 +1,172 @@
+"""The portions of a resolution: how each is grounded for some parts of a configuration."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from itertools import combinations
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.asp.cache import made_of
+from mars_asp.asp.rules import statements
+from mars_asp.asp.rules.statements import Cost, Program, Scope, Signature, Statement, program_of
+from mars_asp.asp.slice import groups, shapes
+from mars_asp.asp.slice.groups import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
+from mars_asp.asp.slice.shapes import OWN
+from mars_asp.asp.solve.disjoint_sets import DisjointSets
+
+
+class Portion(NamedTuple):
+    """Rules, and what they read that they do not derive, by predicate.
+
+    `of_parts` has the position of an argument that is a name or identifier of the part to which
+    an atom belongs; what is in `of_all` belongs to every part.
+    """
+
+    text: str
+    derived: frozenset[Signature]
+    of_parts: Mapping[Signature, int]
+    of_all: frozenset[Signature]
+
+
+class Apart(NamedTuple):
+    """A resolution, and the portions of it that decide something, each without the others."""
+
+    whole: Portion
+    deciding: tuple[Portion, ...]
+
+
+def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
+    """Return how a resolution can be grounded part by part; `None` where that is not sure.
+
+    `base` and `resolution` are the texts of the rules; `given` says of given predicates which
+    arguments are names or identifiers of what a fact connects.
+    """
+    makers = (__file__, groups.__file__, shapes.__file__, statements.__file__)
+    key = (base, resolution, tuple(sorted(given.items())))
+    made = made_of("apart", map(Path, makers), [key], lambda _: _apart(base, resolution, given))
+    return made[key]
+
+
+def _apart(base: str, resolution: str, given: Positions) -> Apart | None:
+    derivations, resolving = program_of(base), program_of(resolution)
+    if derivations is None or resolving is None:
+        return None
+    derived = _derived(resolving.statements)
+    if derived & (given.keys() | _derived(derivations.statements)):
+        return None
+    own = shapes_of((*derivations.statements, *resolving.statements), given)
+    if not all(_is_apart(statement, own, derived) for statement in resolving.statements):
+        return None
+    if not _tell_costs_apart(resolving.statements, own):
+        return None
+    read = frozenset().union(*(each.reads for each in resolving.statements)) - derived
+    plain = {
+        signature: [at for at, shape in enumerate(own[signature]) if shape == OWN]
+        for signature in read
+        if tells(own, signature)
+    }
+    if not all(plain.values()):
+        return None
+    of_parts = {signature: positions[0] for signature, positions in plain.items()}
+    deciding = (
+        _portion(_text(each, resolving.projected), each, of_parts)
+        for each in _deciding(resolving, derived)
+    )
+    return Apart(_portion(resolution, resolving.statements, of_parts), tuple(deciding))
+
+
+def _derived(each: Iterable[Statement]) -> frozenset[Signature]:
+    return frozenset().union(*(statement.derives for statement in each))
+
+
+# ---- Whether a statement is about one part -------------------------------------------------------
+
+
+def _is_apart(statement: Statement, own: Shapes, derived: Set[Signature]) -> bool:
+    """Say whether each instance of a statement is about one part, or the same for all."""
+    scopes = (Scope(()), *statement.inner, *(condition for _, condition in statement.heads))
+    if not all(_is_about_one(statement.body, inner, own) for inner in scopes):
+        return False
+    main = groups_of(statement.body.positive, own)
+    if not main and any(tells(own, literal.signature) for s in scopes for literal in s.positive):
+        return False
+    if all(tells(own, signature) for signature in statement.derives):
+        return True
+    # What belongs to all parts is the same in each only if no choice has to do with it.
+    negated = any(literal.signature in derived for literal in statement.body.others)
+    return not (main or statement.offers or negated or statement.inner)
+
+
+def _is_about_one(body: Scope, inner: Scope, own: Shapes) -> bool:
+    """Say whether all literals of a body and of an element in it are about one part."""
+    found = groups_of((*body.positive, *inner.positive), own)
+    others = [x for x in (*body.others, *inner.others) if tells(own, x.signature)]
+    if not found:
+        return not others
+    return len(found) == 1 and all(linked(bound(x, own), found[0].shapes) for x in others)
+
+
+def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
+    """Say whether no tuple is one of two parts, as tuples say at one place whose they are."""
+    places: dict[str, set[int]] = {}
+    for statement in each:
+        if statement.cost is not None:
+            main = groups_of(statement.body.positive, own)
+            known = main[0].shapes if main else {}
+            terms = enumerate(statement.cost.terms)
+            found = {at for at, term in terms if shapes.put_together(term.structure, known)}
+            level = statement.cost.level
+            places[level] = places.get(level, found) & found
+    return all(places.values())
+
+
+# ---- What decides --------------------------------------------------------------------------------
+
+
+def _deciding(program: Program, derived: Set[Signature]) -> Iterator[Sequence[Statement]]:
+    """Yield the statements on which choices, constraints and costs depend, as they hang together.
+
+    Statements hang together when they name a predicate that the resolution derives, and costs when
+    they could count a tuple once.
+    """
+    waiting = [s for s in program.statements if s.offers or not s.heads]
+    found: dict[str, Statement] = {}
+    while waiting:
+        statement = waiting.pop()
+        if statement.text not in found:
+            found[statement.text] = statement
+            needed = (statement.reads | statement.derives) & derived
+            waiting += (s for s in program.statements if s.derives & needed)
+    sets: DisjointSets[Signature] = DisjointSets()
+    for statement in found.values():
+        sets.join(sorted((statement.reads | statement.derives) & derived))
+    costs = [s for s in found.values() if s.cost is not None and s.reads & derived]
+    for one, other in combinations(costs, 2):
+        if one.cost is not None and other.cost is not None and _meet(one.cost, other.cost):
+            sets.join(sorted((one.reads | other.reads) & derived))
+    for members in sets.members(sorted(sets.parent)).values():
+        together = frozenset(members)
+        yield [
+            s
+            for s in program.statements
+            if s.text in found and not together.isdisjoint(s.reads | s.derives)
+        ]
+
+
+def _meet(one: Cost, other: Cost) -> bool:
+    """Say whether a tuple of one cost could be one of the other."""
+    pairs = ((a.constant, b.constant) for a, b in zip(one.terms, other.terms, strict=False))
+    return one.level == other.level and not any(a and b and a != b for a, b in pairs)
+
+
+def _text(each: Iterable[Statement], projected: Iterable[Signature]) -> str:
+    each = tuple(each)
+    told = sorted(frozenset(projected) & _derived(each))
+    return "\n".join([s.text for s in each] + [f"#project {name}/{arity}." for name, arity in told])
+
+
+def _portion(text: str, each: Iterable[Statement], of_parts: Mapping[Signature, int]) -> Portion:
+    each = tuple(each)
+    derived = _derived(each)
+    read = frozenset().union(*(statement.reads for statement in each)) - derived
+    own = {signature: at for signature, at in of_parts.items() if signature in read}
+    return Portion(text, derived, own, read - own.keys())

@@ -1,0 +1,1 @@
+"""Ground programs: terms and atoms, components, and what is least of each."""

@@ -1,0 +1,205 @@
+"""The undecided part of a ground program, cut into independent components.
+
+Atoms are clingo's integers; a negative one in a body is a negated atom. Only rules on which a
+choice, a constraint or a cost depends are kept, because all else follows from the decisions. Two
+atoms belong together when a rule names both, so components can be solved apart and their costs add
+up.
+"""
+
+from array import array
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from mars_asp.asp.solve.disjoint_sets import DisjointSets
+from mars_asp.asp.solve.observer import Recorded
+from mars_asp.asp.solve.term_ids import Term, text
+
+Weighted: TypeAlias = tuple[tuple[int, int], ...]
+
+#: A rule as it is recorded: so many fixed numbers, then head and body.
+Flat: TypeAlias = "array[int]"
+_FIXED = 4
+
+
+class GroundRule(NamedTuple):
+    """A ground rule; where `bound` is positive, it and `weighted` replace `body`."""
+
+    choice: bool
+    head: tuple[int, ...]
+    body: tuple[int, ...]
+    bound: int = 0
+    weighted: Weighted = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """Rules over atoms 1..`size`; costs are (level, weight, literal); `projected` are counted."""
+
+    size: int
+    rules: tuple[GroundRule, ...]
+    costs: tuple[tuple[int, int, int], ...]
+    projected: tuple[int, ...]
+
+
+class Partition(NamedTuple):
+    """Components with their own numbering, each with the ground atoms that its numbers stand for.
+
+    `constant` is the cost, level by level, of what is decided already.
+    """
+
+    components: tuple[tuple[Component, tuple[int, ...]], ...]
+    constant: Mapping[int, int]
+
+
+def partition(program: Recorded, names: Mapping[int, Term], asked: Iterable[int] = ()) -> Partition:
+    """Cut a program into components.
+
+    Equal components come out equal: the atoms that tell answers apart are numbered first, in the
+    order of their names, all others in the order in which clingo grounded them. Rules on which
+    `asked` atoms depend are kept besides those on which choices, constraints and costs do.
+    """
+    facts = frozenset(program.facts)
+    rules: list[Flat] = []
+    groups: DisjointSets[int] = DisjointSets()
+    for rule, atoms in _relevant(program, facts, asked):
+        rules.append(rule)
+        groups.join(atoms)
+    members = groups.members(sorted(groups.parent))
+    root_of = {atom: root for root, atoms in members.items() for atom in atoms}
+    constant: dict[int, int] = {}
+    costs_of: dict[int, list[tuple[int, int, int]]] = {}
+    for level, weight, literal in program.costs:
+        constant.setdefault(level, 0)
+        if abs(literal) in root_of:
+            costs_of.setdefault(root_of[abs(literal)], []).append((level, weight, literal))
+        elif (literal in facts) if literal > 0 else (-literal not in facts):
+            constant[level] += weight
+    rules_of: dict[int, list[Flat]] = {}
+    for rule in rules:
+        if len(rule) > _FIXED:
+            rules_of.setdefault(root_of[abs(rule[_FIXED])], []).append(rule)
+    del rules, groups, root_of
+    components = []
+    shared: dict[Component, Component] = {}
+    for root, atoms in members.items():
+        ordered = _ordered(atoms, program.projected, names)
+        renaming = {atom: number for number, atom in enumerate(ordered, 1)}
+        renaming.update([(-atom, -number) for atom, number in renaming.items()])
+        part = Component(
+            len(ordered),
+            tuple(sorted([_renamed(rule, renaming) for rule in rules_of.pop(root)])),
+            tuple(sorted([(at, w, renaming[lit]) for at, w, lit in costs_of.pop(root, ())])),
+            tuple(range(1, 1 + sum(atom in program.projected for atom in ordered))),
+        )
+        components.append((shared.setdefault(part, part), ordered))
+    return Partition(tuple(components), constant)
+
+
+def _ordered(
+    members: Sequence[int], projected: set[int], names: Mapping[int, Term]
+) -> tuple[int, ...]:
+    """Return atoms, given in clingo's order, as a component numbers them."""
+    told = [atom for atom in members if atom in projected]
+    told.sort(key=lambda atom: text(names[atom]))
+    return (*told, *(atom for atom in members if atom not in projected))
+
+
+def _relevant(
+    program: Recorded, facts: Set[int], asked: Iterable[int]
+) -> Iterator[tuple[Flat, Sequence[int]]]:
+    """Yield the rules on which a choice, a constraint, a cost or an asked atom depends.
+
+    They are without atoms that are facts or that no rule gives. Each comes with the atoms that it
+    names.
+    """
+    numbers = program.rules
+    by_head: defaultdict[int, list[int]] = defaultdict(list)
+    offered: set[int] = set()
+    waiting = []
+    at = 0
+    while at < len(numbers):
+        choice, heads, bodies, _ = numbers[at : at + _FIXED]
+        head = numbers[at + _FIXED : at + _FIXED + heads]
+        if choice or not heads:
+            waiting.append(at)
+            offered.update(head)
+        else:
+            for atom in head:
+                by_head[atom].append(at)
+        at += _FIXED + heads + bodies
+    unsettled = (offered | by_head.keys()) - facts
+    reached = {*asked, *program.projected, *(abs(literal) for _, _, literal in program.costs)}
+    for atom in reached:
+        waiting += by_head.pop(atom, ())
+    seen = set()
+    while waiting:
+        at = waiting.pop()
+        if at in seen:
+            continue
+        seen.add(at)
+        _, heads, bodies, _ = numbers[at : at + _FIXED]
+        rule = numbers[at : at + _FIXED + heads + bodies]
+        atoms = _atoms(rule)
+        if not unsettled.issuperset(atoms):
+            simplified = _simplified(rule, facts, unsettled)
+            if simplified is None:
+                continue
+            rule, atoms = simplified, _atoms(simplified)
+        yield rule, atoms
+        for atom in atoms:
+            if atom not in reached:
+                reached.add(atom)
+                waiting += by_head.pop(atom, ())
+
+
+def _atoms(rule: Flat) -> list[int]:
+    """Return every atom that a rule names."""
+    _, heads, _, bound = rule[:_FIXED]
+    if bound:
+        return [*rule[_FIXED : _FIXED + heads], *map(abs, rule[_FIXED + heads :: 2])]
+    return [*map(abs, rule[_FIXED:])]
+
+
+def _simplified(rule: Flat, facts: Set[int], unsettled: Set[int]) -> "Flat | None":
+    """Return a rule without what is settled, or nothing where that settles the rule.
+
+    What is neither a fact nor unsettled is false.
+    """
+    choice, heads, _, bound = rule[:_FIXED]
+    head, body = rule[_FIXED : _FIXED + heads], rule[_FIXED + heads :]
+    head_left = [atom for atom in head if atom not in facts]
+    if len(head_left) < heads and not (choice and head_left):
+        return None
+    if not bound:
+        left = [literal for literal in body if abs(literal) in unsettled]
+        if len(left) < len(body) and any(
+            abs(literal) not in unsettled and (abs(literal) in facts) == (literal < 0)
+            for literal in body
+        ):
+            return None
+    else:
+        weighted = list(zip(body[::2], body[1::2], strict=True))
+        open_ones = [pair for pair in weighted if abs(pair[0]) in unsettled]
+        bound -= sum(
+            weight
+            for literal, weight in weighted
+            if abs(literal) not in unsettled and (abs(literal) in facts) == (literal > 0)
+        )
+        if sum(weight for _, weight in open_ones) < bound:
+            return None
+        left = [number for pair in open_ones if bound > 0 for number in pair]
+    return array("i", (choice, len(head_left), len(left), max(bound, 0), *head_left, *left))
+
+
+def _renamed(rule: Flat, names: Mapping[int, int]) -> GroundRule:
+    """Return a rule with other literals; `names` maps each literal."""
+    choice, heads, _, bound = rule[:_FIXED]
+    head = tuple(sorted([names[atom] for atom in rule[_FIXED : _FIXED + heads]]))
+    body = rule[_FIXED + heads :]
+    if not bound:
+        return GroundRule(choice > 0, head, tuple(sorted([names[literal] for literal in body])))
+    pairs = zip(body[::2], body[1::2], strict=True)
+    weighted = tuple(sorted([(names[literal], weight) for literal, weight in pairs]))
+    return GroundRule(choice > 0, head, (), bound, weighted)

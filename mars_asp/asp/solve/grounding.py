@@ -1,0 +1,363 @@
+"""Ground rules and facts with clingo, and find the least resolution, component by component."""
+
+import re
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import NamedTuple
+
+import clingo
+
+from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.solve.components import Component, partition
+from mars_asp.asp.solve.observer import Recorded, record
+from mars_asp.asp.solve.optimum import (
+    Optimum,
+    UnsatisfiableError,
+    check_costs,
+    least,
+    least_with,
+    optimise,
+)
+from mars_asp.asp.solve.term_ids import Labelled, Signature, Term, as_symbol, labelled, state
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+
+# What is least is found component by component; the whole is never minimised.
+_OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
+_MOST_MESSAGES = 10_000
+#: Each component has at least this long, for most need less, and one must not spoil all others.
+_LEAST_SECONDS = 0.05
+_PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
+# What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
+# with the square of a run of controllers, each of which stands beside the whole run.
+_NOTHING_SHOWN = "#show."
+_SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """An answer of the resolution rules: what follows from the literals that decide it.
+
+    It is found in one go, without any search, so it also shows that the decisions for the
+    components are an answer of the whole.
+    """
+
+    grounding: "Grounding"
+    decided: tuple[int, ...]
+
+    @cached_property
+    def shown(self) -> tuple[clingo.Symbol, ...]:
+        """Return the true atoms that the resolution rules show, facts among them."""
+        with self._model() as model:
+            return tuple(
+                as_symbol(atom)
+                for atom, literal, is_fact in self.grounding.shown_atoms()
+                if is_fact or model.is_true(literal)
+            )
+
+    @cached_property
+    def true(self) -> Mapping[Signature, Sequence[Term]]:
+        """Return the true atoms of each predicate of which not all are facts."""
+        with self._model() as model:
+            return {
+                signature: [a for a, literal, is_fact in atoms if is_fact or model.is_true(literal)]
+                for signature, atoms in self.grounding.open_predicates()
+            }
+
+    def count(self, predicate: tuple[str, int]) -> int:
+        """Return how many atoms of a predicate are true that costs something."""
+        true = self.grounding.facts.union(self.decided)
+        found = labelled(self.grounding.control, *predicate, True)
+        return sum(is_fact or literal in true for _, literal, is_fact in found)
+
+    @cached_property
+    def taken(self) -> frozenset[Term]:
+        """Return the true atoms that are no facts, and some that are."""
+        return frozenset(atom for atoms in self.true.values() for atom in atoms)
+
+    def check(self) -> None:
+        """Check that there is this answer.
+
+        Raises:
+            MarsError: there is none, so the decisions for the components do not fit together.
+        """
+        with self._model():
+            pass
+
+    @contextmanager
+    def _model(self) -> Iterator[clingo.Model]:
+        with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
+            model = handle.model()
+            if model is None:
+                raise self.grounding.refused("no resolution satisfies the rules of `rules/resolve`")
+            yield model
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """The least answer of the resolution rules.
+
+    `cost` and `bound` map the levels of the minimisation to values; `count` is how many optima
+    there are, `None` where nobody counted.
+    """
+
+    answer: Answer
+    cost: dict[int, int]
+    bound: dict[int, int]
+    proven: bool
+    count: int | None
+
+    @property
+    def taken(self) -> frozenset[Term]:
+        """Return the true atoms that are no facts, and some that are."""
+        return self.answer.taken
+
+
+class Part(NamedTuple):
+    """A component, the ground atoms that its numbers from 1 stand for, and its optimum."""
+
+    component: Component
+    atoms: tuple[int, ...]
+    best: Optimum
+
+    def decided(self, answer: Optimum) -> tuple[int, ...]:
+        """Return the literals that hold in an answer of the component."""
+        numbered = enumerate(self.atoms, 1)
+        return tuple(atom if number in answer.true else -atom for number, atom in numbered)
+
+
+class Grounding:
+    """One clingo control with the consequences as facts, then the resolution rules."""
+
+    def __init__(
+        self,
+        text: str | Sequence[Fragment],
+        stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({}),
+    ) -> None:
+        """Ground the rules of the consequences over facts, and state atoms that others derived.
+
+        Of a text in fragments, places are those in their files.
+
+        Raises:
+            MarsError: clingo refuses a rule, or the rules leave a choice.
+        """
+        self._messages: list[tuple[clingo.MessageCode, str]] = []
+        self._fragments: Sequence[Fragment] = ()
+        #: The components that were solved.
+        self.parts: list[Part] = []
+        self._program = Recorded()
+        self._names: dict[int, Term] = {}
+        self._shown: list[tuple[str, str]] = []
+        self._steps = 0
+        self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
+        shows_nothing = Fragment(_NOTHING_SHOWN, "rules")
+        self.add(f"{text}\n{_NOTHING_SHOWN}" if isinstance(text, str) else [*text, shows_nothing])
+        self.state(stated)
+        #: What is a fact, whatever later rules choose.
+        self._settled = frozenset(self.control.symbolic_atoms.signatures)
+
+    def add(self, text: str | Sequence[Fragment]) -> None:
+        """Ground rules and facts over what is grounded already.
+
+        Raises:
+            MarsError: clingo refuses a rule.
+        """
+        self._steps += 1
+        part = f"step{self._steps}"
+        self._fragments = () if isinstance(text, str) else text
+        try:
+            self.control.add(part, [], text if isinstance(text, str) else joined(text))
+            self.control.ground([(part, [])])
+        except RuntimeError as error:
+            raise self.refused(str(error)) from None
+        worst = clingo.MessageCode.OperationUndefined
+        if any(code == worst for code, _ in self._messages):
+            raise self.refused("an operation is undefined")
+
+    def derive(self, text: str) -> None:
+        """Ground rules for the sake of their atoms alone; answers cannot be asked for any more.
+
+        Neither the solver nor what recorded the ground program is told of them, which is most of
+        the cost.
+
+        Raises:
+            MarsError: clingo refuses a rule.
+        """
+        self.control.register_observer(clingo.Observer(), replace=True)
+        self.add(text)
+
+    def refused(self, reason: str) -> MarsError:
+        """Return the error that says why clingo cannot use the rules, with all places known."""
+        said = [message.strip() for _, message in self._messages]
+        found = tuple(refusals(said, self._fragments))
+        details = "; ".join(said[:5]) or reason
+        whole = Diagnostic(
+            "rules-refused",
+            "error",
+            f"clingo refuses the rules: {details}",
+            point("rules", 1, 1),
+            help="run `mars-asp rules lint` on your rule files",
+        )
+        return MarsError(found or (whole,))
+
+    def symbols(self, name: str, arity: int) -> Iterable[clingo.Symbol]:
+        """Yield the atoms of a predicate that are grounded, facts or not."""
+        return (atom.symbol for atom in self.control.symbolic_atoms.by_signature(name, arity))
+
+    def atoms(self, name: str, arity: int) -> Iterable[tuple[clingo.Symbol, bool]]:
+        """Yield the atoms of a predicate and whether each is a fact."""
+        found = self.control.symbolic_atoms.by_signature(name, arity)
+        return ((atom.symbol, atom.is_fact) for atom in found)
+
+    def resolve(
+        self,
+        rules: str,
+        deadline: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+        known: dict[Component, Optimum] | None = None,
+    ) -> Resolution:
+        """Ground the resolution rules and find their least answer.
+
+        `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
+        `progress` is told components done and in all; `known` are optima found before, to which
+        those found here are added.
+
+        Raises:
+            MarsError: the rules are refused, or have no answer.
+            TooCostlyError: the costs of a component do not fit; nothing is solved then.
+        """
+        self._program = record(self.control)
+        self._shown = _SHOWN.findall(rules)
+        self.add(_SHOWN.sub("", rules))
+        self._names = {
+            literal: atom
+            for name, arity in _PROJECTED.findall(rules)
+            for atom, literal, _ in labelled(self.control, name, int(arity), True)
+        }
+        parts = partition(self._program, self._names)
+        for component, _ in parts.components:
+            check_costs(component)
+        cost = dict(parts.constant)
+        bound = dict(parts.constant)
+        count: int | None = 1
+        proven = True
+        known = {} if known is None else known
+        decided: list[int] = []
+        for done, (component, numbered) in enumerate(parts.components):
+            if progress is not None:
+                progress(done, len(parts.components))
+            # Equal components have equal optima, so each is solved once.
+            best = known.get(component)
+            if best is None:
+                best = known[component] = self._optimise(component, deadline)
+            part = Part(component, numbered, best)
+            self.parts.append(part)
+            decided += part.decided(best)
+            for level, value in best.cost.items():
+                cost[level] = cost.get(level, 0) + value
+                bound[level] = bound.get(level, 0) + best.bound[level]
+            proven = proven and best.proven
+            count = None if count is None or best.count is None else count * best.count
+        return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
+
+    def state(self, atoms: Mapping[Signature, Iterable[Term]]) -> None:
+        """State facts that another grounding found."""
+        stated: dict[tuple[str, bool], list[Term]] = {}
+        for (name, _, positive), terms in atoms.items():
+            stated.setdefault((name, positive), []).extend(terms)
+        state(self.control, stated)
+
+    @property
+    def facts(self) -> frozenset[int]:
+        """Return what the resolution rules decide at once, by its numbers in the ground program."""
+        return frozenset(self._program.facts)
+
+    def shown_atoms(self) -> Iterator[Labelled]:
+        """Yield the atoms of the predicates that the resolution rules show."""
+        for name, arity in self._shown:
+            yield from labelled(self.control, name, int(arity), True)
+
+    def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
+        """Yield the predicates that the rules leave open, at least in part, and their atoms."""
+        for signature, found in self._resolved():
+            if not all(is_fact for _, _, is_fact in found):
+                yield signature, found
+
+    def decided_predicates(self) -> dict[Signature, Sequence[Term]]:
+        """Return the predicates that the resolution rules decide, and their atoms."""
+        return {
+            signature: [atom for atom, _, _ in found]
+            for signature, found in self._resolved()
+            if all(is_fact for _, _, is_fact in found)
+        }
+
+    def _resolved(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
+        for signature in self.control.symbolic_atoms.signatures:
+            if signature not in self._settled:
+                yield signature, labelled(self.control, *signature)
+
+    def extra_cost(
+        self, symbol: clingo.Symbol, deadline: float | None = None
+    ) -> dict[int, int] | None:
+        """Return what the cheapest answer with an atom costs more, level by level.
+
+        `None` where no answer has it. To be asked after `resolve`.
+
+        Raises:
+            TimeoutError: the deadline passed before any answer was found.
+        """
+        atom = self.control.symbolic_atoms[symbol]
+        if atom is None:
+            return None
+        for component, atoms in partition(self._program, self._names, [atom.literal]).components:
+            if atom.literal in atoms:
+                try:
+                    forced = least_with(component, 1 + atoms.index(atom.literal), deadline)
+                except UnsatisfiableError:
+                    return None
+                free = least(component, deadline)
+                return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
+        return None
+
+    def part_of(self, symbol: clingo.Symbol) -> Part | None:
+        """Return the component in which an atom is open; `None` where the rules decide it."""
+        atom = self.control.symbolic_atoms[symbol]
+        return None if atom is None else self._part_of.get(atom.literal)
+
+    @cached_property
+    def _part_of(self) -> dict[int, Part]:
+        return {atom: part for part in self.parts for atom in part.atoms}
+
+    @cached_property
+    def symbol_of(self) -> dict[int, clingo.Symbol]:
+        """Return the open atoms by the numbers that stand for them in components."""
+        found = (each for _, atoms in self.open_predicates() for each in atoms)
+        return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
+
+    def _optimise(self, component: Component, deadline: float | None) -> Optimum:
+        if deadline is not None:
+            deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
+        try:
+            return optimise(component, deadline)
+        except UnsatisfiableError:
+            raise self.refused("no resolution satisfies the rules of `rules/resolve`") from None
+
+
+def unsolved(program: Iterable[Fragment]) -> clingo.Control:
+    """Return what a program derives, as far as it can be grounded; no solver is told of it."""
+    control = clingo.Control(_OPTIONS, lambda *_: None, _MOST_MESSAGES)
+    control.register_observer(clingo.Observer(), replace=True)
+    with suppress(RuntimeError):
+        control.add("base", [], joined(program))
+        control.ground()
+    return control
+
+
+def _noting(
+    messages: list[tuple[clingo.MessageCode, str]],
+) -> Callable[[clingo.MessageCode, str], None]:
+    # A method would keep its control alive, and what is large in it Python's collector cannot see.
+    return lambda code, message: messages.append((code, message))

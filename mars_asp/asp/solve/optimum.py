@@ -1,0 +1,315 @@
+"""The proven optimum of one component of a ground program."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import clingo
+
+from mars_asp.asp.solve.components import Component, GroundRule
+
+#: Levels below this order optima by taste; they are no cost and do not tell optima apart.
+COST_LEVEL = 10
+#: Beyond this many, optima are not counted; of a large component, beyond so many times its atoms,
+#: for each answer takes time in proportion to them.
+MOST_COUNTED = 10_000
+_MOST_ATOMS_COUNTED = 4_000_000
+#: To show that there is no other optimum may take longer than to find one: it is given up after so
+#: many conflicts, for a time limit would make the answer depend on the machine.
+_MOST_CONFLICTS = 100_000
+#: clasp reports sums of costs as 32 bit integers, which wrap without a word.
+MOST_COST = 2**31 - 1
+_OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The least answer of a component.
+
+    `true` are its true atoms; `cost` and `bound` map levels to values (equal where `proven`);
+    `count` is how many optima there are, or `None` where that was not counted.
+    """
+
+    true: frozenset[int]
+    cost: dict[int, int]
+    bound: dict[int, int]
+    proven: bool
+    count: int | None
+
+
+class TooCostlyError(Exception):
+    """What could be chosen together costs more, at a level, than clasp can add up."""
+
+    def __init__(self, level: int, total: int) -> None:
+        """Keep the level and what all its costs make together."""
+        super().__init__(f"costs on level {level} add up to {total}")
+        self.level = level
+        self.total = total
+
+
+class UnsatisfiableError(Exception):
+    """No answer satisfies the rules."""
+
+
+class LateError(TimeoutError):
+    """The deadline passed before any answer was found; `bound` is what each costs at least."""
+
+    def __init__(self, bound: dict[int, int]) -> None:
+        """Keep the bound, level by level."""
+        super().__init__("the deadline passed before any answer was found")
+        self.bound = bound
+
+
+def check_costs(component: Component) -> None:
+    """Check that clasp can add up whatever costs a component has, level by level.
+
+    Raises:
+        TooCostlyError: it cannot.
+    """
+    for level, total in _totals(component).items():
+        if total > MOST_COST:
+            raise TooCostlyError(level, total)
+
+
+def _totals(component: Component) -> dict[int, int]:
+    totals: dict[int, int] = {}
+    for level, weight, _ in component.costs:
+        totals[level] = totals.get(level, 0) + abs(weight)
+    return totals
+
+
+def optimise(component: Component, deadline: float | None = None) -> Optimum:
+    """Find the least answer of a component; of equal ones the first in the order of its atoms.
+
+    `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
+    the first that satisfies the rules, which is found whatever time that takes.
+
+    Raises:
+        UnsatisfiableError: there is no answer.
+    """
+    try:
+        found = least(component, deadline)
+    except LateError as late:
+        return _first(component, late.bound)
+    if not found.proven:
+        return found
+    costs = {level: cost for level, cost in found.cost.items() if level >= COST_LEVEL}
+    count = _count(component, costs, deadline)
+    if count == 1:
+        return Optimum(found.true, found.cost, found.bound, True, 1)
+    true = _first_by_name(component, found, deadline)
+    return Optimum(true, found.cost, found.bound, True, count)
+
+
+def least(component: Component, deadline: float | None = None) -> Optimum:
+    """Find a least answer of a component; how many there are is not counted.
+
+    Raises:
+        UnsatisfiableError: there is no answer.
+        TimeoutError: the deadline passed before any answer was found.
+    """
+    levels = sorted({level for level, _, _ in component.costs}, reverse=True)
+    control = _control(component)
+    with control.backend() as backend:
+        for level in levels:
+            costs = [(lit, weight) for at, weight, lit in component.costs if at == level]
+            backend.add_minimize(level, costs)
+    true: frozenset[int] | None = None
+    cost: list[int] = []
+    with _solving(control, deadline) as handle:
+        for model in _models(handle, deadline):
+            true = _true(model, component)
+            cost = list(model.cost)
+        result = handle.get()
+    if result.unsatisfiable:
+        raise UnsatisfiableError
+    values = dict(zip(levels, cost, strict=False))
+    # Without anything to minimise the first answer ends the search, and none is better.
+    if true is not None and (result.exhausted or not levels):
+        return Optimum(true, values, values, True, None)
+    lower = control.statistics["summary"]["lower"] if levels else []
+    bound = {**dict.fromkeys(levels, 0), **dict(zip(levels, map(int, lower), strict=False))}
+    if true is None:
+        raise LateError(bound)
+    return Optimum(true, values, bound, False, None)
+
+
+def least_with(component: Component, atom: int, deadline: float | None = None) -> Optimum:
+    """Find a least answer in which an atom is true.
+
+    Raises:
+        UnsatisfiableError: no answer has it.
+        TimeoutError: the deadline passed before any answer was found.
+    """
+    forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
+    return least(forced, deadline)
+
+
+def others(
+    component: Component, best: Optimum, most: int, deadline: float | None = None
+) -> Iterator[Optimum]:
+    """Yield answers in the order of their cost, each without a decision of every one before it.
+
+    `best` is the first of those before. Each is least among what is left, so those that only add
+    to an earlier one are left out; at most `most` are found.
+
+    Raises:
+        TimeoutError: the deadline passed before the next was found.
+    """
+    left, found = component, best
+    for _ in range(most):
+        decided = tuple(atom for atom in component.projected if atom in found.true)
+        same = GroundRule(False, (), decided or tuple(-atom for atom in component.projected))
+        # Each search begins anew: clasp may never end where rules come to what it has optimised.
+        left = replace(left, rules=(*left.rules, same))
+        try:
+            found = least(left, deadline)
+        except UnsatisfiableError:
+            return
+        yield found
+
+
+def disjoint_needs(
+    component: Component, level: int, deadline: float | None = None
+) -> tuple[tuple[int, ...], ...]:
+    """Return sets of atoms that cost something at a level, no atom in two of them.
+
+    Of each set one must be true, so no answer costs less than there are sets. The sets are
+    unsatisfiable cores (Andres et al., Unsatisfiability-based optimization in clasp, ICLP 2012),
+    each shrunk until every atom in it is needed.
+
+    Raises:
+        TimeoutError: the deadline passed.
+    """
+    control = _control(component)
+    costly = sorted({atom for at, _, atom in component.costs if at == level and atom > 0})
+    needs: list[tuple[int, ...]] = []
+    while True:
+        core = _core(control, [-atom for atom in costly], deadline)
+        if core is None:
+            return tuple(needs)
+        for literal in sorted(core):
+            smaller = _core(control, [other for other in core if other != literal], deadline)
+            core = core if smaller is None else smaller
+        needs.append(tuple(sorted(-literal for literal in core)))
+        costly = [atom for atom in costly if atom not in needs[-1]]
+
+
+def _core(
+    control: clingo.Control, assumptions: Sequence[int], deadline: float | None
+) -> list[int] | None:
+    """Return assumptions that cannot hold together, or `None` where all can."""
+    with _solving(control, deadline, assumptions) as handle:
+        if not handle.wait(_left(deadline)):
+            raise TimeoutError
+        return None if handle.get().satisfiable else list(handle.core())
+
+
+def _solving(
+    control: clingo.Control, deadline: float | None, assumptions: Sequence[int] = ()
+) -> clingo.SolveHandle:
+    """Begin to solve, in a thread of its own only where that may have to end: it costs more."""
+    told = list(assumptions)
+    if deadline is None:
+        return control.solve(assumptions=told, yield_=True)
+    return control.solve(assumptions=told, yield_=True, async_=True)
+
+
+def _left(deadline: float | None) -> float | None:
+    """Return the seconds before a deadline; clingo takes less than 0 for all the time there is."""
+    return None if deadline is None else max(0.0, deadline - time.monotonic())
+
+
+def _models(handle: clingo.SolveHandle, deadline: float | None) -> Iterator[clingo.Model]:
+    """Yield models until there is no other, or the deadline passes: there the search ends."""
+    handle.resume()
+    while handle.wait(_left(deadline)) and (model := handle.model()) is not None:
+        yield model
+        handle.resume()
+    handle.cancel()
+
+
+def _true(model: clingo.Model, component: Component) -> frozenset[int]:
+    return frozenset(atom for atom in range(1, component.size + 1) if model.is_true(atom))
+
+
+def _control(component: Component, options: Sequence[str] = ()) -> clingo.Control:
+    control = clingo.Control([*_OPTIONS, *options])
+    with control.backend() as backend:
+        for _ in range(component.size):
+            backend.add_atom()
+        for rule in component.rules:
+            if rule.bound:
+                backend.add_weight_rule(rule.head, rule.bound, rule.weighted, rule.choice)
+            else:
+                backend.add_rule(rule.head, rule.body, rule.choice)
+    return control
+
+
+def _first(component: Component, bound: dict[int, int]) -> Optimum:
+    """Find any answer, without looking for a cheap one."""
+    control = _control(component)
+    with control.solve(yield_=True) as handle:
+        model = handle.model()
+        if model is None:
+            raise UnsatisfiableError
+        true = _true(model, component)
+    cost = dict.fromkeys(bound, 0)
+    for level, weight, literal in component.costs:
+        if (literal in true) if literal > 0 else (-literal not in true):
+            cost[level] += weight
+    return Optimum(true, cost, bound, False, None)
+
+
+def _bounded(
+    component: Component, costs: dict[int, int], options: Sequence[str] = ()
+) -> clingo.Control:
+    """Return a control whose answers are those of these costs."""
+    control = _control(component, options)
+    totals = _totals(component)
+    with control.backend() as backend:
+        for level, most in costs.items():
+            if most >= totals[level]:
+                continue
+            terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
+            # Beyond the cost the sum reaches `most` + 1; negative weights do not occur in costs.
+            backend.add_weight_rule([], most + 1, terms)
+        backend.add_project(component.projected)
+    return control
+
+
+def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
+    most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
+    limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
+    control = _bounded(component, costs, ("--project=project", *limits))
+    with _solving(control, deadline) as handle:
+        count = sum(1 for _ in _models(handle, deadline))
+        # Who reaches a limit has exhausted nothing.
+        return count if handle.get().exhausted else None
+
+
+def _first_by_name(component: Component, found: Optimum, deadline: float | None) -> frozenset[int]:
+    """Decide the atoms one by one, true where some optimum has them so, while that is easy."""
+    control = _bounded(component, found.cost, (f"--solve-limit={_MOST_CONFLICTS}",))
+    true = found.true
+    assumed: list[int] = []
+    for atom in component.projected:
+        if _left(deadline) == 0:
+            break
+        if atom in true:
+            assumed.append(atom)
+            continue
+        answer: list[frozenset[int]] = []
+
+        def keep(model: clingo.Model, answer: list[frozenset[int]] = answer) -> None:
+            answer.append(_true(model, component))
+
+        result = control.solve(assumptions=[*assumed, atom], on_model=keep)
+        if result.unknown:
+            break
+        if answer:
+            true = answer[0]
+            assumed.append(atom)
+        else:
+            assumed.append(-atom)
+    return true

@@ -1,0 +1,162 @@
+"""From near misses to the reason why an atom is absent."""
+
+from collections.abc import Mapping, Sequence, Set
+from typing import TypeAlias
+
+import clingo
+
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
+from mars_asp.asp.trace.explainer import Explainer
+from mars_asp.asp.trace.firings import Firing
+from mars_asp.asp.trace.near_misses import IN_QUESTION, LACKING, NEAR, Candidate, NearMisses
+from mars_asp.asp.trace.patterns import can_be_followed, fixed_parts, shown_pattern
+from mars_asp.asp.trace.tree import Absent, Attempt, Missing, Trace, bindings_of
+
+Found: TypeAlias = Mapping[clingo.Symbol, Sequence[tuple[Candidate, Firing]]]
+
+
+def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing | Absent:
+    """Return what keeps an atom from holding; holes of the pattern are any value.
+
+    Each level below is one more grounding, or two; at most `depth` of them are asked for.
+    """
+    near = NearMisses(explainer.rewriter)
+    found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
+    pending = [pattern]
+    for _ in range(depth):
+        if not pending:
+            break
+        attempts = _come_near(explainer, near, pending)
+        found |= attempts
+        lacking = (f.lacks.arguments[1] for a in attempts.values() for _, f in a if f.lacks)
+        parts = dict.fromkeys(lack.arguments[0] for lack in lacking if lack.name == "no")
+        pending = [part for part in parts if part not in found and can_be_followed(part)]
+    true = {atom for a in found.values() for _, firing in a for atom in _believed(firing)}
+    return _absence(pattern, found, explainer.rules, explainer.why(sorted(true)))
+
+
+def _come_near(
+    explainer: Explainer, near: NearMisses, patterns: Sequence[clingo.Symbol]
+) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
+    """Return for each pattern, rule by rule, the candidate that comes nearest."""
+    lines = []
+    asked: dict[str, list[Term]] = {}
+    for index, pattern in enumerate(patterns):
+        kind = (pattern.name, len(pattern.arguments))
+        parts = clingo.Function("w", fixed_parts(pattern))
+        asked.setdefault(NEAR, []).append(as_term(clingo.Tuple_([clingo.Number(index), parts])))
+        for number, rule in enumerate(explainer.rules):
+            if kind in rule.heads:
+                lines.append(near.text(rule, number, pattern, index))
+    best: dict[tuple[int, int], tuple[Candidate, Firing]] = {}
+    for firing in explainer.firings("\n".join(lines), asked):
+        candidate = near.candidates[firing.rule]
+        key = (candidate.pattern, candidate.rule)
+        if key not in best or _nearness(candidate, firing) < _nearness(*best[key]):
+            best[key] = (candidate, firing)
+    lacking = _lacking(explainer, near, [firing for _, firing in best.values()])
+    found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {p: [] for p in patterns}
+    for (index, _), (candidate, firing) in sorted(best.items(), key=lambda item: item[0]):
+        lacks = lacking.get(firing.rule, firing.lacks)
+        found[patterns[index]].append((candidate, firing._replace(lacks=lacks)))
+    return found
+
+
+def _lacking(
+    explainer: Explainer, near: NearMisses, firings: Sequence[Firing]
+) -> dict[int, clingo.Symbol]:
+    """Return what firings lack, by the numbers of their candidates, where that has to be asked.
+
+    Each lacks one of many things. Asked for all that come near, there would be as many as these
+    times the elements of a conditional literal.
+    """
+    asked = {f.rule: _lack(f) for f in firings if _lack(f).name == IN_QUESTION}
+    if not asked:
+        return {}
+    questions = [as_term(clingo.Tuple_([clingo.Number(n), lack])) for n, lack in asked.items()]
+    text = "\n".join(map(near.lacking.__getitem__, asked))
+    return {f.rule: f.lacks for f in explainer.firings(text, {LACKING: questions}) if f.lacks}
+
+
+def _nearness(candidate: Candidate, firing: Firing) -> tuple[bool, bool, int, str, int]:
+    """Return a sort key: a choice that was not made, one literal alone, then most that hold.
+
+    Of variants of a rule that differ in a pool it is the first.
+    """
+    return (
+        candidate.fails is not None,
+        not candidate.alone,
+        -candidate.kept,
+        str(as_symbol(firing.values)),
+        firing.rule,
+    )
+
+
+def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
+    """Return the true atoms that a near miss is told with."""
+    lack = _lack(firing)
+    if lack.name == "holds":
+        return (lack.arguments[0],)
+    if lack.name == "no":
+        return ()
+    elements = [element for group in firing.groups for element in group.counted.elements]
+    counted = {as_symbol(p) for e in elements for p in (*e.premises, *e.conditions)}
+    premises = () if lack.name == "value" and counted else map(as_symbol, firing.premises)
+    return tuple(dict.fromkeys((*premises, *sorted(counted))))
+
+
+def _absence(
+    pattern: clingo.Symbol,
+    found: Found,
+    rules: Sequence[Rule],
+    true: Mapping[clingo.Symbol, Trace],
+    above: Set[clingo.Symbol] = frozenset(),
+    known: dict[clingo.Symbol, Missing | Absent] | None = None,
+) -> Missing | Absent:
+    """Return why no atom of a pattern holds.
+
+    What is needed twice is one object; what leads back to itself ends in a leaf.
+    """
+    known = {} if known is None else known
+    written = shown_pattern(pattern)
+    if pattern in above:
+        return Absent(written)
+    if pattern in known:
+        return known[pattern]
+    if pattern not in found:
+        return Missing(written, (), followed=False)
+    if not found[pattern]:
+        return Absent(written)
+    attempts = []
+    for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
+        lack = _lack(firing)
+        cause: Trace | None = None
+        held: tuple[Trace, ...] = ()
+        if lack.name == "no":
+            cause = _absence(lack.arguments[0], found, rules, true, {*above, pattern}, known)
+        elif lack.name == "holds":
+            cause = true[lack.arguments[0]]
+        else:
+            held = tuple(true[atom] for atom in _believed(firing))
+        rule, bindings = rules[candidate.rule], bindings_of(firing.values)
+        attempts.append(
+            Attempt(
+                written,
+                rule,
+                fill(rule.because, bindings, shown),
+                bindings,
+                candidate.fails,
+                lack.arguments[0] if lack.name == "value" else None,
+                cause,
+                held,
+            )
+        )
+    known[pattern] = Missing(written, tuple(attempts))
+    return known[pattern]
+
+
+def _lack(firing: Firing) -> clingo.Symbol:
+    assert firing.lacks is not None
+    return firing.lacks.arguments[1]

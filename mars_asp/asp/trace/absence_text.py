@@ -1,0 +1,68 @@
+"""What is said of a rule that does not give an atom."""
+
+import re
+from collections.abc import Sequence
+
+from mars_asp.asp.messages import shown
+from mars_asp.asp.trace.tree import Attempt, Missing, Trace
+
+_HOLE = re.compile(r"\{[^{}]*\}")
+_VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+
+
+def nearest(missing: Missing) -> list[Attempt]:
+    """Return the attempts that say something; those without a message give way to their causes."""
+    found: list[Attempt] = []
+    seen: set[int] = set()
+    stack: list[Attempt] = list(reversed(missing.attempts))
+    while stack:
+        attempt = stack.pop()
+        if id(attempt) in seen:
+            continue
+        seen.add(id(attempt))
+        cause = attempt.cause
+        if attempt.message is None and isinstance(cause, Missing) and cause.attempts:
+            stack += reversed(cause.attempts)
+        else:
+            found.append(attempt)
+    return found
+
+
+def attempt_text(attempt: Attempt) -> str:
+    """Return what a rule would have said; what is not bound is `_`."""
+    if attempt.message is None:
+        return _short(attempt) if isinstance(attempt.cause, Missing) else _test(attempt)
+    return f"not: {_HOLE.sub('_', attempt.message)}"
+
+
+def failure(attempt: Attempt, go_on: bool) -> Sequence[Trace | Attempt | str]:
+    """Return what stands below an attempt before what holds: the premise that fails and why."""
+    cause = attempt.cause
+    if isinstance(cause, Missing) and cause.attempts and (go_on or is_unspoken(cause)):
+        return nearest(cause)
+    if cause is not None:
+        return (cause,) if go_on or not isinstance(cause, Missing) else (f"no {cause.atom}",)
+    return () if attempt.message is None else (_test(attempt),)
+
+
+def is_unspoken(missing: Missing) -> bool:
+    """Say whether no rule tells what is missing, and each fails by what is there to be seen."""
+    return all(
+        attempt.message is None and not isinstance(attempt.cause, Missing)
+        for attempt in missing.attempts
+    )
+
+
+def _short(attempt: Attempt) -> str:
+    assert isinstance(attempt.cause, Missing)
+    return f"no {attempt.cause.atom}"
+
+
+def _test(attempt: Attempt) -> str:
+    if attempt.fails is None:
+        return "it may be chosen, and is not"
+    if attempt.value is not None:
+        return f"`{attempt.fails}` fails, for it comes to {attempt.value}"
+    names = dict.fromkeys(_VARIABLE.findall(attempt.fails))
+    values = [f"{n} = {shown(attempt.bindings[n])}" for n in names if n in attempt.bindings]
+    return f"`{attempt.fails}` fails{' for ' if values else ''}{', '.join(values)}"

@@ -1,0 +1,95 @@
+"""What the elements of a group add to the steps that rest on them, found once for many steps."""
+
+from collections.abc import Callable, Iterable, Mapping
+from itertools import takewhile
+from typing import TypeAlias
+
+from mars_asp.asp.solve.term_ids import Term, as_symbol
+from mars_asp.asp.trace.firings import Counted, Element, Firing, Group, Terms
+
+#: Premises, and what a step rests on the absence of.
+Support: TypeAlias = tuple[Terms, Terms]
+
+
+class CountedBelow:
+    """Answers what groups add to steps of a height: what has a lesser one, or none."""
+
+    def __init__(self, heights: Mapping[Term, int]) -> None:
+        """Prepare for the groups of firings over which the heights were found."""
+        self._heights = heights
+        #: The elements of each group with their heights, the lowest first.
+        self._ordered: dict[Counted, list[tuple[int, Element]]] = {}
+        self._known: dict[tuple[Counted, int], Support] = {}
+
+    def of(self, height: int, group: Group) -> Support:
+        """Return what the elements of a group add that have less than a height."""
+        key = (group.counted, height)
+        if key not in self._known:
+            low = takewhile(lambda pair: pair[0] < height, self._in_order(group))
+            elements = [element for _, element in low]
+            self._known[key] = support_of(elements, lambda atom: self._height(atom) < height)
+        return self._known[key]
+
+    def _in_order(self, group: Group) -> list[tuple[int, Element]]:
+        if group.counted not in self._ordered:
+            heights = [
+                max(map(self._height, e.premises), default=0) for e in group.counted.elements
+            ]
+            pairs = list(zip(heights, group.counted.elements, strict=True))
+            self._ordered[group.counted] = sorted(pairs, key=lambda pair: pair[0])
+        return self._ordered[group.counted]
+
+    def _height(self, atom: Term) -> int:
+        return self._heights.get(atom, 0)
+
+
+class CountedWithout:
+    """Answers what groups add to the derivations of one atom."""
+
+    def __init__(self, stands: Callable[[Term], bool]) -> None:
+        """Prepare; `stands` says whether an atom can be derived without that one."""
+        self._stands = stands
+        self._known: dict[Counted, Support] = {}
+        self._held: dict[tuple[Group, ...], tuple[frozenset[Term], frozenset[Term]]] = {}
+
+    def of(self, group: Group) -> Support:
+        """Return what the elements of a group add that stand."""
+        if group.counted not in self._known:
+            self._known[group.counted] = support_of(group.counted.elements, self._stands)
+        return self._known[group.counted]
+
+    def of_all(self, groups: tuple[Group, ...]) -> tuple[frozenset[Term], frozenset[Term]]:
+        """Return what several groups add together."""
+        if groups not in self._held:
+            added = [self.of(group) for group in groups]
+            inside = frozenset(atom for premises, _ in added for atom in premises)
+            self._held[groups] = inside, frozenset(atom for _, lacking in added for atom in lacking)
+        return self._held[groups]
+
+
+def support_of(elements: Iterable[Element], counts: Callable[[Term], bool]) -> Support:
+    """Return what elements add of which the premises count, in the order of symbols."""
+    inside: set[Term] = set()
+    lacking: set[Term] = set()
+    for element in elements:
+        if all(map(counts, element.premises)):
+            inside.update(element.premises)
+            inside.update(filter(counts, element.conditions))
+            lacking.update(element.absent)
+    return tuple(sorted(inside, key=as_symbol)), tuple(sorted(lacking, key=as_symbol))
+
+
+def support(firing: Firing, added: Callable[[Group], Support]) -> Support:
+    """Return what supports a firing, and what it rests on the absence of.
+
+    Of an aggregate stand here all elements of which the premises count, so that a reader sees
+    everything that is counted, and no atom is among its own reasons.
+    """
+    if not firing.groups:
+        return firing.premises, firing.absent
+    premises, absent = dict.fromkeys(firing.premises), dict.fromkeys(firing.absent)
+    for group in firing.groups:
+        inside, lacking = added(group)
+        premises |= dict.fromkeys(inside)
+        absent |= dict.fromkeys(lacking)
+    return tuple(premises), tuple(absent)

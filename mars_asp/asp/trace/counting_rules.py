@@ -1,0 +1,77 @@
+"""What a rule counts over: aggregates, and conditional literals as if all were to be counted."""
+
+from collections.abc import Callable, Iterator, Sequence, Set
+
+from clingo import ast
+
+from mars_asp.asp.solve.atoms import term_text
+from mars_asp.asp.trace.scope import variables_of
+
+_TYPE = ast.ASTType
+
+_SWAPPED = {
+    ast.ComparisonOperator.LessEqual: "ge",
+    ast.ComparisonOperator.LessThan: "gt",
+    ast.ComparisonOperator.GreaterEqual: "le",
+    ast.ComparisonOperator.GreaterThan: "lt",
+}
+_STRAIGHT = {
+    ast.ComparisonOperator.LessEqual: "le",
+    ast.ComparisonOperator.LessThan: "lt",
+    ast.ComparisonOperator.GreaterEqual: "ge",
+    ast.ComparisonOperator.GreaterThan: "gt",
+}
+
+
+def group_key(rule: str, group: ast.AST, outside: Set[str]) -> str:
+    """Return a term for the elements of a group: whose they are, and their global variables.
+
+    The same text can mean another thing where a pool gives a variant of the rule other global
+    variables, so their names are told too.
+    """
+    conditional = group.ast_type == _TYPE.ConditionalLiteral
+    names = sorted(variables_of((group,) if conditional else group.elements) & outside)
+    return f"k({','.join((rule, term_text(f'{group} for {names}'), *names))})"
+
+
+def needed_of(group: ast.AST, named: Callable[[ast.AST], ast.AST]) -> tuple[str, str, str]:
+    """Return how many elements of a group a firing rests on: (function, relation, bound).
+
+    All of them, none (an upper bound is no support), or enough to reach a bound, for which `named`
+    gives a term with one value.
+    """
+    if group.ast_type == _TYPE.ConditionalLiteral:
+        return "all", "all", "0"
+    function = "count"
+    if group.ast_type == _TYPE.BodyAggregate:
+        function = ast.AggregateFunction(group.function).name.lower()
+    supporting = ("le", "lt") if function == "min" else ("ge", "gt")
+    relations = [
+        (table.get(guard.comparison), guard.term)
+        for guard, table in ((group.left_guard, _SWAPPED), (group.right_guard, _STRAIGHT))
+        if guard is not None
+    ]
+    for relation, bound in relations:
+        if relation in supporting:
+            return function, relation, str(named(bound))
+    if relations and all(relation is not None for relation, _ in relations):
+        return "none", "none", "0"
+    return "all", "all", "0"
+
+
+def elements_of(
+    group: ast.AST,
+) -> Iterator[tuple[str, Sequence[ast.AST], Sequence[ast.AST]]]:
+    """Yield what tells an element apart, the literals that support it, and its mere conditions.
+
+    Without a tuple, the first literal tells elements apart.
+    """
+    if group.ast_type == _TYPE.ConditionalLiteral:
+        yield "", (group.literal,), tuple(group.condition)
+        return
+    for element in group.elements:
+        if group.ast_type == _TYPE.BodyAggregate:
+            terms = ",".join(map(str, element.terms))
+            yield f"t({terms})", tuple(element.condition), ()
+        else:
+            yield "", (element.literal, *element.condition), ()

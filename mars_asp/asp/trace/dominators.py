@@ -1,0 +1,220 @@
+"""Which atoms every derivation of another one needs, so that no derivation of them can rest on it.
+
+An atom needs itself, and what all of its firings need: the greatest solution of
+
+    needs(a) = {a} + the atoms in needs(f) for every firing f of a
+    needs(f) = the atoms in needs(p) for some premise p of f, or in needs(g) for some group g
+    needs(g) = the atoms without which not enough elements of g are left
+
+It is how dominators of a flow graph are found from their equations (Allen and Cocke 1972), for
+firings instead of edges. Only atoms that lead to each other matter, and only where a firing has a
+premise of greater height than its head: what is lower was derived without the head. Sets are
+numbers, one bit for each atom of a component.
+"""
+
+import heapq
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import TypeAlias
+
+from mars_asp.asp.solve.term_ids import Term
+from mars_asp.asp.trace.firings import Counted, Element, Firing, Group
+from mars_asp.asp.trace.heights import is_reached
+
+#: An atom, or a group that firings of several atoms share.
+_Node: TypeAlias = Term | Group
+
+#: What is not known yet needs everything.
+_EVERYTHING = -1
+
+
+class Needs:
+    """Answers whether an atom can be derived without another one."""
+
+    def __init__(self, firings: Iterable[Firing], heights: Mapping[Term, int]) -> None:
+        """Find what atoms need; `heights` are those of least derivations.
+
+        No firing has a head that is given.
+        """
+        self._heights = heights
+        self._firings: dict[Term, list[Firing]] = {}
+        for firing in firings:
+            self._firings.setdefault(firing.head, []).append(firing)
+        self._component_of: dict[Term, _Component] = {}
+        for atoms in self._components():
+            component = _Component(atoms, self._firings, heights)
+            self._component_of |= dict.fromkeys(atoms, component)
+
+    def firings_of(self, atom: Term) -> list[Firing]:
+        """Return the firings of a derived atom of which the premises stand without it."""
+        firings = self._firings[atom]
+        if len(firings) == 1:
+            return firings
+        stands = partial(self.stands_without, atom)
+        groups = dict.fromkeys(group for firing in firings for group in firing.groups)
+        reached = {
+            group
+            for group in groups
+            if is_reached(
+                group, (e for e in group.counted.elements if all(map(stands, e.premises)))
+            )
+        }
+        return [
+            firing
+            for firing in firings
+            if all(map(stands, firing.premises)) and reached.issuperset(firing.groups)
+        ]
+
+    def stands_without(self, atom: Term, premise: Term) -> bool:
+        """Say whether a premise can be derived without a derived atom, or is no derived one."""
+        if premise not in self._heights:
+            return premise not in self._firings
+        if self._heights[premise] <= self._heights[atom]:
+            return premise != atom
+        component = self._component_of.get(atom)
+        return component is None or not component.needs(premise, atom)
+
+    def _components(self) -> Iterator[list[Term]]:
+        """Yield the atoms that lead to each other, by height, where that can matter."""
+        edges: list[tuple[Hashable, Hashable]] = []
+        rising: set[Term] = set()
+        highest: dict[Counted, int] = {}
+
+        def lead(source: Hashable, premises: Iterable[Term]) -> int:
+            derived = [premise for premise in premises if premise in self._heights]
+            edges.extend((source, premise) for premise in derived)
+            return max((self._heights[premise] for premise in derived), default=0)
+
+        for head, height in self._heights.items():
+            for firing in self._firings[head]:
+                most = lead(head, firing.premises)
+                for group in firing.groups:
+                    counted = group.counted
+                    edges.append((head, counted))
+                    if counted not in highest:
+                        highest[counted] = max(
+                            (lead(counted, element.premises) for element in counted.elements),
+                            default=0,
+                        )
+                    most = max(most, highest[counted])
+                if most > height:
+                    rising.add(head)
+        if not rising:
+            return
+        import networkx  # noqa: PLC0415 -- slow to import, and only derivations that circle need it
+
+        for component in networkx.strongly_connected_components(networkx.DiGraph(edges)):
+            atoms = [node for node in component if not isinstance(node, Counted)]
+            if len(atoms) > 1 and not rising.isdisjoint(atoms):
+                yield sorted(atoms, key=self._heights.__getitem__)
+
+
+class _Component:
+    """Atoms that lead to each other, and what of them each needs."""
+
+    def __init__(
+        self,
+        atoms: Sequence[Term],
+        firings: Mapping[Term, Sequence[Firing]],
+        heights: Mapping[Term, int],
+    ) -> None:
+        """Find what atoms need; they stand by height."""
+        self._firings = firings
+        self._heights = heights
+        self._bits = {atom: 1 << place for place, atom in enumerate(atoms)}
+        self._needed: dict[_Node, int] = dict.fromkeys(atoms, _EVERYTHING)
+        users: dict[_Node, set[_Node]] = {atom: set() for atom in atoms}
+        nodes: list[_Node] = []
+        for atom in atoms:
+            for firing in firings[atom]:
+                for group in firing.groups:
+                    if group not in users:
+                        users[group] = set()
+                        nodes.append(group)
+                        for premise in self._bits.keys() & _premises(group):
+                            users[premise].add(group)
+                    users[group].add(atom)
+                for premise in self._bits.keys() & set(firing.premises):
+                    users[premise].add(atom)
+            nodes.append(atom)
+        self._solve(nodes, users)
+
+    def needs(self, premise: Term, atom: Term) -> bool:
+        """Say whether no derivation of an atom is without another one, which is one of these."""
+        return bool(self._needed.get(premise, 0) & self._bits[atom])
+
+    def _solve(self, nodes: Sequence[_Node], users: Mapping[_Node, Iterable[_Node]]) -> None:
+        """Go round until nothing changes.
+
+        From the lowest up, so that mostly what a firing rests on is known when its turn comes. Of
+        what changes behind a node's turn all has changed when its turn comes again.
+        """
+        places = {node: place for place, node in enumerate(nodes)}
+        waiting = [(0, place) for place in range(len(nodes))]
+        queued = set(nodes)
+        while waiting:
+            turn, place = heapq.heappop(waiting)
+            node = nodes[place]
+            queued.discard(node)
+            needed = self._of_group(node) if isinstance(node, Group) else self._of_atom(node)
+            if needed == self._needed.get(node):
+                continue
+            self._needed[node] = needed
+            for user in users[node]:
+                if user not in queued:
+                    queued.add(user)
+                    behind = places[user] <= place
+                    heapq.heappush(waiting, (turn + behind, places[user]))
+
+    def _of_atom(self, atom: Term) -> int:
+        """Return what an atom needs: itself, and what all of its firings need."""
+        common = _EVERYTHING
+        for firing in self._firings[atom]:
+            needed = self._any(firing.premises)
+            for group in firing.groups:
+                needed |= self._needed[group]
+            common &= needed
+        return self._bits[atom] | common
+
+    def _any(self, premises: Iterable[Term]) -> int:
+        """Return what one of some premises needs."""
+        found = 0
+        for premise in premises:
+            known = premise in self._heights or premise not in self._firings
+            found |= self._needed.get(premise, 0) if known else _EVERYTHING
+        return found
+
+    def _of_group(self, group: Group) -> int:
+        """Return what a group needs: without which not enough of its elements are left."""
+        parts = [(e, self._any(e.premises)) for e in group.counted.elements]
+        if is_reached(group, (element for element, needed in parts if not needed)):
+            return 0
+        known = [(element, needed) for element, needed in parts if needed != _EVERYTHING]
+        # What is needed is needed by one of any elements that are enough.
+        enough: list[int] = []
+
+        def noted() -> Iterator[Element]:
+            for element, needed in known:
+                enough.append(needed)
+                yield element
+
+        if not is_reached(group, noted()):
+            return _EVERYTHING
+        found = 0
+        for bit in _bits_of(enough):
+            if not is_reached(group, (e for e, needed in known if not needed & bit)):
+                found |= bit
+        return found
+
+
+def _premises(group: Group) -> set[Term]:
+    return {premise for element in group.counted.elements for premise in element.premises}
+
+
+def _bits_of(numbers: Iterable[int]) -> Iterator[int]:
+    left = 0
+    for number in numbers:
+        left |= number
+    while left:
+        yield left & -left
+        left &= left - 1

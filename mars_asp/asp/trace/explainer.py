@@ -1,0 +1,119 @@
+"""Traces of least height, well-founded, built from the firings that were asked for."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+
+import clingo
+
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.slice.reach import outlines_of, reachable_rules
+from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_symbol, as_term, atoms, state
+from mars_asp.asp.trace.firing_rules import QUESTION, Rewriter, asking_name
+from mars_asp.asp.trace.firings import Firing, read_firings
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.proofs import Proofs
+from mars_asp.asp.trace.tree import Trace
+
+_COPIED = re.compile(r"_t_(\w+)")
+
+
+class Explainer:
+    """Answers questions about one grounding and one answer set."""
+
+    def __init__(
+        self,
+        rulebook: Rulebook,
+        control: clingo.Control,
+        given: GivenFacts,
+        opened: Mapping[Signature, Sequence[Term]] = MappingProxyType({}),
+    ) -> None:
+        """Prepare for questions.
+
+        `control` holds the grounded rules of `rulebook`; `given` are the facts of the input;
+        `opened` are the true atoms of each predicate of which not all are facts of the grounding.
+        From the first question on `control` tells its solver nothing, so that no more answers can
+        be asked for.
+        """
+        self.rules: Sequence[Rule] = rulebook.rules
+        self._rulebook = rulebook
+        self.rewriter = Rewriter(frozenset((name, arity) for name, arity, _ in opened))
+        self._control = control
+        self._given = given
+        self._opened = opened
+        self._question = 0
+        self._copied: set[tuple[str, int]] = set()
+
+    def why(
+        self, atoms: Iterable[clingo.Symbol], every: bool = False
+    ) -> dict[clingo.Symbol, Trace]:
+        """Return the trace of each atom that is true; with `every`, with its other derivations.
+
+        One grounding finds all firings behind the atoms; traces share what they have in common.
+        """
+        asked = tuple(atoms)
+        unsupported = self.rewriter.unsupported
+        # An iterator lets go of them when they are read.
+        proofs = Proofs(iter(self._ask(asked)), self._given, self.rules, unsupported, every)
+        return {atom: proofs.of(atom) for atom in asked}
+
+    def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:
+        asked: dict[str, list[Term]] = {}
+        firsts: dict[str, set[Term | None]] = {}
+        for atom in atoms:
+            name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
+            asked.setdefault(asking_name(name), []).append(term)
+            firsts.setdefault(name, set()).add(next(iter(arguments(term)), None))
+        told = {name: frozenset(map(_text, terms)) for name, terms in firsts.items()}
+        rules = outlines_of(rule.text for rule in self.rules)
+        numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
+        return self.firings(self.rewriter.text(self.rules, numbers), asked)
+
+    def firings(self, text: str, asked: Mapping[str, Sequence[Term]]) -> list[Firing]:
+        """Return what explanation rules find.
+
+        They are grounded as a part of their own, with predicates of their own, so that only they
+        can matter. They begin with facts of the `asked` predicates, which have the arguments of
+        the terms given.
+        """
+        if not self._question:
+            # Only the atoms matter, and to tell the solver of them is most of the cost.
+            self._control.register_observer(clingo.Observer(), replace=True)
+        self._copy_open(text)
+        self._question += 1
+        question = str(self._question)
+        part = f"_explain{question}"
+        self._control.add(part, [], text.replace(QUESTION, question))
+        numbered = {name.replace(QUESTION, question): terms for name, terms in asked.items()}
+        state(self._control, {(name, True): terms for name, terms in numbered.items()})
+        self._control.ground([(part, [])])
+        return read_firings(self._control, self._question)
+
+    def _present(self) -> frozenset[str]:
+        """Return the names of the predicates that have an atom."""
+        atoms = self._control.symbolic_atoms
+        opened = {(name, positive) for (name, _, positive), true in self._opened.items() if true}
+        found = {
+            (name, positive)
+            for name, arity, positive in atoms.signatures
+            if any(True for _ in atoms.by_signature(name, arity, positive))
+        }
+        return frozenset(name if positive else f"-{name}" for name, positive in opened | found)
+
+    def _copy_open(self, text: str) -> None:
+        """Copy the true atoms of the open predicates that rules read, once."""
+        named = set(_COPIED.findall(text))
+        copied = {(name, arity) for name, arity in self.rewriter.open if name in named}
+        stated: dict[tuple[str, bool], list[Term]] = {}
+        for name, arity in sorted(copied - self._copied):
+            for positive in (True, False):
+                true = self._opened.get((name, arity, positive))
+                if true is None:
+                    true = atoms(self._control, name, arity, positive)
+                stated.setdefault((f"_t_{name}", positive), []).extend(true)
+        state(self._control, stated)
+        self._copied |= copied
+
+
+def _text(term: Term | None) -> str:
+    return "" if term is None else str(as_symbol(term))

@@ -1,0 +1,389 @@
+"""Each rule rewritten into rules that find its firings, asked from the head down.
+
+For a rule `h(X) :- b(X,Y), not c(Y)` with number 14, and question 2:
+
+    _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)) :- _ask2_h(X), b(X,Y), not c(Y).
+    _ask2_b(X,Y) :- _s2_14(14,h(X),p(b(X,Y)),a(c(Y)),v(n("X","Y"),X,Y)).
+
+An aggregate or conditional literal is a group, of which a firing says how many elements it rests
+on. Elements depend on the literal and on its global variables alone, so that firings that differ in
+others share them: for `d(X) :- b(X,Y), 2 <= #count { Z : c(X,Z) }` with number 15,
+
+    _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),g(count,ge,2,k(15,"...",X))) :- ...
+    _g2_15(k(15,"...",X)) :- _s2_15(15,d(X),p(b(X,Y)),a(),v(n("X","Y"),X,Y),_).
+    _e2_15(k(15,"...",X),t(Z),p(c(X,Z)),o(),a()) :- _g2_15(k(15,"...",X)), c(X,Z).
+
+clingo counts anew for each instance of the rest of a body, of which anonymous variables make none.
+A firing names them, so with `b(X,_)` there the body is tested apart, `_b2_15("...",X) :- ...` as it
+is written, and only what is named is left to the rule that finds firings.
+
+A predicate that is decided only by solving, `open`, is read from copies `_t_h` of its true atoms.
+The terms of the firing atom are evaluated by clingo itself, so arithmetic needs no second reading.
+Each rule has predicates of its own: with one for all, every firing would be matched against what
+every rule asks for next.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence, Set
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from clingo import ast
+
+from mars_asp.asp.cache import made_of
+from mars_asp.asp.rules import statements
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.solve.atoms import term_text
+from mars_asp.asp.trace import counting_rules, scope
+from mars_asp.asp.trace.counting_rules import elements_of, group_key, needed_of
+from mars_asp.asp.trace.scope import (
+    AGGREGATES,
+    OWN,
+    atoms_of_head,
+    bare,
+    global_variables,
+    guards,
+    variables_of,
+)
+
+Signature: TypeAlias = tuple[str, int]
+_TYPE = ast.ASTType
+_HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction)
+#: Stand for the numbers of a rule and of a question where explanation rules are kept; no rule can
+#: hold them.
+_NUMBER = "\0r"
+QUESTION = "\0q"
+_ASKING = re.compile(rf"_ask{QUESTION}_\w+")
+_ANSWERING = re.compile(rf"(?<= :- )_ask{QUESTION}_\w+")
+#: A rule's text and those of its predicates that are open.
+_Key: TypeAlias = tuple[str, frozenset[Signature]]
+#: Explanation rules, and the name of what cannot be traced.
+_Written: TypeAlias = tuple[str, str | None]
+
+
+@dataclass
+class Rewriter:
+    """Writes the explanation rules of one rulebook."""
+
+    open: Set[Signature]
+    #: For rules with a construct that cannot be traced: its name, by rule number.
+    unsupported: dict[int, str] = field(default_factory=dict)
+
+    def text(self, rules: Sequence[Rule], numbers: Iterable[int]) -> str:
+        """Return the explanation rules of the rules with these numbers, for any question.
+
+        What a rule is rewritten into depends on its text and on which of its predicates are open,
+        so it is kept from one command to the next.
+        """
+        keys = {number: self._key(rules[number]) for number in numbers}
+        first = {key: number for number, key in reversed(keys.items())}
+        makers = (
+            __file__,
+            counting_rules.__file__,
+            statements.__file__,
+            scope.__file__,
+            ast.__file__,
+        )
+        made = made_of(
+            "firings", map(Path, makers), first, lambda key: self._written(first[key], rules)
+        )
+        parts: list[str] = []
+        for number, key in keys.items():
+            text, unsupported = made[key]
+            parts.append(text.replace(_NUMBER, str(number)))
+            if unsupported is not None:
+                self.unsupported[number] = unsupported
+        return _answered("\n".join(parts))
+
+    def _key(self, rule: Rule) -> "_Key":
+        return rule.text, frozenset(s for s in self.open if s[0] in rule.text)
+
+    def _written(self, number: int, rules: Sequence[Rule]) -> "_Written":
+        """Return the explanation rules of a rule, and the construct that cannot be traced."""
+        # Variants of a statement that differ in a pool share what they count over.
+        lines = dict.fromkeys(
+            line for s in rules[number].ast.unpool() for line in self._rule(number, s)
+        )
+        return "\n".join(lines), self.unsupported.get(number)
+
+    def _rule(self, number: int, statement: ast.AST) -> Iterator[str]:
+        if statement.head.ast_type not in _HEADS:
+            self.unsupported[number] = str(statement.head.ast_type)
+            return
+        for head, condition in atoms_of_head(statement):
+            yield from self._firing(number, head, (*statement.body, *condition))
+
+    def _firing(self, number: int, head: ast.AST, literals: Sequence[ast.AST]) -> Iterator[str]:
+        terms = Terms()
+        shown = terms.atom(head.atom.symbol, fresh_complex=True)
+        asked = asking(shown)
+        found = variables_of((head, *Terms.definitions_of(literals)))
+        names = {name for name in found if not name.startswith(OWN)}
+        yield from self.instance(number, _NUMBER, shown, [asked], literals, terms, names)
+
+    def instance(
+        self,
+        number: int,
+        tag: str,
+        shown: str,
+        asked: Iterable[str],
+        literals: Sequence[ast.AST],
+        terms: "Terms",
+        names: Iterable[str],
+        ask: bool = True,
+        tests: Sequence[str] | None = None,
+    ) -> Iterator[str]:
+        """Yield rules for the instances of literals of rule `number` where `asked` holds too.
+
+        `shown` is the head and `names` are the variables that tell instances apart. With `ask`
+        the premises are asked for in turn. `tests` say the same as the literals that count, which
+        are tested here where they are `None`.
+        """
+        rule = _NUMBER if ask else str(number)
+        place = f"{QUESTION}_{rule}"
+        before, terms.equations = (*asked, *terms.equations), []
+        premises: list[tuple[str, str]] = []
+        absent: list[str] = []
+        rest: list[str] = []
+        counting: list[str] = []
+        counted: list[ast.AST] = []
+        for literal in literals:
+            if literal.ast_type == _TYPE.ConditionalLiteral:
+                counting.append(self.renamed(literal))
+                counted.append(literal)
+            elif literal.ast_type != _TYPE.Literal:
+                self.unsupported[number] = str(literal.ast_type)
+            elif literal.atom.ast_type == _TYPE.SymbolicAtom:
+                self._symbolic(literal, terms, premises, absent, rest)
+            elif literal.atom.ast_type in AGGREGATES:
+                counting.append(self.renamed(literal))
+                if literal.sign == ast.Sign.NoSign:
+                    counted.append(literal.atom)
+            else:
+                rest.append(self.renamed(literal))
+                if literal.atom.ast_type == _TYPE.TheoryAtom:
+                    self.unsupported[number] = "a theory atom"
+        if tests is not None:
+            counting = list(tests)
+        elif counting and any(_is_projected(literal) for literal in literals):
+            body = "; ".join((*before, *map(self.renamed, literals)))
+            shared = sorted(global_variables((), literals) | variables_of(before))
+            holds = f"_b{place}({','.join((term_text(body), *shared))})"
+            yield f"{holds} :- {body}."
+            counting = [holds]
+        told = (
+            tag,
+            shown,
+            f"p({','.join(term for _, term in premises)})",
+            f"a({','.join(absent)})",
+            _values(sorted(names)),
+        )
+        keys = [group_key(rule, group, variables_of(told)) for group in counted]
+        needed = [
+            f"g({','.join(needed_of(group, terms.named))},{key})"
+            for group, key in zip(counted, keys, strict=True)
+        ]
+        wanted = [*before, *(text for text, _ in premises), *rest, *counting, *terms.equations]
+        yield f"_s{place}({','.join((*told, *needed))}) :- {'; '.join(wanted)}."
+        firing = f"_s{place}({','.join((*told, *('_' for _ in counted)))})"
+        if ask:
+            yield from (f"{asking(term)} :- {firing}." for _, term in premises)
+        for group, key in zip(counted, keys, strict=True):
+            yield f"_g{place}({key}) :- {firing}."
+            for element in elements_of(group):
+                yield from self._element(place, key, ask, *element)
+
+    def _symbolic(
+        self,
+        literal: ast.AST,
+        terms: "Terms",
+        premises: list[tuple[str, str]],
+        absent: list[str],
+        rest: list[str],
+    ) -> None:
+        symbol = literal.atom.symbol
+        if literal.sign == ast.Sign.NoSign:
+            shown = terms.atom(symbol)
+            premises.append((self.source(shown, symbol), shown))
+            return
+        shown, pattern = terms.negated(symbol)
+        sign = "not" if literal.sign == ast.Sign.Negation else "not not"
+        rest.append(f"{sign} {self.source(shown, symbol)}")
+        absent.append(pattern if sign == "not" else f"_not({pattern})")
+
+    def _element(
+        self,
+        place: str,
+        key: str,
+        ask: bool,
+        told_apart: str,
+        required: Sequence[ast.AST],
+        optional: Sequence[ast.AST],
+    ) -> Iterator[str]:
+        terms = Terms("E")
+        premises: list[tuple[str, str]] = []
+        others: list[tuple[str, str]] = []
+        absent: list[str] = []
+        rest: list[str] = []
+        for literals, found in ((required, premises), (optional, others)):
+            for literal in literals:
+                if literal.atom.ast_type == _TYPE.SymbolicAtom:
+                    self._symbolic(literal, terms, found, absent, rest)
+                else:
+                    rest.append(str(literal))
+        if not told_apart:
+            first = (premises[0][1],) if premises else ("absent", *absent)[:2]
+            told_apart = f"t({','.join(first)})"
+        needed, more = (",".join(term for _, term in found) for found in (premises, others))
+        element = f"_e{place}({key},{told_apart},p({needed}),o({more}),a({','.join(absent)}))"
+        sources = (text for text, _ in (*premises, *others))
+        wanted = [f"_g{place}({key})", *sources, *rest, *terms.equations]
+        yield f"{element} :- {'; '.join(wanted)}."
+        if ask:
+            yield from (f"{asking(term)} :- {element}." for _, term in (*premises, *others))
+
+    def source(self, shown: str, symbol: ast.AST) -> str:
+        """Return where the true atoms of a premise are found."""
+        if _signature(symbol) not in self.open:
+            return shown
+        return f"-_t_{shown[1:]}" if shown.startswith("-") else f"_t_{shown}"
+
+    def renamed(self, literal: ast.AST) -> str:
+        """Return a literal's text with open predicates read from their copies."""
+        return str(_Renaming(self.open)(literal)) if self.open else str(literal)
+
+
+def _answered(text: str) -> str:
+    """Return explanation rules without those that ask for what no rule of theirs gives."""
+    answered = set(_ANSWERING.findall(text))
+    lines = ((_ASKING.match(line), line) for line in text.split("\n"))
+    return "\n".join(line for asks, line in lines if asks is None or asks[0] in answered)
+
+
+class _Renaming(ast.Transformer):
+    """Replaces open predicates by their copies."""
+
+    def __init__(self, opened: Set[Signature]) -> None:
+        self.opened = opened
+
+    def visit_SymbolicAtom(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        symbol = node.symbol
+        if symbol.ast_type == _TYPE.Function and _signature(symbol) in self.opened:
+            return node.update(symbol=symbol.update(name=f"_t_{symbol.name}"))
+        return node
+
+
+class Terms:
+    """Names what a term cannot show: anonymous variables, intervals, arithmetic in heads."""
+
+    def __init__(self, prefix: str = "F") -> None:
+        """Begin; names that are made up start with `prefix`."""
+        self.prefix = prefix
+        self.equations: list[str] = []
+        self._count = 0
+
+    def fresh(self) -> str:
+        """Return a variable of its own."""
+        self._count += 1
+        return f"_{self.prefix}{self._count}"
+
+    def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
+        """Return an atom's text with every argument a term that matches as it evaluates."""
+        sign, symbol = sign_and_function(symbol)
+        return _text(sign, symbol, [self._argument(a, fresh_complex) for a in symbol.arguments])
+
+    def negated(self, symbol: ast.AST) -> tuple[str, str]:
+        """Return a negated atom's text for a body and as a term; what is anonymous stays so."""
+        sign, symbol = sign_and_function(symbol)
+        named = [self.named(argument) for argument in symbol.arguments]
+        pattern = [_anonymous(argument) for argument in named]
+        return _text(sign, symbol, list(map(str, named))), _text(sign, symbol, pattern)
+
+    def named(self, term: ast.AST) -> ast.AST:
+        """Return a term, an interval by a name of its own."""
+        if ".." not in bare(term):
+            return term
+        name = self.fresh()
+        self.equations.append(f"{name} = {term}")
+        return ast.Variable(term.location, name)
+
+    def _argument(self, term: ast.AST, fresh_complex: bool) -> str:
+        text = bare(term)
+        if text == "_":
+            return self.fresh()
+        if ".." in text or (fresh_complex and OPERATOR.search(text)):
+            name = self.fresh()
+            self.equations.append(f"{name} = {term}")
+            return name
+        if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
+            inner = [self._argument(argument, fresh_complex) for argument in term.arguments]
+            comma = "," if not term.name and len(inner) == 1 else ""
+            return f"{term.name}({','.join(inner)}{comma})"
+        return str(term)
+
+    @staticmethod
+    def definitions_of(literals: Iterable[ast.AST]) -> list[ast.AST]:
+        """Return the literals whose variables a firing is told apart by."""
+        found = []
+        for literal in literals:
+            if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+                continue
+            atom = literal.atom
+            if atom.ast_type in AGGREGATES:
+                found += guards(atom)
+            else:
+                found.append(literal)
+        return found
+
+
+def _signature(symbol: ast.AST) -> Signature:
+    _, symbol = sign_and_function(symbol)
+    return symbol.name, len(symbol.arguments)
+
+
+def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:
+    return f"{sign}{symbol.name}({','.join(arguments)})" if arguments else f"{sign}{symbol.name}"
+
+
+def asking(shown: str) -> str:
+    """Return the atom that asks for another one."""
+    name, bracket, inside = shown.partition("(")
+    return f"{asking_name(name)}{bracket}{inside}"
+
+
+def asking_name(name: str) -> str:
+    """Return the predicate that asks for atoms of another one; `-` is classical negation."""
+    unsigned_name = name.removeprefix("-")
+    return f"_ask{QUESTION}{'_neg' if name != unsigned_name else ''}_{unsigned_name}"
+
+
+def _values(names: Sequence[str]) -> str:
+    """Return a term of what variables stand for, which names them by one term for all firings."""
+    quoted = ",".join(f'"{name}"' for name in names)
+    return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
+
+
+_ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
+#: What computes, in the text of a term without its strings.
+OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
+
+
+def _anonymous(term: ast.AST) -> str:
+    text = bare(term)
+    if text == "_":
+        return "_any"
+    if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
+        inner = [_anonymous(argument) for argument in term.arguments]
+        comma = "," if not term.name and len(inner) == 1 else ""
+        return f"{term.name}({','.join(inner)}{comma})"
+    return str(term)
+
+
+def _is_projected(literal: ast.AST) -> bool:
+    """Say whether a premise has anonymous variables, which clingo leaves out where it counts."""
+    if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+        return False
+    symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
+    return symbolic and _ANONYMOUS.search(bare(literal)) is not None

@@ -1,0 +1,148 @@
+"""Firings as they are read from the explanation rules."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import clingo
+
+from mars_asp.asp.solve import term_ids
+from mars_asp.asp.solve.term_ids import Term, as_symbol
+
+Terms: TypeAlias = tuple[Term, ...]
+
+
+class Element(NamedTuple):
+    """One element of an aggregate, or instance of a conditional literal, that holds.
+
+    `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
+    """
+
+    tuple: Term
+    premises: Terms
+    conditions: Terms
+    absent: Terms
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Counted:
+    """The elements that hold of an aggregate or conditional literal, for all that count them.
+
+    `function` is the aggregate's, `all` where all elements are needed, or `none`.
+    """
+
+    function: str
+    elements: Sequence[Element]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """How many elements a firing needs: their function must reach `bound`.
+
+    Firings that need the same share the group.
+    """
+
+    counted: Counted
+    strict: bool
+    bound: clingo.Symbol
+
+
+class Firing(NamedTuple):
+    """One use of a rule: true atoms that it needs, and groups of which it needs some.
+
+    What is absent and what the variables stand for are read when somebody asks. Firings and
+    elements are many, and tuples are made in a third of the time of dataclasses.
+    """
+
+    rule: int
+    head: Term
+    premises: Terms
+    #: What it rests on the absence of, `a(q(1),...)`.
+    without: Term
+    #: The values of the variables, `v(n("X",...),1,...)`.
+    values: Term
+    groups: tuple[Group, ...] = ()
+    #: What a firing that almost was lacks; `None` for a real one.
+    lacks: clingo.Symbol | None = None
+
+    @property
+    def absent(self) -> Terms:
+        """Return the atoms whose absence the firing rests on."""
+        return _distinct(term_ids.arguments(self.without))
+
+
+def read_firings(control: clingo.Control, question: int) -> list[Firing]:
+    """Return what the explanation rules of a question found."""
+    elements: dict[Term, list[Element]] = {}
+    for atom in _atoms(control, f"_e{question}_"):
+        key, told_apart, *parts = term_ids.arguments(atom)
+        inside = elements.setdefault(key, [])
+        inside.append(Element(told_apart, *(tuple(term_ids.arguments(part)) for part in parts)))
+    counted: dict[Term, Counted] = {}
+    groups: dict[Term, Group] = {}
+    found = []
+    rules: dict[Term, tuple[int, clingo.Symbol | None]] = {}
+    for atom in _atoms(control, f"_s{question}_"):
+        tag, head, premises, absent, values, *needed = term_ids.arguments(atom)
+        if tag not in rules:
+            rules[tag] = _rule_of(as_symbol(tag))
+        rule, lacks = rules[tag]
+        for need in needed:
+            if need not in groups:
+                function, relation, bound, key = term_ids.arguments(need)
+                if key not in counted:
+                    counted[key] = _counted(as_symbol(function).name, elements.get(key, ()))
+                strict = as_symbol(relation).name in ("gt", "lt")
+                groups[need] = Group(counted[key], strict, as_symbol(bound))
+        found.append(
+            Firing(
+                rule,
+                head,
+                _distinct(term_ids.arguments(premises)),
+                absent,
+                values,
+                tuple(map(groups.__getitem__, needed)),
+                lacks,
+            )
+        )
+    return found
+
+
+def _distinct(terms: Sequence[Term]) -> Terms:
+    return tuple(dict.fromkeys(terms) if len(terms) > 1 else terms)
+
+
+def _counted(function: str, elements: Sequence[Element]) -> Counted:
+    # With a negative weight more elements can mean a lesser sum.
+    if function == "sum" and any(number_of(weight_of(element.tuple)) < 0 for element in elements):
+        function = "all"
+    return Counted(function, elements)
+
+
+def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
+    if tag.type == clingo.SymbolType.Number:
+        return tag.number, None
+    return tag.arguments[0].number, tag
+
+
+def _atoms(control: clingo.Control, prefix: str) -> Iterator[Term]:
+    """Yield the atoms of all predicates with a name that begins so."""
+    for name, arity, positive in control.symbolic_atoms.signatures:
+        if name.startswith(prefix):
+            yield from term_ids.atoms(control, name, arity, positive)
+
+
+def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol]]:
+    """Return a sort key: the first rule, then the least values and premises."""
+    return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
+
+
+def weight_of(told_apart: Term) -> clingo.Symbol:
+    """Return what an element weighs, by what tells it apart: the first term of its tuple."""
+    inside = term_ids.arguments(told_apart)
+    return as_symbol(inside[0]) if inside else clingo.Number(0)
+
+
+def number_of(weight: clingo.Symbol) -> int:
+    """Return what a weight adds to a sum: nothing, unless it is a number."""
+    return weight.number if weight.type == clingo.SymbolType.Number else 0

@@ -1,0 +1,35 @@
+"""Facts of the input, found by their atoms."""
+
+from collections.abc import Iterable, Set
+
+from mars_asp.asp.solve import term_ids
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.trace.tree import Given
+from mars_asp.diagnostic import Span
+
+
+class GivenFacts:
+    """The facts of the input by their texts, for predicates that somebody asks about."""
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        """Sort facts by their predicates."""
+        self._facts: dict[str, list[Fact]] = {}
+        for fact in facts:
+            self._facts.setdefault(fact.atom.name, []).append(fact)
+        self._spans: dict[str, dict[str, Span]] = {}
+
+    @property
+    def predicates(self) -> Set[str]:
+        """Return the names of the predicates that have a fact."""
+        return self._facts.keys()
+
+    def leaf(self, atom: term_ids.Term) -> Given | None:
+        """Return an atom with its place; `None` where no fact gives it."""
+        written = term_ids.text(atom)
+        name = written.partition("(")[0]
+        if name not in self._facts:
+            return None
+        if name not in self._spans:
+            self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
+        span = self._spans[name].get(written)
+        return None if span is None else Given(written, span)

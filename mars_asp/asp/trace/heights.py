@@ -1,0 +1,190 @@
+"""The least height of what firings give.
+
+Heights are found as Knuth (1977) generalises Dijkstra: an atom has the height of its lowest
+firing plus one, and a firing counts only when all that it needs has a height, so no atom can
+support itself. An aggregate is reached when enough of its elements are; which ones is told by a
+bound, as of `#count` and `#sum` from below.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+
+import clingo
+
+from mars_asp.asp.solve.term_ids import Term
+from mars_asp.asp.trace.firings import (
+    Counted,
+    Element,
+    Firing,
+    Group,
+    firing_order,
+    number_of,
+    weight_of,
+)
+
+
+class _Tally:
+    """What has been counted of some elements, and the firings that wait for more of them."""
+
+    def __init__(self, counted: Counted) -> None:
+        self._function = counted.function
+        self._counted: set[Term] = set()
+        self._total = 0
+        self._end: clingo.Symbol | None = None
+        needs_all = counted.function == "all"
+        self._every = len({e.tuple for e in counted.elements}) if needs_all else 0
+        self._waiting: dict[Group, list[_Waiting]] = {}
+        #: The groups that wait, those that need least last.
+        self._order: list[Group] = []
+
+    def add(self, element: Element) -> None:
+        """Count an element."""
+        if element.tuple in self._counted:
+            return
+        self._counted.add(element.tuple)
+        if self._function in ("all", "none", "count"):
+            self._total += 1
+            return
+        weight = weight_of(element.tuple)
+        self._total += max(0, number_of(weight))
+        pick = min if self._function == "min" else max
+        self._end = weight if self._end is None else pick(self._end, weight)
+
+    def reaches(self, group: Group) -> bool:
+        """Say whether a firing that needs a group may rest on what has been counted."""
+        bound, strict = group.bound, group.strict
+        if self._function == "none":
+            return True
+        if self._function == "all":
+            return len(self._counted) == self._every
+        if self._function == "min":
+            end = clingo.Supremum if self._end is None else self._end
+            return end < bound or (end == bound and not strict)
+        value = clingo.Number(self._total)
+        if self._function == "max":
+            value = clingo.Infimum if self._end is None else self._end
+        return value > bound or (value == bound and not strict)
+
+    def wait(self, group: Group, waiting: "_Waiting") -> None:
+        """Note that a firing waits until a group is reached."""
+        if group not in self._waiting:
+            self._waiting[group] = []
+            self._order.clear()
+        self._waiting[group].append(waiting)
+
+    def release(self) -> "Iterator[_Waiting]":
+        """Yield the firings of groups that are reached by now, once."""
+        if self._waiting and not self._order:
+            self._order = sorted(self._waiting, key=_difficulty, reverse=self._function != "min")
+        while self._order and self.reaches(self._order[-1]):
+            yield from self._waiting.pop(self._order.pop())
+
+
+def _difficulty(group: Group) -> tuple[clingo.Symbol, bool]:
+    """Return a sort key: of `min` the least bound is hard to reach, otherwise the greatest."""
+    return group.bound, group.strict != (group.counted.function == "min")
+
+
+class _Waiting:
+    """A firing, and how many of its premises and groups it still waits for."""
+
+    __slots__ = ("firing", "open")
+
+    def __init__(self, firing: Firing, open_premises: int) -> None:
+        self.firing = firing
+        self.open = open_premises
+
+
+class _Part:
+    """An element that waits for premises."""
+
+    __slots__ = ("element", "open", "tally")
+
+    def __init__(self, tally: _Tally, element: Element, open_premises: int) -> None:
+        self.tally = tally
+        self.element = element
+        self.open = open_premises
+
+
+def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[Term, int]]:
+    """Return for each atom its firing of least height, and the heights.
+
+    What no firing gives is given, and has no height.
+
+    Ties go to the first rule, then to the first bindings and premises, so that no order of
+    grounding shows.
+    """
+    heads = {firing.head for firing in firings}
+    users: defaultdict[Term, list[_Waiting | _Part]] = defaultdict(list)
+    tallies: dict[Counted, _Tally] = {}
+    level: list[Firing] = []
+
+    def tally_of(counted: Counted) -> _Tally:
+        if counted not in tallies:
+            tally = tallies[counted] = _Tally(counted)
+            for element in counted.elements:
+                inside = [atom for atom in element.premises if atom in heads]
+                part = _Part(tally, element, len(inside))
+                for premise in inside:
+                    users[premise].append(part)
+                if not inside:
+                    tally.add(element)
+        return tallies[counted]
+
+    for firing in firings:
+        inside = [atom for atom in firing.premises if atom in heads]
+        if not inside and not firing.groups:
+            level.append(firing)
+            continue
+        waiting = _Waiting(firing, len(inside))
+        for premise in inside:
+            users[premise].append(waiting)
+        for group in firing.groups:
+            tally = tally_of(group.counted)
+            if not tally.reaches(group):
+                tally.wait(group, waiting)
+                waiting.open += 1
+        if not waiting.open:
+            level.append(firing)
+    best: dict[Term, Firing] = {}
+    heights: dict[Term, int] = {}
+    height = 0
+    while level:
+        height += 1
+        new: list[Term] = []
+        for firing in level:
+            atom = firing.head
+            if atom not in best:
+                new.append(atom)
+                best[atom], heights[atom] = firing, height
+            elif heights[atom] == height and firing_order(firing) < firing_order(best[atom]):
+                best[atom] = firing
+        level = []
+        for atom in new:
+            for user in users.pop(atom, ()):
+                user.open -= 1
+                if user.open:
+                    continue
+                if isinstance(user, _Waiting):
+                    level.append(user.firing)
+                    continue
+                user.tally.add(user.element)
+                for waiting in user.tally.release():
+                    waiting.open -= 1
+                    if not waiting.open:
+                        level.append(waiting.firing)
+    return best, heights
+
+
+def is_reached(group: Group, elements: Iterable[Element]) -> bool:
+    """Say whether some of its elements are enough for a group; no more of them are read."""
+    tally = _Tally(group.counted)
+    look = 1
+    for number, element in enumerate(elements, 1):
+        tally.add(element)
+        # To look is as much work as to count.
+        if number == look:
+            if tally.reaches(group):
+                return True
+            look *= 2
+    return tally.reaches(group)

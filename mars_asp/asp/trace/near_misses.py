@@ -1,0 +1,307 @@
+"""Rules that find how near each rule comes to an absent atom, and which literal fails.
+
+For a body `b1, b2, b3` in an order in which each can be tested, the instances of all literals but
+one are looked for, and those of the first few. The nearest instance lacks one literal alone;
+otherwise it is one of the longest beginning, and the literal behind that fails for it. So what is
+said to fail is false, whichever instance is shown. (The idea is that of answers to why-not
+questions by the frontier picky, Chapman and Jagadish 2009.)
+
+Hence nothing needs to be told of why a literal fails before the nearest instance is known. Where
+that could be several things, as of a conditional literal, it is asked for this instance alone: for
+all of them there would be as many as instances times elements. The least is told, so that no order
+of grounding shows. For `p(X) :- q(X,Y), t(Z) : s(Y,Z)` with number 14, candidate 2 and question 3,
+asked in question 4:
+
+    _s3_14(near(2,in_question(Y)),none,p,a,v(n("X","Y"),X,Y)) :- _near3(0,w(X)); q(X,Y).
+    _s4_14(near(2,_Lack),none,p,a,v(n)) :- _lacking4(2,in_question(Y));
+        _Lack = #min { no(t(Z)) : s(Y,Z), not t(Z) }; _Lack < #sup.
+
+For the same reason what counts is tested once for the variables that it names, whatever else the
+body has: see `_counted_apart`.
+"""
+
+import re
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+
+import clingo
+from clingo import ast
+
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
+from mars_asp.asp.trace.literal_order import in_order, needs, provided
+from mars_asp.asp.trace.patterns import has_holes, is_hole, pattern_term
+from mars_asp.asp.trace.scope import (
+    AGGREGATES,
+    atoms_of_head,
+    bare,
+    global_variables,
+    variables_of,
+)
+
+_TYPE = ast.ASTType
+#: The predicate that asks: `NEAR(index, w(Parts))`.
+NEAR = f"_near{QUESTION}"
+#: The predicate that asks what a candidate lacks: `LACKING(number, values in question)`.
+LACKING = f"_lacking{QUESTION}"
+#: What is lacking where that is still to be asked, for the values that decide it.
+IN_QUESTION = "in_question"
+#: The variable for what an aggregate amounts to.
+_VALUE = "_Value"
+#: The variable for what a literal lacks.
+_LACK = "_Lack"
+_MADE_UP = re.compile(r"(?<!\w)_H[0-9]+(?!\w)")
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One way to come near an absent atom: the instances of some literals of a rule.
+
+    `fails` is the literal left out, `None` where a choice could be made and was not; `kept`
+    counts those before it that hold, and `alone` says that all others do.
+    """
+
+    pattern: int
+    rule: int
+    fails: str | None
+    kept: int
+    alone: bool
+
+
+class NearMisses:
+    """Writes the rules that find near misses; `candidates` says what their numbers stand for."""
+
+    def __init__(self, rewriter: Rewriter) -> None:
+        """Write with the rewriter's open predicates."""
+        self._rewriter = rewriter
+        self.candidates: list[Candidate] = []
+        #: Rules for what candidates lack where several things could be said or none, by their
+        #: numbers.
+        self.lacking: dict[int, str] = {}
+
+    def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
+        """Return what finds near misses of a rule; the atom `_near` with `index` asks."""
+        lines: list[str] = []
+        for statement in rule.ast.unpool():
+            for head, condition in atoms_of_head(statement):
+                symbol, literals = head.atom.symbol, (*statement.body, *condition)
+                lines += self._misses(rule, number, symbol, literals, pattern, index)
+        return "\n".join(lines)
+
+    def _misses(
+        self,
+        rule: Rule,
+        number: int,
+        head: ast.AST,
+        literals: Sequence[ast.AST],
+        pattern: clingo.Symbol,
+        index: int,
+    ) -> Iterator[str]:
+        match = _Match()
+        if not match.atom(head, pattern):
+            return
+        literals = (*map(_literal, match.tests), *literals)
+        shared = global_variables((head,), literals)
+        asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
+        order = list(in_order(literals, match.bound, shared))
+        for place, (literal, before) in enumerate(order):
+            first = [other for other, _ in order[:place]]
+            fails = match.shown(literal)
+            candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
+            yield from self._candidate(candidate, literal, asked, first, before, shared)
+            others = [other for other, _ in order if other is not literal]
+            if candidate.alone or not others:
+                continue
+            around = list(in_order(others, match.bound, shared))
+            bound = match.bound.union(*(needs(other, shared) for other in others))
+            if len(around) == len(literals) - 1 and needs(literal, shared) <= bound:
+                candidate = Candidate(index, number, fails, place, True)
+                kept = [other for other, _ in around]
+                yield from self._candidate(candidate, literal, asked, kept, bound, shared)
+        offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
+        if offers and len(order) == len(literals):
+            candidate = Candidate(index, number, None, len(order), True)
+            every = [literal for literal, _ in order]
+            bound = match.bound | shared
+            yield from self._candidate(candidate, None, asked, every, bound, shared)
+
+    def _candidate(
+        self,
+        candidate: Candidate,
+        left_out: ast.AST | None,
+        asked: str,
+        kept: Sequence[ast.AST],
+        bound: Set[str],
+        shared: Set[str],
+    ) -> Iterator[str]:
+        terms = Terms("N")
+        joined, lack, tests = self._instead(left_out, terms, set(bound))
+        body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
+        yield from rules
+        several = variables_of((lack, *tests)) - bound
+        # A term such as `X + 1` can be undefined, and no atom with it would be there to be read.
+        if left_out is not None and not joined and (several or OPERATOR.search(bare(lack))):
+            element = f"{lack} : {', '.join((*tests, *terms.equations))}"
+            deciding = ",".join(sorted(needs(left_out, shared) & bound))
+            lack, tests, terms = f"{IN_QUESTION}({deciding})", [], Terms("N")
+            self.lacking[len(self.candidates)] = self._least(candidate.rule, element, lack)
+        tag = f"near({len(self.candidates)},{lack})"
+        self.candidates.append(candidate)
+        names = {name for name in bound if not name.startswith("_")}
+        # What is lacking is told alone, not with what holds.
+        alone = left_out is not None and lack != "test" and not joined
+        before, literals = ((*body, *tests), ()) if alone else ((asked, *tests), (*kept, *joined))
+        yield from self._rewriter.instance(
+            candidate.rule, tag, "none", before, literals, terms, names, False, counting
+        )
+
+    def _counted_apart(
+        self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
+    ) -> tuple[list[str], list[str], list[str]]:
+        """Return a body in which what counts is tested apart, these tests, and rules for them.
+
+        The literals stand in an order in which each can be tested. clingo counts anew for each
+        instance of the rest of a body, also of variables that the literal does not name.
+        """
+        place = f"{QUESTION}_{len(self.candidates)}"
+        body, counting, rules = [asked], list[str](), list[str]()
+        bound = variables_of((asked,))
+        for number, literal in enumerate(literals):
+            named = variables_of((literal,)) & {*shared, _VALUE}
+            text = self._rewriter.renamed(literal)
+            if literal.ast_type == _TYPE.ConditionalLiteral or literal.atom.ast_type in AGGREGATES:
+                before = f"_d{place}_{number}({','.join(sorted(named & bound))})"
+                test = f"_c{place}_{number}({','.join(sorted(named))})"
+                rules += (f"{before} :- {'; '.join(body)}.", f"{test} :- {before}; {text}.")
+                counting.append(test)
+                text = test
+            body.append(text)
+            bound |= named
+        return body, counting, rules
+
+    def _least(self, rule: int, element: str, values: str) -> str:
+        """Return a rule for the least of what could be said to be lacking for some values.
+
+        It is the least, so that no order of grounding shows.
+        """
+        number = len(self.candidates)
+        asked = f"{LACKING}({number},{values})"
+        least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"
+        return f"_s{QUESTION}_{rule}(near({number},{_LACK}),none,p,a,v(n)) :- {asked}; {least}."
+
+    def _instead(
+        self, literal: ast.AST | None, terms: Terms, bound: set[str]
+    ) -> tuple[tuple[ast.AST, ...], str, list[str]]:
+        """Return what stands in the body instead of a literal, and a term for what it lacks.
+
+        That is `no(P)` where pattern P is absent, `holds(A)` where atom A should not hold, the
+        `value` of an aggregate, `test` for what the bindings show, and `taken` for a choice.
+        """
+        if literal is None:
+            return (), "taken", []
+        if literal.ast_type == _TYPE.ConditionalLiteral:
+            inner, condition = literal.literal, literal.condition
+            known = bound | variables_of(condition)
+            if inner.atom.ast_type != _TYPE.SymbolicAtom or variables_of((inner,)) - known:
+                return (), "test", []
+            _, lack, tests = self._instead(inner, terms, known)
+            if lack.startswith("no("):
+                tests = [self._rewriter.renamed(inner.update(sign=ast.Sign.Negation))]
+            return (), lack, [*map(self._rewriter.renamed, condition), *tests]
+        if literal.atom.ast_type == _TYPE.SymbolicAtom:
+            symbol = literal.atom.symbol
+            if literal.sign == ast.Sign.Negation:
+                shown = terms.atom(symbol)
+                return (), f"holds({shown})", [self._rewriter.source(shown, symbol)]
+            sign, function = sign_and_function(symbol)
+            named = [terms.named(argument) for argument in function.arguments]
+            bound |= variables_of(named) - variables_of(function.arguments)
+            parts = [pattern_term(argument, bound) for argument in named]
+            inside = f"({','.join(parts)})" if parts else ""
+            return (), f"no({sign}{function.name}{inside})", []
+        if literal.atom.ast_type not in AGGREGATES:
+            return (), "test", []
+        value = ast.Variable(literal.location, _VALUE)
+        guard = ast.Guard(ast.ComparisonOperator.Equal, value)
+        atom = literal.atom.update(left_guard=guard, right_guard=None)
+        return (literal.update(atom=atom, sign=ast.Sign.NoSign),), f"value({_VALUE})", []
+
+
+class _Match:
+    """A rule's head against a pattern: parameters, tests, and the variables that become bound."""
+
+    def __init__(self) -> None:
+        self.arguments: list[str] = []
+        self.tests: list[str] = []
+        self.bound: set[str] = set()
+        self._holes: dict[str, str] = {}
+        #: What stands in the atom where a name was made up.
+        self._meant: dict[str, str] = {}
+
+    def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
+        """Match an atom; return whether that can succeed."""
+        sign, function = sign_and_function(head)
+        kind = (function.name, len(function.arguments), not sign)
+        if kind != (pattern.name, len(pattern.arguments), pattern.positive):
+            return False
+        return all(map(self._term, function.arguments, pattern.arguments))
+
+    def shown(self, literal: ast.AST) -> str:
+        """Return a literal's text with what is asked for instead of names that were made up."""
+        return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
+
+    def _fresh(self, meant: str) -> str:
+        name = f"_H{len(self._meant)}"
+        self._meant[name] = meant
+        return name
+
+    def _term(self, term: ast.AST, pattern: clingo.Symbol) -> bool:
+        if is_hole(pattern):
+            name = pattern.arguments[0].string
+            if name != "_" and self._holes.setdefault(name, str(term)) != str(term):
+                self.tests.append(f"{self._holes[name]} = {term}")
+            return True
+        if not has_holes(pattern):
+            self.arguments.append(self._fixed(term, pattern))
+            return True
+        if term.ast_type == _TYPE.Variable:
+            self.tests.append(f"{term.name} = {self._skeleton(pattern)}")
+            return True
+        if term.ast_type != _TYPE.Function:
+            return False
+        same = (term.name, len(term.arguments)) == (pattern.name, len(pattern.arguments))
+        return same and all(map(self._term, term.arguments, pattern.arguments))
+
+    def _fixed(self, term: ast.AST, pattern: clingo.Symbol) -> str:
+        """Return what matches a part without holes; arithmetic becomes a test."""
+        plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
+        names = variables_of((term,))
+        if plain and provided(term) == names and ".." not in str(term):
+            self.bound |= names
+            return str(term)
+        name = self._fresh(str(pattern))
+        self.bound.add(name)
+        self.tests.append(f"{name} = {term}")
+        return name
+
+    def _skeleton(self, pattern: clingo.Symbol) -> str:
+        if is_hole(pattern):
+            name = pattern.arguments[0].string
+            fresh = self._fresh(name)
+            return self._holes.setdefault(name if name != "_" else fresh, fresh)
+        if not has_holes(pattern):
+            name = self._fresh(str(pattern))
+            self.arguments.append(name)
+            self.bound.add(name)
+            return name
+        inside = ",".join(map(self._skeleton, pattern.arguments))
+        comma = "," if not pattern.name and len(pattern.arguments) == 1 else ""
+        return f"{pattern.name}({inside}{comma})"
+
+
+def _literal(text: str) -> ast.AST:
+    found: list[ast.AST] = []
+    ast.parse_string(f"x :- {text}.", found.append)
+    literal: ast.AST = found[-1].body[0]
+    return literal

@@ -1,0 +1,133 @@
+"""Atoms with holes: what is absent when no true atom fits.
+
+A hole is the term `_any("X")`, any value; holes of one name stand for one value, but for `_`.
+"""
+
+import clingo
+from clingo import ast
+
+from mars_asp.asp.rules.statements import parsed
+from mars_asp.asp.trace.scope import variables_of
+
+_HOLE = "_any"
+_FUNCTION = clingo.SymbolType.Function
+
+
+def hole(name: str = "_") -> clingo.Symbol:
+    """Return a place for any value; the name is shown."""
+    return clingo.Function(_HOLE, [clingo.String(name)])
+
+
+def is_hole(symbol: clingo.Symbol) -> bool:
+    """Say whether any value would do here."""
+    return symbol.type == _FUNCTION and symbol.name == _HOLE and len(symbol.arguments) == 1
+
+
+def has_holes(symbol: clingo.Symbol) -> bool:
+    """Say whether a term leaves anything open."""
+    if symbol.type != _FUNCTION:
+        return False
+    return is_hole(symbol) or any(map(has_holes, symbol.arguments))
+
+
+def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:
+    """Return the largest parts without holes, from left to right, of a pattern's arguments."""
+    if is_hole(symbol):
+        return []
+    found: list[clingo.Symbol] = []
+    for argument in symbol.arguments:
+        found += fixed_parts(argument) if has_holes(argument) else [argument]
+    return found
+
+
+def can_be_followed(symbol: clingo.Symbol) -> bool:
+    """Say whether the holes are plain: one such as `X+1` says more than a pattern can."""
+    if symbol.type != _FUNCTION:
+        return True
+    if is_hole(symbol):
+        return symbol.arguments[0].string.replace("'", "").replace("_", "a").isalnum()
+    return all(map(can_be_followed, symbol.arguments))
+
+
+def shown_pattern(symbol: clingo.Symbol) -> str:
+    """Return a pattern's text, its holes by their names."""
+    if symbol.type != _FUNCTION or not has_holes(symbol):
+        return str(symbol)
+    if is_hole(symbol):
+        return symbol.arguments[0].string
+    inside = ",".join(map(shown_pattern, symbol.arguments))
+    comma = "," if not symbol.name and len(symbol.arguments) == 1 else ""
+    return f"{'' if symbol.positive else '-'}{symbol.name}({inside}{comma})"
+
+
+def fits(
+    pattern: clingo.Symbol, symbol: clingo.Symbol, values: dict[str, clingo.Symbol] | None = None
+) -> bool:
+    """Say whether a term is an instance of a pattern."""
+    values = {} if values is None else values
+    if is_hole(pattern):
+        name = pattern.arguments[0].string
+        return name == "_" or values.setdefault(name, symbol) == symbol
+    if not has_holes(pattern):
+        return pattern == symbol
+    if symbol.type != _FUNCTION:
+        return False
+    kinds = [(s.name, s.positive, len(s.arguments)) for s in (pattern, symbol)]
+    return kinds[0] == kinds[1] and all(
+        fits(part, value, values)
+        for part, value in zip(pattern.arguments, symbol.arguments, strict=True)
+    )
+
+
+def pattern_term(term: ast.AST, bound: set[str]) -> str:
+    """Return a term's text as a pattern: what is not bound becomes a hole."""
+    names = variables_of((term,))
+    anonymous = "_" in str(term) and pattern_is_open(term)
+    if names <= bound and not anonymous:
+        return str(term)
+    if term.ast_type == ast.ASTType.Function:
+        inside = [pattern_term(argument, bound) for argument in term.arguments]
+        comma = "," if not term.name and len(inside) == 1 else ""
+        return f"{term.name}({','.join(inside)}{comma})"
+    return f"{_HOLE}({clingo.String(str(term))})"
+
+
+def pattern_is_open(term: ast.AST) -> bool:
+    """Say whether a term holds an anonymous variable."""
+    if term.ast_type == ast.ASTType.Variable:
+        return bool(term.name == "_")
+    return term.ast_type == ast.ASTType.Function and any(map(pattern_is_open, term.arguments))
+
+
+def pattern_in(text: str) -> clingo.Symbol | None:
+    """Return what a user writes, an atom that may have variables, as a pattern, if it is one."""
+    try:
+        (rule,) = parsed(f"{text}.")[1:]
+        if rule.body or rule.head.sign != ast.Sign.NoSign:
+            return None
+        return pattern_of(rule.head.atom.symbol)
+    except (RuntimeError, ValueError, AttributeError):
+        return None
+
+
+def pattern_of(term: ast.AST) -> clingo.Symbol:
+    """Return what a user writes, an atom that may have variables, as a pattern.
+
+    Raises:
+        ValueError: the term holds arithmetic, an interval or a pool.
+    """
+    kind = ast.ASTType
+    if term.ast_type == kind.Variable:
+        return hole(term.name)
+    if term.ast_type == kind.SymbolicTerm:
+        symbol: clingo.Symbol = term.symbol
+        return symbol
+    if term.ast_type == kind.Function:
+        return clingo.Function(term.name, [pattern_of(argument) for argument in term.arguments])
+    if term.ast_type == kind.UnaryOperation:
+        inner = pattern_of(term.argument)
+        if inner.type == clingo.SymbolType.Number:
+            return clingo.Number(-inner.number)
+        if inner.type == _FUNCTION and inner.name and not is_hole(inner):
+            return clingo.Function(inner.name, inner.arguments, not inner.positive)
+    raise ValueError(str(term))

@@ -1,0 +1,132 @@
+"""Traces of least height, built from firings."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+
+import clingo
+
+from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.solve.term_ids import Term, as_term, text
+from mars_asp.asp.trace.counted import CountedBelow, CountedWithout, Support, support
+from mars_asp.asp.trace.dominators import Needs
+from mars_asp.asp.trace.firings import Firing, firing_order
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.heights import least_heights
+from mars_asp.asp.trace.tree import Absent, Derived, Trace, Unexplained
+
+
+class Proofs:
+    """Traces over one set of firings; what they share is one object."""
+
+    def __init__(
+        self,
+        firings: Iterable[Firing],
+        given: GivenFacts,
+        rules: Sequence[Rule],
+        unsupported: Mapping[int, str],
+        every: bool = False,
+    ) -> None:
+        """Find the least heights; with `every` traces have their other derivations."""
+        self._given = given
+        self._rules = rules
+        self._unsupported = unsupported
+        # What is given has no reasons, whatever else derives it.
+        told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
+        firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
+        self._best, heights = least_heights(firings)
+        self._counted = CountedBelow(heights)
+        self._traces: dict[Term, Trace] = {}
+        self._absences: dict[Term, Absent] = {}
+        self._needs = Needs(firings, heights) if every else None
+        del firings
+        self._heights = heights
+        #: The other derivations of each derived atom; filled after all traces are made, for they
+        #: may lead back to each other.
+        self._others: dict[Term, list[Derived]] = {atom: [] for atom in self._best if every}
+        self._filled: set[Term] = set()
+        # What has a lesser height comes first, so what an atom rests on has its trace already.
+        for atom, height in heights.items():
+            # There are many firings, and only other derivations are compared with them again.
+            firing = self._best[atom] if every else self._best.pop(atom)
+            below = support(firing, partial(self._counted.of, height))
+            self._traces[atom] = self._step(firing, below, self._others.get(atom, ()))
+
+    def of(self, atom: clingo.Symbol) -> Trace:
+        """Return the trace of a true atom, of least height."""
+        root = as_term(atom)
+        trace = self._least(root)
+        if self._needs is not None:
+            self._add_others(root, self._needs)
+        return trace
+
+    def _least(self, atom: Term) -> Trace:
+        trace = self._traces.get(atom)
+        if trace is None:
+            trace = self._traces[atom] = self._leaf(atom)
+        return trace
+
+    def _add_others(self, root: Term, needs: Needs) -> None:
+        """Add the other derivations of an atom and of all that any of its derivations rests on.
+
+        Firings of one rule for the same values that rest on the same are one derivation.
+        """
+        waiting = [root]
+        while waiting:
+            atom = waiting.pop()
+            if atom in self._filled or atom not in self._best:
+                continue
+            self._filled.add(atom)
+            best = self._best[atom]
+            below = support(best, partial(self._counted.of, self._heights[atom]))
+            waiting += below[0]
+            told = {_derivation(best, below)}
+            counted = CountedWithout(partial(needs.stands_without, atom))
+            alike: set[tuple[object, ...]] = set()
+            for firing in sorted(needs.firings_of(atom), key=firing_order):
+                if firing is best:
+                    continue
+                own = _beside_groups(firing, counted)
+                if own in alike:
+                    continue
+                alike.add(own)
+                below = support(firing, counted.of)
+                if _derivation(firing, below) in told:
+                    continue
+                told.add(_derivation(firing, below))
+                waiting += below[0]
+                self._others[atom].append(self._step(firing, below))
+
+    def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
+        premises, absent = below
+        steps = (*map(self._least, premises), *map(self._absent, absent))
+        rule = self._rules[firing.rule]
+        return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
+
+    def _absent(self, pattern: Term) -> Absent:
+        known = self._absences.get(pattern)
+        if known is None:
+            atom = text(pattern).replace("_any", "_")
+            if atom.startswith("_not("):
+                atom = f"not {atom.removeprefix('_not(').removesuffix(')')}"
+            known = self._absences[pattern] = Absent(atom)
+        return known
+
+    def _leaf(self, atom: Term) -> Trace:
+        given = self._given.leaf(atom)
+        if given is not None:
+            return given
+        if self._unsupported:
+            return Unexplained(text(atom), f"a rule uses {next(iter(self._unsupported.values()))}")
+        return Unexplained(text(atom), "no rule gives it without itself")
+
+
+def _beside_groups(firing: Firing, counted: CountedWithout) -> tuple[object, ...]:
+    """Return what tells a firing from others with the same groups, without looking into these."""
+    held, lacking = counted.of_all(firing.groups)
+    own = frozenset(firing.premises) - held, frozenset(firing.absent) - lacking
+    return firing.rule, firing.values, firing.groups, *own
+
+
+def _derivation(firing: Firing, below: Support) -> tuple[object, ...]:
+    """Return what tells a derivation from the others of its atom."""
+    return firing.rule, firing.values, *map(frozenset, below)

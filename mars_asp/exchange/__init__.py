@@ -1,0 +1,1 @@
+"""Robots in other people's formats, in and out."""

@@ -1,0 +1,105 @@
+"""Rotations and numbers of URDF, and those of the language."""
+
+import math
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import TypeAlias
+
+import numpy as np
+
+from mars_asp.kinematics.frames import Matrix, rotation
+
+#: (axis, degrees) in order about fixed axes.
+Turns: TypeAlias = tuple[tuple[str, Decimal], ...]
+
+#: Stands for an open bound: metres, radians, or either per second. URDF has no open one.
+OPEN = 1_000_000
+#: The greatest number of a position or of an axis: metres of which micrometres fit the language.
+FARTHEST = 2147
+QUARTER = math.pi / 2
+#: A microdegree of a microdegree: what products of sines lose, and nothing that anybody states.
+_ROUNDING = 1e-12
+_DIGITS, _DECIMALS = 16, 13
+
+
+def degrees_of(radians: float) -> Decimal:
+    """Return an angle in degrees; what is a quarter turn within rounding is one exactly."""
+    degrees = math.degrees(radians)
+    nearest = round(degrees / 90) * 90
+    return writable(Decimal(nearest if abs(degrees - nearest) < _ROUNDING else degrees))
+
+
+def writable(value: Decimal) -> Decimal:
+    """Return the nearest number that the language can write; magnitudes are below 10**12."""
+    whole = max(value.adjusted() + 1, 1)
+    places = min(_DECIMALS, _DIGITS - whole)
+    return value.quantize(Decimal(1).scaleb(-places)) + 0
+
+
+def rotation_of(turns: Turns) -> Matrix:
+    """Return the 3x3 rotation of turns in order about fixed axes."""
+    matrix = np.eye(3)
+    for axis, degrees in turns:
+        matrix = rotation(axis, degrees) @ matrix
+    return matrix + 0.0
+
+
+def turns_of(matrix: Matrix) -> Turns:
+    """Return the fewest turns in order about fixed axes that make up a 3x3 rotation.
+
+    Two turns, about `a` and then `b`, are enough where the rotation takes `a` to where it has no
+    part along `b`, for the first turn leaves `a` alone and the second moves it around `b`.
+    """
+    found: list[Turns] = [_turning(zip("xyz", roll_pitch_yaw(matrix), strict=True))]
+    for first in range(3):
+        for second in range(3):
+            if first != second and abs(matrix[second, first]) < 1e-15:
+                axes = ("xyz"[first], "xyz"[second])
+                found.append(_turning(zip(axes, _two(matrix, first, second), strict=True)))
+    return min(found, key=len)
+
+
+def roll_pitch_yaw(matrix: Matrix) -> tuple[float, float, float]:
+    """Return the angles in radians about the fixed x, y and z, in this order.
+
+    Roll is measured once yaw is undone, so that it makes up for what yaw loses where x stands
+    nearly along z.
+    """
+    yaw = math.atan2(matrix[1, 0], matrix[0, 0])
+    pitch = math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))
+    side = math.cos(yaw) * matrix[1] - math.sin(yaw) * matrix[0]
+    return math.atan2(-side[2], side[1]), pitch, yaw
+
+
+def main_axis(axis: Matrix) -> str | None:
+    """Return `X`, `Y` or `Z` where a direction is exactly that one."""
+    for letter, unit in zip("XYZ", np.eye(3), strict=True):
+        if (axis > 0).tolist() == (unit > 0).tolist() and not (axis < 0).any():
+            return letter
+    return None
+
+
+def turns_to(axis: Matrix) -> Turns:
+    """Return turns that take z to a direction."""
+    x, y, z = axis / np.linalg.norm(axis)
+    tilt = degrees_of(math.atan2(math.hypot(x, y), z))
+    return ("y", tilt), ("z", degrees_of(math.atan2(y, x)))
+
+
+def _two(matrix: Matrix, first: int, second: int) -> tuple[float, float]:
+    """Return the angles about two axes, of which `matrix[second, first]` is zero."""
+    return -_about(first, second, matrix[second]), _about(second, first, matrix[:, first])
+
+
+def _about(axis: int, arm: int, image: Matrix) -> float:
+    """Return the angle about an axis that takes the unit vector `arm` to its image."""
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    if arm == one:
+        return math.atan2(image[other], image[one])
+    return math.atan2(-image[one], image[other])
+
+
+def _turning(turns: Iterable[tuple[str, float]]) -> Turns:
+    """Return turns in degrees, without those that do nothing."""
+    in_degrees = ((axis, degrees_of(angle)) for axis, angle in turns)
+    return tuple((axis, degrees) for axis, degrees in in_degrees if degrees)

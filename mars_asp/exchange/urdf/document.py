@@ -1,0 +1,214 @@
+"""A URDF document: its links and joints, with everything that is wrong with it in one run."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TypeAlias
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
+from mars_asp.exchange.urdf.elements import Element, read_elements
+from mars_asp.model.cycles import knots
+from mars_asp.spelling import nearest
+
+KINDS = ("fixed", "revolute", "continuous", "prismatic")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
+_MOST = 200
+_MOST_GUESSES = 20
+_NONE, _ONE = Decimal(0), Decimal(1)
+_Three: TypeAlias = tuple[Decimal, Decimal, Decimal]
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A link's name and place."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint: metres and radians, as they are written.
+
+    `axis` is a direction in the child's frame; `lower`, `upper` and `rate` are `None` where they
+    are open or not stated; `mimics` is the joint that this one follows.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    shift: _Three
+    turns: _Three
+    axis: _Three
+    lower: Decimal | None
+    upper: Decimal | None
+    rate: Decimal | None
+    mimics: str | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """Links and joints in the order in which they stand; the joints make trees of the links."""
+
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+
+
+def read_document(text: str, path: str) -> Document:
+    """Read a URDF document.
+
+    Raises:
+        MarsError: everything that is wrong with it, or with the XML alone.
+    """
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return _Reader(text.split("\n")).document(read_elements(text, path))
+
+
+class _Reader:
+    """Collects what is wrong, so that one mistake hides no other."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.lines = lines
+        self.links: set[str] = set()
+        self.problems: list[Diagnostic] = []
+
+    def document(self, root: Element) -> Document:
+        if root.name != "robot":
+            self.note(root, f"`<{root.name}>` is no `<robot>`", "a URDF document is one `<robot>`")
+        elif macro := next((c for c in root.children if c.name.startswith("xacro:")), None):
+            message = f"`<{macro.name}>` is a macro that was not expanded"
+            self.note(macro, message, "expand it first: `xacro FILE > robot.urdf`")
+        links = [child for child in root.children if child.name == "link"]
+        joints = [child for child in root.children if child.name == "joint"]
+        self.links = self.names(links)
+        self.names(joints)
+        read = tuple(map(self.joint, joints))
+        if not self.problems:
+            self.trees(read)
+        if self.problems:
+            raise MarsError(self.problems)
+        return Document(tuple(Link(e.attributes["name"], e.span) for e in links), read)
+
+    def note(self, at: Element | Joint, message: str, help_text: str) -> None:
+        excerpt = self.lines[at.span.line - 1]
+        found = Diagnostic("urdf", "error", message, at.span, help=help_text, excerpt=excerpt)
+        self.problems.append(found)
+
+    def names(self, elements: Iterable[Element]) -> set[str]:
+        seen: set[str] = set()
+        for element in elements:
+            name = element.attributes.get("name", "")
+            if not name.strip():
+                self.note(element, f"a {element.name} without a name", 'write `name="..."`')
+            elif name in seen:
+                self.note(element, f"a second {element.name} named `{name}`", "rename one of them")
+            seen.add(name)
+        return seen
+
+    def joint(self, element: Element) -> Joint:
+        """Read a joint; where something is wrong with it, that is noted and something returned."""
+        name, kind = (element.attributes.get(key, "") for key in ("name", "type"))
+        if kind not in KINDS:
+            found = f"joint `{name}` is `{kind}`" if kind else f"joint `{name}` has no type"
+            self.note(element, found, self.hint(kind, KINDS))
+        origin, axis, mimic = (element.child(word) for word in ("origin", "axis", "mimic"))
+        along = self.three(axis, "xyz", (_ONE, _NONE, _NONE))
+        if axis is not None and not any(map(float, along)):
+            self.note(axis, "an axis of no length", "say where it points, as `0 0 1`")
+        lower, upper, rate = None, None, None
+        if kind != "fixed" and (limit := element.child("limit")) is not None:
+            rate = self.rate(limit)
+            lower, upper = (None, None) if kind == "continuous" else self.bounds(limit)
+        return Joint(
+            name,
+            kind,
+            self.end(element, name, "parent"),
+            self.end(element, name, "child"),
+            self.three(origin, "xyz", (_NONE, _NONE, _NONE)),
+            self.three(origin, "rpy", (_NONE, _NONE, _NONE)),
+            along,
+            lower,
+            upper,
+            rate,
+            None if mimic is None else mimic.attributes.get("joint", ""),
+            element.span,
+        )
+
+    def end(self, joint: Element, name: str, role: str) -> str:
+        element = joint.child(role)
+        link = "" if element is None else element.attributes.get("link", "")
+        if element is None:
+            self.note(joint, f"joint `{name}` has no {role}", f'write `<{role} link="..."/>` in it')
+        elif link not in self.links:
+            self.note(element, f"there is no link `{link}`", self.hint(link, self.links))
+        return link
+
+    def hint(self, word: str, known: Iterable[str]) -> str:
+        """Return what to write instead of a word; where very much is wrong, nothing is guessed."""
+        near = nearest(word, known) if len(self.problems) < _MOST_GUESSES else None
+        if near:
+            return f"did you mean `{near}`?"
+        return f"write one of {', '.join(KINDS)}" if known is KINDS else "declare the link"
+
+    def three(self, element: Element | None, key: str, default: _Three) -> _Three:
+        written = None if element is None else element.attributes.get(key)
+        if element is None or written is None:
+            return default
+        words = written[:_MOST].split()
+        match tuple(map(_number, words)):
+            case (Decimal() as x, Decimal() as y, Decimal() as z) if len(written) < _MOST:
+                if max(abs(x), abs(y), abs(z)) < FARTHEST:
+                    return x, y, z
+        found = f'`{key}="{written[:_MOST]}"` are not three numbers below {FARTHEST}'
+        self.note(element, found, f'write `{key}="{" ".join(map(str, default))}"` or the like')
+        return default
+
+    def bounds(self, limit: Element) -> tuple[Decimal | None, Decimal | None]:
+        """Return both bounds; of one that is not stated URDF says that it is 0."""
+        stated = [key for key in ("lower", "upper") if key in limit.attributes]
+        lower, upper = (self.stated(limit, key) for key in ("lower", "upper"))
+        if lower > upper:
+            self.note(limit, f"the lower bound {lower} is above the upper one", "swap them")
+        return (
+            lower if stated and lower > -OPEN else None,
+            upper if stated and upper < OPEN else None,
+        )
+
+    def rate(self, limit: Element) -> Decimal | None:
+        """Return the greatest velocity; 0, which could not move, says nothing."""
+        found = self.stated(limit, "velocity")
+        if found < 0:
+            self.note(limit, f"the velocity {found} is below 0", "write its magnitude")
+        return found if 0 < found < OPEN else None
+
+    def stated(self, limit: Element, key: str) -> Decimal:
+        written = limit.attributes.get(key, "0")
+        found = _number(written) if len(written) < _MOST else None
+        if found is None:
+            shown = f'`{key}="{written[:_MOST]}"`'
+            self.note(limit, f"{shown} is no number", "write one in metres or radians")
+        return found or _NONE
+
+    def trees(self, joints: Sequence[Joint]) -> None:
+        """Note where joints do not make trees of the links."""
+        above: dict[str, Joint] = {}
+        for joint in joints:
+            first = above.setdefault(joint.child, joint)
+            if first is not joint:
+                found = f"`{joint.child}` is the child of `{first.name}` and of `{joint.name}`"
+                self.note(joint, found, "a link hangs on one joint: delete the other")
+        edges = [(joint.child, joint.parent, number) for number, joint in enumerate(joints)]
+        for knot in knots(edges):
+            names = ", ".join(f"`{joints[number].name}`" for _, _, number in knot.walk)
+            found = f"joints lead back to `{knot.walk[0][0]}`: {names}"
+            self.note(
+                joints[knot.walk[0][2]], found, "the links of a robot make a tree: delete one"
+            )
+
+
+def _number(word: str) -> Decimal | None:
+    return Decimal(word) if _NUMBER.fullmatch(word) else None

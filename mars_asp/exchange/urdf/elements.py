@@ -1,0 +1,80 @@
+"""The elements of an XML document with the places where they stand."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NoReturn
+from xml.parsers import expat
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+
+#: A robot, its links and joints, and what stands directly in these; visuals lie deeper.
+_DEEPEST = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An element: its name, attributes, place (of its `<`) and the elements in it."""
+
+    name: str
+    attributes: Mapping[str, str]
+    span: Span
+    children: list["Element"] = field(default_factory=list)
+
+    def child(self, name: str) -> "Element | None":
+        """Return the first child of a name."""
+        return next((child for child in self.children if child.name == name), None)
+
+
+def read_elements(text: str, path: str) -> Element:
+    """Return the root of a document with the elements of the upper three levels.
+
+    Document types are refused: entities live there, and nothing of a robot does.
+
+    Raises:
+        MarsError: the text is no XML, or has a document type.
+    """
+    parser = expat.ParserCreate()
+    open_elements: list[Element] = []
+    depth = 0
+    root: Element | None = None
+
+    def here() -> Span:
+        return point(path, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth, root
+        depth += 1
+        if depth > _DEEPEST:
+            return
+        element = Element(name, attributes, here())
+        if open_elements:
+            open_elements[-1].children.append(element)
+        else:
+            root = element
+        open_elements.append(element)
+
+    def end(_: str) -> None:
+        nonlocal depth
+        if depth <= _DEEPEST:
+            open_elements.pop()
+        depth -= 1
+
+    def refuse(*_: object) -> NoReturn:
+        # The parser tells this at the end of the name, in bytes.
+        before = text.encode()[: parser.CurrentByteIndex]
+        lines = before.rpartition(b"<!DOCTYPE")[0].decode().split("\n")
+        place = point(path, len(lines), len(lines[-1]) + 1)
+        found = "a document type, which is refused: it could declare entities"
+        raise MarsError((Diagnostic("urdf", "error", found, place, help="delete it"),))
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        place = point(path, error.lineno, error.offset + 1)
+        message = f"the file is no XML: {expat.errors.messages[error.code]}"
+        raise MarsError((Diagnostic("urdf", "error", message, place),)) from None
+    assert root is not None  # a document without a root is no XML
+    return root

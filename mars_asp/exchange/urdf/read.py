@@ -1,0 +1,176 @@
+"""URDF to a configuration: joints as mounts and motion functions."""
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from decimal import Decimal
+
+import numpy as np
+
+from mars_asp.diagnostic import Diagnostic, point
+from mars_asp.exchange.urdf.angles import (
+    QUARTER,
+    Turns,
+    degrees_of,
+    main_axis,
+    rotation_of,
+    turns_of,
+    turns_to,
+    writable,
+)
+from mars_asp.exchange.urdf.document import Joint, read_document
+from mars_asp.language import Parsed
+from mars_asp.model.declarations import (
+    Configuration,
+    Function,
+    Module,
+    Mount,
+    Name,
+    Transformation,
+    Vertex,
+)
+from mars_asp.model.ranges import BOUND
+
+_METRE = 1000
+_NONE = Decimal(0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    """A module on another one: turns about the carrier's fixed axes, then a shift in metres."""
+
+    module: Module
+    carrier: str
+    turns: Turns
+    shift: tuple[Decimal, Decimal, Decimal]
+
+
+def import_urdf(text: str, path: str) -> Parsed:
+    """Return the configuration of a URDF document, with what is noteworthy about it.
+
+    A link becomes a module, mounted on its parent. A joint that moves along or about x, y or z is
+    a motion function of its child; another one becomes a module of its own between the two, whose
+    z is the joint's axis.
+
+    Raises:
+        MarsError: the document is no XML, has a document type, or says what no mount can.
+    """
+    document = read_document(text, path)
+    links = _words(link.name for link in document.links)
+    movers = _words((joint.name for joint in document.joints), links.values())
+    placed = [p for joint in document.joints for p in _placements(joint, links, movers)]
+    mounts, described = [], []
+    for one in placed:
+        mount, module = _mount(one)
+        mounts.append(mount)
+        if module.functions or module.vertices:
+            described.append(module)
+    inserted = set(movers.values())
+    between = [p.module.name for p in placed if p.module.name in inserted]
+    here = point(path, 1, 1)
+    configuration = Configuration(
+        path,
+        here,
+        modules=tuple(Name(name, here) for name in (*links.values(), *between)),
+        relationships=tuple(mounts),
+        declared=tuple(described),
+    )
+    warnings = [warning for joint in document.joints for warning in _remarks(joint)]
+    return Parsed(configuration, tuple(warnings))
+
+
+def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> Iterator[_Placed]:
+    turns = _written_turns(joint)
+    child = Module(links[joint.child], joint.span)
+    parent = links[joint.parent]
+    axis = np.array([float(part) for part in joint.axis])
+    letter = main_axis(axis)
+    if joint.kind == "fixed":
+        yield _Placed(child, parent, turns, joint.shift)
+    elif letter:
+        child = replace(child, functions=(_function(joint, letter),))
+        yield _Placed(child, parent, turns, joint.shift)
+    else:
+        there = turns_to(axis)
+        mover = Module(movers[joint.name], joint.span, functions=(_function(joint, "Z"),))
+        yield _Placed(mover, parent, (*there, *turns), joint.shift)
+        back = tuple((name, -degrees) for name, degrees in reversed(there))
+        yield _Placed(child, mover.name, back, (_NONE, _NONE, _NONE))
+
+
+def _written_turns(joint: Joint) -> Turns:
+    # What is turned by more than a full turn stands as if turned by less.
+    radians = (float(angle) for angle in joint.turns)
+    angles = (degrees_of(a if abs(a) <= math.tau else math.remainder(a, math.tau)) for a in radians)
+    return tuple(zip("xyz", angles, strict=True))
+
+
+def _mount(placed: _Placed) -> tuple[Mount, Module]:
+    """Return the mount of a module, and the module with the vertex that it may need.
+
+    A tuple holds two turns, so the first of three is undone at vertex 1 of the mounting module.
+    """
+    turns = tuple((axis, degrees) for axis, degrees in placed.turns if degrees)
+    if len(turns) > 2:
+        turns = turns_of(rotation_of(turns))
+    x, y, z = (writable(metres * _METRE) for metres in placed.shift)
+    at = Transformation(turns[-2:], (x, y, z))
+    module = placed.module
+    mount = Mount(module.name, placed.carrier, module.span, transformation=at)
+    if len(turns) < 3:
+        return (mount if turns or x or y or z else replace(mount, transformation=None)), module
+    (axis, degrees), *_ = turns
+    vertex = Vertex(1, Transformation(((axis, -degrees),)), module.span)
+    return replace(mount, mounting_vertex=1), replace(module, vertices=(vertex,))
+
+
+def _function(joint: Joint, letter: str) -> Function:
+    slides = joint.kind == "prismatic"
+
+    def converted(value: Decimal | None) -> Decimal | None:
+        if value is None:
+            return None
+        found = writable(value * _METRE) if slides else degrees_of(float(value))
+        # Nothing stops what may go farther than the language can say.
+        return found if abs(found) <= BOUND.most else None
+
+    name = f"{'Trans' if slides else 'Rotn'}_{letter}"
+    bounds = converted(joint.lower), converted(joint.upper)
+    return Function(name, joint.span, *bounds, converted(joint.rate) or None)
+
+
+def _remarks(joint: Joint) -> Iterator[Diagnostic]:
+    if joint.mimics is not None and joint.kind != "fixed":
+        yield Diagnostic(
+            "urdf-mimic",
+            "warning",
+            f"joint `{joint.name}` follows `{joint.mimics}`, but here it moves by itself",
+            joint.span,
+            help="mounts know no such bond; what emerges may need both to move on their own",
+        )
+    for angle in joint.turns:
+        nearest = round(float(angle) / QUARTER) * QUARTER
+        if 1e-9 < abs(float(angle) - nearest) < 2e-3:
+            yield Diagnostic(
+                "urdf-angle",
+                "warning",
+                f"`{angle}` is nearly a quarter turn, and taken as it stands",
+                joint.span,
+                help=f"for a right angle write `{nearest!r}`; what is inherited depends on it",
+            )
+
+
+def _words(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+    """Return names that the language can say, each its own."""
+    found: dict[str, str] = {}
+    used, stems = set(taken), dict[str, int]()
+    for name in names:
+        stem = re.sub(r"^(?=[0-9])|\W", "_", name, flags=re.ASCII)
+        word = stem
+        while word in used:
+            stems[stem] = stems.get(stem, 1) + 1
+            word = f"{stem}_{stems[stem]}"
+        found[name] = word
+        used.add(word)
+    return found

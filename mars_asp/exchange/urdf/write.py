@@ -1,0 +1,129 @@
+"""A mount tree to URDF: motion functions as joints."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from xml.etree import ElementTree
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.exchange.urdf.angles import OPEN, roll_pitch_yaw
+from mars_asp.kinematics.frames import Matrix, Robot, build_robot
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
+
+_AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
+
+
+def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> str:
+    """Return the mount tree of a configuration as a URDF document.
+
+    A module's motion functions become joints in their order, the last of which carries its link;
+    between them, and below those of the root, stand links named after it. `Grasp` moves nothing
+    that is mounted, and is left out.
+
+    Raises:
+        MarsError: nothing is mounted, or what is mounted makes no tree: URDF has one.
+    """
+    mounts = [r for r in configuration.relationships if isinstance(r, Mount)]
+    known = {**modules, **{module.name: module for module in configuration.declared}}
+    body = build_robot(mounts, known)
+    roots = [name for name in body.order if name not in body.carrier]
+    problems = tuple(_obstacles(configuration, mounts, body, roots))
+    if problems:
+        raise MarsError(problems)
+    robot = ElementTree.Element("robot", name=roots[0])
+    taken = set(body.order)
+    for name in body.order:
+        functions = _moving(known.get(name))
+        carried = name in body.carrier
+        below = [_fresh(name, taken) for _ in functions[carried:]]
+        stages = [body.carrier[name], *below, name] if carried else [*below, name]
+        for stage in (*below, name):
+            ElementTree.SubElement(robot, "link", name=stage)
+        steps = functions or ((None,) if carried else ())
+        for (parent, child), function in zip(pairwise(stages), steps, strict=True):
+            joint = _add_joint(robot, name, function, parent, child)
+            if carried and parent == body.carrier[name]:
+                _add_origin(joint, body.placement[name])
+            if function:
+                _add_motion(joint, function)
+    ElementTree.indent(robot)
+    return ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+def _obstacles(
+    configuration: Configuration, mounts: Sequence[Mount], body: Robot, roots: Sequence[str]
+) -> Iterator[Diagnostic]:
+    """Yield what keeps mounts from being one tree."""
+    seen: set[str] = set()
+    for mount in mounts:
+        if mount.mounting not in body.carrier:
+            message = f"the mounts of `{mount.mounting}` lead to no root"
+            yield Diagnostic("urdf", "error", message, mount.span, help="open the cycle")
+        elif mount.mounting in seen:
+            message = f"`{mount.mounting}` is mounted twice"
+            yield Diagnostic("urdf", "error", message, mount.span, help="keep one of its mounts")
+        seen.add(mount.mounting)
+    if not mounts:
+        message = "nothing is mounted, and URDF describes mounts"
+        yield Diagnostic("urdf", "error", message, configuration.span, help="add `is_mounted_on`")
+    elif len(roots) > 1:
+        named = ", ".join(f"`{name}`" for name in roots)
+        message = f"there are {len(roots)} roots, {named}, and URDF has one"
+        help_text = "mount them on one module, or keep one robot in a file"
+        yield Diagnostic("urdf", "error", message, configuration.span, help=help_text)
+
+
+def _moving(module: Module | None) -> tuple[Function, ...]:
+    functions = module.functions if module else ()
+    return tuple(function for function in functions if function.name in MOTION_FUNCTIONS)
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    """Return a new name for a link below a module's own."""
+    number = 0
+    while (word := f"{name}__{number}") in taken:
+        number += 1
+    taken.add(word)
+    return word
+
+
+def _kind(function: Function | None) -> str:
+    if function is None:
+        return "fixed"
+    if function.name.startswith("Trans"):
+        return "prismatic"
+    return "continuous" if function.min is None and function.max is None else "revolute"
+
+
+def _add_joint(
+    robot: ElementTree.Element, name: str, function: Function | None, parent: str, child: str
+) -> ElementTree.Element:
+    named = f"{name}_{function.name if function else 'mount'}"
+    joint = ElementTree.SubElement(robot, "joint", name=named, type=_kind(function))
+    ElementTree.SubElement(joint, "parent", link=parent)
+    ElementTree.SubElement(joint, "child", link=child)
+    return joint
+
+
+def _add_origin(joint: ElementTree.Element, pose: Matrix) -> None:
+    xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
+    rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
+    ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+
+
+def _add_motion(joint: ElementTree.Element, function: Function) -> None:
+    """Add axis and limits; what is open is `OPEN`, for of nothing URDF says 0."""
+    ElementTree.SubElement(joint, "axis", xyz=_AXES[function.name[-1]])
+    turns = function.name.startswith("Rotn")
+    stated = {"lower": function.min, "upper": function.max, "velocity": function.rate}
+    open_ = {"lower": -OPEN, "upper": OPEN, "velocity": OPEN}
+    limits = {"effort": str(OPEN)}
+    for key, value in stated.items():
+        if value is None:
+            limits[key] = str(open_[key])
+        else:
+            # Adding zero takes the sign of a zero away.
+            limits[key] = repr((math.radians(value) if turns else float(value) / 1000) + 0.0)
+    if joint.get("type") == "continuous":
+        del limits["lower"], limits["upper"]
+    ElementTree.SubElement(joint, "limit", limits)

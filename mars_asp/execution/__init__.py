@@ -1,0 +1,1 @@
+"""A specification run in a simulated world, and what comes of it."""

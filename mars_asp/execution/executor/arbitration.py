@@ -1,0 +1,180 @@
+"""ArbitrationNodes: flat averages, hierarchical priorities with holds."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from mars_asp.execution.executor.link import Link, Message, Observer
+from mars_asp.execution.executor.schedule import Schedule
+
+#: The module that a stop or an average is ascribed to where no single one commanded it.
+NOBODY = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Holding:
+    """From `since` (ns) on, `holder` (a module, or nobody) holds control of `node`, and why.
+
+    `through` is the controller of the node that handed the holder's message on.
+    """
+
+    node: str
+    holder: str
+    since: int
+    why: str
+    through: str = NOBODY
+
+
+class FlatArbitration:
+    """At the end of each period sends the mean, function by function, of what arrived in it."""
+
+    def __init__(
+        self, name: str, period: int, schedule: Schedule, rank: int, outputs: Sequence[Link]
+    ) -> None:
+        self.name, self.period, self.schedule, self.rank = name, period, schedule, rank
+        self.outputs = outputs
+        self.arrived: list[Message] = []
+        self.ends = 0
+        self.holdings: list[Holding] = []
+        schedule.at(period, rank, self.end_period)
+
+    def input(self, link: Link) -> Callable[[Message], None]:
+        """Return what takes the commands of one controller."""
+        return self.arrived.append
+
+    def end_period(self) -> None:
+        """Send the mean of the period's messages; nothing where none came."""
+        self.ends += 1
+        self.schedule.at((self.ends + 1) * self.period, self.rank, self.end_period)
+        if not self.arrived:
+            return
+        origins = sorted({message.origin for message in self.arrived})
+        mean = mean_command([message.value for message in self.arrived])
+        # In place: the list's `append` is what the inputs call.
+        self.arrived.clear()
+        now = self.schedule.now
+        for link in self.outputs:
+            link.send(Message(mean, now, "+".join(origins)))
+
+
+def mean_command(commands: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return for every function the mean of the commands that name it."""
+    named: dict[str, list[float]] = {}
+    for command in commands:
+        for function, rate in command.items():
+            named.setdefault(function, []).append(rate)
+    return {function: sum(rates) / len(rates) for function, rates in sorted(named.items())}
+
+
+@dataclass(slots=True)
+class _Input:
+    link: Link
+    hold: int
+    message: Message | None = None
+    until: int = -1
+    arrival: int = -1
+    in_force: list[tuple[int, int]] = field(default_factory=list)
+
+
+class HierarchicalArbitration:
+    """Forwards the highest priority in force; resumes the next when a hold runs out.
+
+    `stops` says whether a stop is sent when nothing is left in force: an arbiter that only
+    feeds others leaves that to them. `suppressed` counts, by the module that said them, messages
+    that something higher kept from being forwarded.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        schedule: Schedule,
+        rank: int,
+        outputs: Sequence[Link],
+        *,
+        stops: bool,
+        observe: Observer | None = None,
+    ) -> None:
+        self.name, self.schedule, self.rank = name, schedule, rank
+        self.outputs, self.stops, self.observe = outputs, stops, observe
+        self.inputs: list[_Input] = []
+        self.winner: _Input | None = None
+        self.holdings: list[Holding] = []
+        self.suppressed: Counter[str] = Counter()
+
+    def input(self, link: Link, hold: int) -> Callable[[Message], None]:
+        """Return what takes the commands of one controller, each in force for `hold` ns."""
+        source = _Input(link, hold)
+        self.inputs.append(source)
+        return lambda message: self.receive(source, message)
+
+    @property
+    def in_force(self) -> tuple[tuple[Link, Sequence[tuple[int, int]]], ...]:
+        """Return each input, and from when until when (ns) a message of it was in force."""
+        return tuple((source.link, source.in_force) for source in self.inputs)
+
+    def receive(self, source: _Input, message: Message) -> None:
+        """Take a message; forward it at once if it wins."""
+        now = self.schedule.now
+        until = now + source.hold if message.until is None else message.until
+        if until <= now:
+            return
+        source.message, source.until = message, until
+        # One count for all arbiters of a run orders the messages of a whole cascade.
+        arrival = self.schedule.next_arrival() if message.arrival is None else message.arrival
+        source.arrival = arrival
+        since = now
+        if source.in_force and now <= source.in_force[-1][1]:
+            # A later message replaces the one before.
+            since, _ = source.in_force.pop()
+        source.in_force.append((since, until))
+        self.schedule.at(until, self.rank, lambda: self.expire(source))
+        best = self.best()
+        if best is source:
+            others = any(other is not source and other.until > now for other in self.inputs)
+            self.forward(source, "highest priority in force" if others else "alone in force")
+            return
+        self.suppressed[message.origin] += 1
+        if best is not None and source is self.winner:
+            # The arbiter behind it fell back to an older message than what is in force here.
+            self.forward(best, f"latest among equals of {source.link.source}")
+
+    def best(self) -> _Input | None:
+        """Return the input of the highest priority in force, among equals the latest."""
+        now = self.schedule.now
+        alive = [source for source in self.inputs if source.until > now]
+        return max(alive, key=lambda s: (s.link.priority, s.arrival), default=None)
+
+    def forward(self, source: _Input, why: str) -> None:
+        """Send an input's message on, with the time until which it is in force."""
+        message = source.message
+        if message is None:
+            return
+        self.winner = source
+        self._hold(message.origin, why, source.link.source)
+        sent = message._replace(until=source.until, arrival=source.arrival)
+        for link in self.outputs:
+            link.send(sent)
+
+    def expire(self, source: _Input) -> None:
+        """Where the winner's hold has run out: resume the next, else send one stop."""
+        if source is not self.winner or source.until > self.schedule.now:
+            return
+        following = self.best()
+        if following is not None:
+            self.forward(following, f"the hold of {source.link.source} ran out")
+            return
+        self.winner = None
+        self._hold(NOBODY, "nothing is in force")
+        if self.stops:
+            now = self.schedule.now
+            for link in self.outputs:
+                link.send(Message({}, now, NOBODY, until=now))
+
+    def _hold(self, holder: str, why: str, through: str = NOBODY) -> None:
+        last = self.holdings[-1] if self.holdings else None
+        if last is not None and (last.holder, last.through) == (holder, through):
+            return
+        now = self.schedule.now
+        self.holdings.append(Holding(self.name, holder, now, why, through))
+        if self.observe is not None:
+            self.observe(now, "holds", self.name, [holder, why])

@@ -1,0 +1,203 @@
+"""Delivery modes: when a source or a splitter sends what it has over a link."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from mars_asp.execution.executor.link import Link, Message
+from mars_asp.execution.executor.schedule import Schedule
+from mars_asp.model.declarations import Mode
+
+WHEN_READY, AT_FREQUENCY, ON_REQUEST = "NotifyWhenReady", "NotifyAtFrequency", "RequestWhenReady"
+
+
+#: Where messages enter a link: takes one, to send it now, later or never.
+Offer: TypeAlias = Callable[[Message], None]
+
+
+class Condition:
+    """Sends what fulfils a conditional mode."""
+
+    def __init__(self, link: Link, mode: Mode) -> None:
+        self.link, self.fulfilled, self.of = link, condition(mode), mode.of
+
+    def offer(self, message: Message) -> None:
+        """Send a message that fulfils the condition."""
+        try:
+            wanted = self.fulfilled(number_of(message.value, self.of))
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
+            self.link.fail(error)
+            return
+        if wanted:
+            self.link.send(message)
+
+
+class Grid:
+    """Sends the latest message at each deadline of a rate, also one that came in that instant.
+
+    With `again` a message that was sent before is repeated and counted as stale. A least gap
+    between messages would make 8.3 of 25 -> 10 Hz; deadlines make 10.
+    """
+
+    def __init__(
+        self, link: Link, hz: Fraction, schedule: Schedule, rank: int, *, again: bool
+    ) -> None:
+        self.link, self.again, self.fresh = link, again, False
+        self.latest: Message | None = None
+        schedule.every(hz, rank, self.tick)
+
+    def offer(self, message: Message) -> None:
+        """Keep a message for the next deadline."""
+        if self.fresh:
+            self.link.dropped["lowered"] += 1
+        self.latest, self.fresh = message, True
+
+    def tick(self) -> None:
+        """Send the latest message, if there is one to send."""
+        if self.latest is None or not (self.fresh or self.again):
+            return
+        self.link.stale += not self.fresh
+        self.fresh = False
+        self.link.send(self.latest)
+
+
+class Keep:
+    """Keeps the latest unread message for a request; with none, the next answers it.
+
+    `upstream` is asked for one where the source makes messages only on request.
+    """
+
+    def __init__(self, link: Link, upstream: Callable[[], None] | None) -> None:
+        self.link, self.upstream = link, upstream
+        self.unread: Message | None = None
+        self.outstanding = False
+        link.request = self.request
+
+    def offer(self, message: Message) -> None:
+        """Answer an outstanding request, or keep the message."""
+        if self.outstanding:
+            self.outstanding = False
+            self.link.send(message)
+            return
+        if self.unread is not None:
+            self.link.dropped["unread"] += 1
+        self.unread = message
+
+    def request(self) -> None:
+        """Answer with the unread message, else with the next."""
+        if self.unread is not None:
+            message, self.unread = self.unread, None
+            self.link.send(message)
+            return
+        self.outstanding = True
+        if self.upstream is not None:
+            self.upstream()
+
+
+class Poll:
+    """Asks a source that answers requests at each tick."""
+
+    def __init__(
+        self,
+        link: Link,
+        hz: Fraction,
+        schedule: Schedule,
+        rank: int,
+        upstream: Callable[[], None],
+    ) -> None:
+        self.kept = Keep(link, upstream)
+        link.request = None
+        self.offer = self.kept.offer
+        schedule.every(hz, rank, self.kept.request)
+
+
+def open_link(
+    link: Link,
+    asked: Mode,
+    made: tuple[Mode, Fraction | None],
+    schedule: Schedule,
+    rank: int,
+    upstream: Callable[[], None] | None,
+) -> Offer:
+    """Return what takes messages made in a mode and at a rate (Hz), and sends as is asked.
+
+    `rank` is the schedule's for a clock at the link; `upstream` asks the source for a message.
+    """
+    carried, rate = made
+    if asked.name == ON_REQUEST:
+        return Keep(link, upstream if carried.name == ON_REQUEST else None).offer
+    if asked.name == AT_FREQUENCY:
+        hz = link.hz or rate
+        if carried.name == ON_REQUEST and hz is not None and upstream is not None:
+            return Poll(link, hz, schedule, rank, upstream).offer
+        if hz is None or (carried.name == AT_FREQUENCY and hz == rate):
+            return link.send
+        return Grid(link, hz, schedule, rank, again=carried.name != AT_FREQUENCY).offer
+    if asked.name == WHEN_READY or asked == carried:
+        return link.send
+    return Condition(link, asked).offer
+
+
+def number_of(value: Any, field: str | None) -> float:
+    """Return the number a condition is about: the message, or its field (or entry) by name."""
+    for part in field.split(".") if field else ():
+        value = value[part] if isinstance(value, dict) else getattr(value, part)
+    return float(value)
+
+
+def condition(mode: Mode) -> Callable[[float], bool]:
+    """Return the test of one conditional mode; it remembers what it has seen.
+
+    Raises:
+        ValueError: the mode sets no condition, or lacks the value it is about.
+    """
+    arguments = [float(argument) for argument in mode.arguments]
+    if mode.name == "NotifyOnMax":
+        return _beyond(arguments, 1.0)
+    if mode.name == "NotifyOnMin":
+        return _beyond(arguments, -1.0)
+    if mode.name == "NotifyOnValue" and arguments:
+        return _entering(arguments[0], arguments[1] if len(arguments) > 1 else 0.0)
+    if mode.name == "NotifyOnChange":
+        return _changing(arguments[0] if arguments else 0.0)
+    raise ValueError(f"`{mode.text or mode.name}` sets no condition")
+
+
+def _beyond(arguments: list[float], sign: float) -> Callable[[float], bool]:
+    if arguments:
+        return lambda x: sign * x >= sign * arguments[0]
+    best: float | None = None
+
+    def exceeds(x: float) -> bool:
+        nonlocal best
+        if best is not None and sign * x <= sign * best:
+            return False
+        best = x
+        return True
+
+    return exceeds
+
+
+def _entering(value: float, tolerance: float) -> Callable[[float], bool]:
+    inside = False
+
+    def enters(x: float) -> bool:
+        nonlocal inside
+        before, inside = inside, abs(x - value) <= tolerance
+        return inside and not before
+
+    return enters
+
+
+def _changing(least: float) -> Callable[[float], bool]:
+    delivered: float | None = None
+
+    def differs(x: float) -> bool:
+        nonlocal delivered
+        # From what was last delivered, not last seen: else a slow drift would be lost.
+        if delivered is not None and abs(x - delivered) <= least:
+            return False
+        delivered = x
+        return True
+
+    return differs

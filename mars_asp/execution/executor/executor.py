@@ -1,0 +1,306 @@
+"""A specification at work: every module and node built and joined, stepped in simulated time."""
+
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+from typing import Any
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.execution.executor.arbitration import FlatArbitration, HierarchicalArbitration
+from mars_asp.execution.executor.behaviour import Behaviour
+from mars_asp.execution.executor.delivery import (
+    AT_FREQUENCY,
+    ON_REQUEST,
+    Offer,
+    open_link,
+)
+from mars_asp.execution.executor.link import Failures, Link, Message, Observer
+from mars_asp.execution.executor.modules import COMMAND_TIMEOUT, Algorithm, Effector, Sensor
+from mars_asp.execution.executor.nodes import (
+    ControlSplitter,
+    DataSplitter,
+    DataTransformer,
+    InheritanceNode,
+)
+from mars_asp.execution.executor.plan import Plan
+from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.model.declarations import Configuration, Module
+
+DEFAULT_PERIOD = 100 * MILLISECOND
+
+
+class Executor:
+    """Runs a specification (or a configuration's relationships directly).
+
+    `behaviours` has one entry for each module, converters included; modules may lack one only
+    if they are sinks. `command_timeout` is in ns. `observe` is told of all that happens.
+
+    Raises:
+        MarsError: modules have no behaviour, or nothing that would ever make them run.
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        behaviours: Mapping[str, Behaviour],
+        command_timeout: int = COMMAND_TIMEOUT,
+        observe: Observer | None = None,
+    ) -> None:
+        self.plan = Plan(configuration, modules, behaviours)
+        self.command_timeout, self.observe = command_timeout, observe
+        self._refuse_incomplete()
+        depth = max((self.plan.depth(name) for name in self.plan.names), default=0)
+        clocks = self._clock_ranks()
+        self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
+        self.schedule = Schedule(len(clocks), max(depth, 1))
+        self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
+        self.effectors: dict[str, Effector] = {}
+        self.elements: dict[str, Any] = {}
+        self._demands: dict[str, Callable[[], None]] = {}
+        self._left = self.plan.left_to_providers()
+        for link in self.plan.links:
+            link.schedule, link.observe = self.schedule, observe
+        # An arbiter is built before those it feeds: their timers then follow its own.
+        for name in sorted(self.plan.names, key=self.plan.depth):
+            self.elements[name] = self._build(name)
+        for name in self.plan.names:
+            self._join(name)
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """Return every link, in the order of the relationships, with its counts."""
+        return tuple(self.plan.links)
+
+    @property
+    def failures(self) -> dict[str, Failures]:
+        """Return what modules, converters and links raised that nobody asked for, by who did."""
+        found = {name: getattr(e, "failures", Failures()) for name, e in self.elements.items()}
+        found |= {f"{link.source} -> {link.client}": link.failures for link in self.links}
+        return {name: failures for name, failures in found.items() if failures.count}
+
+    def step_until(self, time: int) -> None:
+        """Run all events up to and including an instant (ns)."""
+        self.schedule.step_until(time)
+
+    def _clock_ranks(self) -> list[tuple[int, bool]]:
+        """Return where clocks tick: by depth, a module's own before those of its outputs."""
+        plan = self.plan
+        ranks = {(plan.data_depth[name], False) for name in plan.names if self._clock(name)}
+        for link in plan.links:
+            if link.kind == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
+                ranks.add((plan.data_depth[link.source], True))
+        return sorted(ranks)
+
+    def _clock(self, name: str) -> Fraction | None:
+        """Return the rate in Hertz at which an algorithm or sink runs by its own clock, if so."""
+        mode, hz = self.plan.made(name)
+        if self.plan.kind(name) == "data_out" and mode.name == ON_REQUEST:
+            return None
+        behaviour = self.plan.behaviours.get(name)
+        if hz is None and behaviour is not None and behaviour.period is not None:
+            return Fraction(SECOND, behaviour.period)
+        return hz
+
+    def _refuse_incomplete(self) -> None:
+        """Report at once all that is unbound and all that could never run."""
+        plan, problems = self.plan, []
+        whole = plan.configuration.span
+        spans = {name.text: name.span for name in plan.configuration.modules}
+        for name in plan.names:
+            span = spans.get(name, whole)
+            kind = plan.kind(name)
+            if name in plan.behaviours or kind == "sink":
+                problems += self._never_runs(name, span)
+            elif kind in ("sensor", "data_out", "control_out") or (
+                kind == "effector" and plan.control_in[name]
+            ):
+                problems.append(_unbound(name, kind, span))
+        problems += [
+            _unbound(c.converter or c.transformer, "converter", spans.get(c.transformer, whole))
+            for c in plan.configuration.conversions
+            if (c.converter or c.transformer) not in plan.behaviours
+        ]
+        problems += [
+            _unknown_provider(node, provider, spans.get(provider, whole))
+            for node in plan.names
+            if plan.kind(node) == "inheritance_node"
+            for provider in plan.unknown_providers(node)
+        ]
+        problems += [
+            problem
+            for node in plan.names
+            if plan.kind(node) == "inheritance_node"
+            for problem in _stands_for_none(plan, node, spans.get(node, whole))
+        ]
+        if problems:
+            raise MarsError(problems)
+
+    def _never_runs(self, name: str, span: Span) -> list[Diagnostic]:
+        plan = self.plan
+        if plan.kind(name) not in ("data_out", "control_out"):
+            return []
+        behaviour = plan.behaviours[name]
+        pushed = [k for k in plan.data_in[name] if plan.carried(k)[0].name != ON_REQUEST]
+        if pushed or plan.made(name)[0].name in (AT_FREQUENCY, ON_REQUEST) or behaviour.period:
+            return []
+        if plan.kind(name) == "control_out" and plan.control_in[name]:
+            return []
+        message = f"nothing ever makes `{name}` run: no input is notified and it has no period"
+        help_text = f"give `{name}` a period in the scenario"
+        return [Diagnostic("never-runs", "error", message, span, (), help_text)]
+
+    def _build(self, name: str) -> Any:
+        kind, plan = self.plan.kind(name), self.plan
+        behaviour = plan.behaviours.get(name, Behaviour(lambda *inputs: None))
+        if kind == "sensor":
+            _, hz = plan.made(name)
+            sensor = Sensor(name, behaviour, hz, self.schedule)
+            self._demands[name] = (lambda: None) if sensor.clocked else sensor.sample
+            return sensor
+        if kind in ("data_out", "control_out", "sink"):
+            return self._algorithm(name, kind, behaviour)
+        if kind == "effector":
+            self.effectors[name] = Effector(
+                name,
+                behaviour,
+                self.command_timeout,
+                self.schedule,
+                self._left.get(name, frozenset()),
+            )
+            return self.effectors[name]
+        if kind == "arbitration_node":
+            self.arbiters[name] = self._arbiter(name)
+            return self.arbiters[name]
+        if kind == "data_splitter":
+            return DataSplitter()
+        if kind == "data_transformer":
+            return DataTransformer(self._converter(name), plan.data_out[name])
+        if kind == "inheritance_node":
+            led = plan.led_by_both(name)
+            own = frozenset() if led is None else plan.inheriting.functions(led)
+            providers = plan.providers(name)
+            functions = {provider: plan.inheriting.functions(provider) for provider in providers}
+            carrying = plan.carrying(name, self._position)
+            return InheritanceNode(
+                providers, functions, carrying, plan.inheriting.allocation(name), own
+            )
+        return ControlSplitter(plan.control_out[name])
+
+    def _position(self, name: str) -> Mapping[str, float]:
+        """Return how far the motions of a module have come, in degrees and mm."""
+        return self.effectors[name].position() if name in self.effectors else {}
+
+    def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
+        hz = self._clock(name)
+        on_request = kind == "data_out" and self.plan.made(name)[0].name == ON_REQUEST
+        algorithm = Algorithm(
+            name,
+            behaviour,
+            self.schedule,
+            commands=kind == "control_out",
+            triggered=hz is None and not on_request,
+            pulls=any(
+                self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
+            ),
+        )
+        self._demands[name] = algorithm.run
+        if hz is not None:
+            own = self._ranks[self.plan.data_depth[name], False]
+            rank = self.schedule.control if algorithm.commands else own
+            self.schedule.every(hz, rank, algorithm.run)
+        return algorithm
+
+    def _arbiter(self, name: str) -> FlatArbitration | HierarchicalArbitration:
+        plan = self.plan
+        rank, outputs = self.schedule.control + plan.depth(name), plan.control_out[name]
+        if plan.configuration.architecture == "flat":
+            stated = plan.configuration.period_ms
+            period = DEFAULT_PERIOD if stated is None else stated * MILLISECOND
+            return FlatArbitration(name, period, self.schedule, rank, outputs)
+        stops = plan.reaches_effector(name)
+        return HierarchicalArbitration(
+            name, self.schedule, rank, outputs, stops=stops, observe=self.observe
+        )
+
+    def _converter(self, name: str) -> Callable[[Any], Any]:
+        for conversion in self.plan.configuration.conversions:
+            if conversion.transformer == name:
+                return self.plan.behaviours[conversion.converter or name].call
+        behaviour = self.plan.behaviours.get(name)
+        return behaviour.call if behaviour else lambda value: value
+
+    def _join(self, name: str) -> None:
+        plan, element = self.plan, self.elements[name]
+        for link in plan.data_out[name]:
+            element.offers.append(self._offer(name, link))
+        if isinstance(element, Sensor | Algorithm):
+            element.outputs += [*plan.data_out[name], *plan.control_out[name]]
+        if isinstance(element, Algorithm):
+            element.offers += [link.send for link in plan.control_out[name]]
+        for link in plan.data_in[name]:
+            link.receive = self._data_receiver(element, link)
+        for link in plan.control_in[name]:
+            link.receive = self._control_receiver(element, link)
+
+    def _offer(self, name: str, link: Link) -> Offer:
+        made, asked = self.plan.made(name), self.plan.carried(link)[0]
+        if self.plan.kind(name) == "data_transformer" and made[0].name != ON_REQUEST:
+            # It hands on the service of its input unchanged: conditions were met before.
+            return link.send
+        rank = self._ranks.get((self.plan.data_depth[name], True), DATA)
+        return open_link(link, asked, made, self.schedule, rank, self._upstream(name))
+
+    def _upstream(self, name: str) -> Callable[[], None] | None:
+        if name in self._demands:
+            return self._demands[name]
+        inputs = self.plan.data_in[name]
+
+        def ask() -> None:
+            for link in inputs:
+                if link.request is not None:
+                    link.request()
+
+        return ask
+
+    def _data_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
+        if isinstance(element, Algorithm):
+            return element.input(link, self.plan.carried(link)[0].name == ON_REQUEST)
+        receive: Callable[[Message], None] = element.receive
+        return receive
+
+    def _control_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
+        if isinstance(element, HierarchicalArbitration):
+            return element.input(link, self.plan.hold(link))
+        if isinstance(element, Algorithm):
+            return element.input(link, False)
+        if isinstance(element, FlatArbitration | Effector):
+            return element.input(link)
+        receive: Callable[[Message], None] = element.receive
+        return receive
+
+
+def _unbound(name: str, kind: str, span: Span) -> Diagnostic:
+    message = f"`{name}` has nothing to run it ({kind.replace('_', ' ')})"
+    help_text = f"bind `{name}` to a device or a Python function in the scenario"
+    return Diagnostic("unbound", "error", message, span, (), help_text)
+
+
+def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
+    message = f"nothing says which functions `{name}` provides to `{node}`"
+    help_text = f"describe `{name}`: name its source by `--sources`, or repeat its block"
+    return Diagnostic("undescribed", "error", message, span, (), help_text)
+
+
+def _stands_for_none(plan: Plan, node: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield what keeps an InheritanceNode from standing for one module."""
+    named = plan.inheriting.stands_for(node)
+    if len(named) > 1:
+        names = " or ".join(f"`{name}`" for name in sorted(named))
+        message = f"`{node}` may stand for {names}, which move in different ways"
+        help_text = f"say which in a comment before its line: `// {node}: {min(named)}`"
+        yield Diagnostic("stand-in", "error", message, span, (), help_text)
+    for each in plan.configuration.stand_ins:
+        if each.node == node and each.module not in plan.inheriting.riders(node):
+            message = f"`{node}` feeds what does not carry `{each.module}`, whom its comment names"
+            help_text = "name the module whose commands the node passes on"
+            yield Diagnostic("stand-in", "error", message, each.span, (), help_text)

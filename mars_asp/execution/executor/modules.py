@@ -1,0 +1,231 @@
+"""Modules at work: what triggers them, and what becomes of their results."""
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from mars_asp.execution.executor.behaviour import Behaviour, single_command
+from mars_asp.execution.executor.delivery import Offer
+from mars_asp.execution.executor.link import Failures, Link, Message, message_of
+from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
+
+COMMAND_TIMEOUT = 500 * MILLISECOND
+
+
+class Sensor:
+    """Samples its device at a rate, or, without one, when it is asked."""
+
+    def __init__(self, name: str, behaviour: Behaviour, hz: Fraction | None, schedule: Schedule):
+        self.name, self.schedule = name, schedule
+        self.call, self.delay = behaviour.call, behaviour.delay
+        self.offers: list[Offer] = []
+        self.outputs: list[Link] = []
+        self.failures = Failures()
+        if hz is None and behaviour.period is not None:
+            hz = Fraction(SECOND, behaviour.period)
+        self.clocked = hz is not None
+        if hz is not None:
+            schedule.every(hz, SENSORS, self.sample)
+
+    def sample(self) -> None:
+        """Read the device and offer what it says to every output."""
+        try:
+            reading = self.call()
+        except Exception as error:  # a device's fault must not end the run
+            fail(self.failures, self.outputs, error)
+            return
+        if reading is None:
+            return
+        made = self.schedule.now
+        message = message_of((reading, made, self.name, None, None))
+        if self.delay:
+            due = made + self.delay
+            self.schedule.at(due, SENSORS, lambda: offer_all(self.offers, message))
+        else:
+            for offer in self.offers:
+                offer(message)
+
+
+class Algorithm:
+    """Computes with the latest of each input, once all have arrived.
+
+    A data input that is pulled is asked when the module runs, and the run waits for the answer.
+    `commands` says that its results are commands, `triggered` that inputs make it
+    run, `pulls` that some of them it has to ask for.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        behaviour: Behaviour,
+        schedule: Schedule,
+        *,
+        commands: bool,
+        triggered: bool,
+        pulls: bool,
+    ) -> None:
+        self.name, self.schedule = name, schedule
+        self.call, self.delay = behaviour.call, behaviour.delay
+        self.commands, self.triggered = commands, triggered
+        self.rank = schedule.control if commands else DATA
+        self.queue = schedule.queue(self.rank)
+        self.offers: list[Offer] = []
+        self.outputs: list[Link] = []
+        self.failures = Failures()
+        self.run = self.ask if pulls else self.compute
+        self.latest: list[Any] = []
+        self.unheard: set[int] = set()
+        self.pulled: list[tuple[int, Link]] = []
+        self.missing: set[int] = set()
+        self.waiting = False
+
+    def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
+        """Return what takes the messages of one link; inputs keep the order of their links."""
+        index, latest, unheard = len(self.latest), self.latest, self.unheard
+        latest.append(None)
+        unheard.add(index)
+        if pulled:
+            self.pulled.append((index, link))
+            return lambda message: self.answer(index, message)
+        queue, run = self.queue, self.run
+
+        def keep(message: Message) -> None:
+            latest[index] = message[0]
+            if unheard:
+                unheard.discard(index)
+
+        def trigger(message: Message) -> None:
+            latest[index] = message[0]
+            if unheard:
+                unheard.discard(index)
+            queue(run)
+
+        return trigger if self.triggered else keep
+
+    def answer(self, index: int, message: Message) -> None:
+        """Keep what was pulled; go on with the run that waited for it."""
+        self.latest[index] = message.value
+        self.unheard.discard(index)
+        self.missing.discard(index)
+        if self.waiting and not self.missing:
+            self.waiting = False
+            self.queue(self.compute)
+
+    def ask(self) -> None:
+        """Ask for what is pulled; compute when it is there."""
+        if self.waiting:
+            return
+        self.missing = {index for index, _ in self.pulled}
+        self.waiting = True
+        for _, link in self.pulled:
+            if link.request is not None:
+                link.request()
+
+    def compute(self) -> None:
+        """Call the behaviour and offer its result, unless it returns nothing."""
+        if self.unheard:
+            return
+        try:
+            result = self.call(*self.latest)
+            if result is not None and self.commands:
+                result = single_command(result)
+        except Exception as error:  # a module's fault must not end the run
+            fail(self.failures, self.outputs, error)
+            return
+        if result is None:
+            return
+        made = self.schedule.now
+        message = message_of((result, made, self.name, None, None))
+        if self.delay:
+            due = made + self.delay
+            self.schedule.at(due, self.rank, lambda: offer_all(self.offers, message))
+        else:
+            for offer in self.offers:
+                offer(message)
+
+
+class Effector:
+    """Holds the latest command; rests when none came for `timeout` ns.
+
+    Of a command it does not take what is `left` to an InheritanceNode that hears it, too.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        behaviour: Behaviour,
+        timeout: int,
+        schedule: Schedule,
+        left: frozenset[str] = frozenset(),
+    ) -> None:
+        self.name, self.behaviour, self.schedule, self.left = name, behaviour, schedule, left
+        self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
+        self.message: Message | None = None
+        self.awaited: Link | None = None
+        self.failures = Failures()
+        self.applied: list[tuple[int, str, dict[str, float]]] = []
+        self.timeouts = 0
+        self.ways: dict[str, float] = {}
+        self.rates: dict[str, float] = {}
+        self.since = 0
+
+    def position(self) -> Mapping[str, float]:
+        """Return how far each motion has come, in degrees and mm, as told or as reckoned."""
+        if self.behaviour.position is not None:
+            return self.behaviour.position()
+        seconds = (self.schedule.now - self.since) / SECOND
+        for function, rate in self.rates.items():
+            self.ways[function] = self.ways.get(function, 0.0) + rate * seconds
+        self.since = self.schedule.now
+        return self.ways
+
+    def input(self, link: Link) -> Callable[[Message], None]:
+        """Return what takes the commands of one link."""
+        return lambda message: self.receive(link, message)
+
+    def receive(self, link: Link, message: Message) -> None:
+        """Take a command; it is applied when everything else of the instant is done."""
+        if self.left:
+            taken = {f: rate for f, rate in message.value.items() if f not in self.left}
+            message = message._replace(value=taken)
+        if self.awaited is not None:
+            self.awaited.dropped["overtaken"] += 1
+        self.message, self.awaited = message, link
+        self.queue(lambda: self.apply(message, link))
+        if message.value:
+            due = self.schedule.now + self.timeout
+            self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
+
+    def apply(self, message: Message, link: Link | None) -> None:
+        """Carry out a link's command, unless a later one of the same instant took its place."""
+        if message is not self.message:
+            return
+        self.awaited = None
+        self.position()
+        self.rates = message.value
+        try:
+            self.behaviour.call(message.value)
+        except Exception as error:  # a device's fault must not end the run
+            fail(self.failures, [link] if link else [], error)
+        if not self.applied or self.applied[-1][1:] != (message.origin, message.value):
+            self.applied.append((self.schedule.now, message.origin, message.value))
+
+    def expire(self, message: Message) -> None:
+        """Rest, if no command has come since."""
+        if message is self.message:
+            self.timeouts += 1
+            self.message = Message({}, self.schedule.now, "")
+            self.apply(self.message, None)
+
+
+def offer_all(offers: list[Offer], message: Message) -> None:
+    """Offer a message to every output."""
+    for offer in offers:
+        offer(message)
+
+
+def fail(failures: Failures, links: list[Link], error: Exception) -> None:
+    """Count an exception, and on every link the message that it lost by it."""
+    failures.note(error)
+    for link in links:
+        link.drop(error)

@@ -1,0 +1,112 @@
+"""Nodes that carry data and control on: splitters, transformers, inheritance."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from mars_asp.execution.executor.delivery import Offer
+from mars_asp.execution.executor.link import Failures, Link, Message
+from mars_asp.model.declarations import GRASP, TAKING
+
+if TYPE_CHECKING:
+    from mars_asp.kinematics.sharing import Carrying
+
+
+class DataSplitter:
+    """Copies each message to every output in the same instant, in the specification's order."""
+
+    def __init__(self) -> None:
+        self.offers: list[Offer] = []
+
+    def receive(self, message: Message) -> None:
+        """Offer a message to every output."""
+        for offer in self.offers:
+            offer(message)
+
+
+class DataTransformer:
+    """Applies its converter; an exception drops the message and marks the output faulty."""
+
+    def __init__(self, convert: Callable[[Any], Any], outputs: list[Link]) -> None:
+        self.convert, self.outputs = convert, outputs
+        self.failures = Failures()
+        self.offers: list[Offer] = []
+
+    def receive(self, message: Message) -> None:
+        """Convert a message and hand it on."""
+        try:
+            value = self.convert(message.value)
+        except Exception as error:  # a converter's fault must not end the run
+            self.failures.note(error)
+            for link in self.outputs:
+                link.drop(error)
+            return
+        for offer in self.offers:
+            offer(message._replace(value=value))
+
+
+class ControlSplitter:
+    """Copies each command to every output."""
+
+    def __init__(self, outputs: list[Link]) -> None:
+        self.outputs = outputs
+
+    def receive(self, message: Message) -> None:
+        """Send a command to every output."""
+        for link in self.outputs:
+            link.send(message)
+
+
+class InheritanceNode:
+    """Maps a command into the frames of the effectors that provide its functions.
+
+    `providers` are its outputs, nearest first, and `functions` what each provider has itself. Among
+    similar providers the nearest takes a function, with the allocation `root` the farthest, with
+    `split` each an equal share; what nobody gives alone, a least support makes up at the posture of
+    the moment. Functions that are not named are zero: a stop reaches all, and who has no part in a
+    command any more gets one. What the commanded module does itself, its `own`, is left to it.
+    """
+
+    def __init__(
+        self,
+        providers: Mapping[str, Link],
+        functions: Mapping[str, frozenset[str]],
+        carrying: "Carrying | None",
+        allocation: str | None = None,
+        own: frozenset[str] = frozenset(),
+    ) -> None:
+        self.providers, self.functions, self.carrying = providers, functions, carrying
+        self.own = own
+        self.allocation = allocation
+        self.moving: set[str] = set()
+
+    def receive(self, message: Message) -> None:
+        """Send each provider what falls to it."""
+        commands: dict[str, dict[str, float]] = {name: {} for name in self.providers}
+        lacking = []
+        for function, rate in message.value.items():
+            if function in self.own:
+                continue
+            shares = self.shares(function)
+            for name, native, share in shares:
+                commands[name][native] = commands[name].get(native, 0.0) + share * rate
+            if not shares:
+                lacking.append(function)
+        for name, link in self.providers.items():
+            if commands[name] or not message.value or name in self.moving:
+                link.send(message._replace(value=commands[name]))
+            (self.moving.add if commands[name] else self.moving.discard)(name)
+        if lacking:
+            names = ", ".join(sorted(lacking))
+            for link in list(self.providers.values())[:1]:
+                link.fail(LookupError(f"nothing provides {names} at this posture"))
+
+    def shares(self, function: str) -> list[tuple[str, str, float]]:
+        """Return who does what for one unit of a function: provider, native function, rate.
+
+        A grasp has no direction.
+        """
+        if self.carrying is not None and function != GRASP:
+            return self.carrying.shares(function, self.allocation)
+        able = [name for name in self.providers if function in self.functions[name]]
+        taking = able[TAKING[self.allocation]]
+        return [(name, function, 1 / len(taking)) for name in taking]

@@ -1,0 +1,272 @@
+"""What a specification says about its links, before anything runs."""
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from mars_asp.execution.executor.behaviour import Behaviour
+from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
+from mars_asp.execution.executor.link import Link
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.model.declarations import (
+    MOTION_FUNCTIONS,
+    Configuration,
+    Control,
+    Data,
+    Mode,
+    Module,
+    Mount,
+    Service,
+    node_kind,
+)
+from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
+
+if TYPE_CHECKING:
+    from mars_asp.kinematics.sharing import Carrying
+
+DEFAULT_HOLD = 200 * MILLISECOND
+
+
+class Plan:
+    """The links of a specification, what each carries, and what each module offers."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        behaviours: Mapping[str, Behaviour],
+    ) -> None:
+        self.configuration = configuration
+        self.modules = {**modules, **{module.name: module for module in configuration.declared}}
+        self.behaviours = behaviours
+        self.links: list[Link] = []
+        self.data_in: defaultdict[str, list[Link]] = defaultdict(list)
+        self.data_out: defaultdict[str, list[Link]] = defaultdict(list)
+        self.control_in: defaultdict[str, list[Link]] = defaultdict(list)
+        self.control_out: defaultdict[str, list[Link]] = defaultdict(list)
+        self.inheriting = InheritanceNodes(configuration, self.modules)
+        for relationship in configuration.relationships:
+            self._add(relationship)
+        ends = (end for link in self.links for end in (link.source, link.client))
+        self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
+        self.data_depth = self._data_depths()
+
+    def _add(self, relationship: Mount | Control | Data) -> None:
+        if isinstance(relationship, Mount):
+            return
+        if isinstance(relationship, Data):
+            hz = None if relationship.hz is None else Fraction(relationship.hz)
+            ends = relationship.source, relationship.client
+            link = Link("data", *ends, relationship.span, relationship.mode, hz)
+            into, out = self.data_in, self.data_out
+        else:
+            hold = relationship.hold_ms
+            ends = relationship.controller, relationship.controlled
+            link = Link("control", *ends, relationship.span)
+            link.priority = relationship.priority or 0
+            link.hold = None if hold is None else hold * MILLISECOND
+            link.allocation = relationship.allocation
+            into, out = self.control_in, self.control_out
+        self.links.append(link)
+        into[link.client].append(link)
+        out[link.source].append(link)
+
+    def _data_depths(self) -> dict[str, int]:
+        """Return how many data links lie behind each module; on a cycle, those known to."""
+        left = {name: len(self.data_in[name]) for name in self.names}
+        depths = dict.fromkeys(self.names, 0)
+        ready = [name for name in self.names if not left[name]]
+        for name in ready:  # it grows
+            for link in self.data_out[name]:
+                depths[link.client] = max(depths[link.client], depths[name] + 1)
+                left[link.client] -= 1
+                if not left[link.client]:
+                    ready.append(link.client)
+        return depths
+
+    def kind(self, name: str) -> str:
+        """Return the kind of a node, or what a module is to the executor."""
+        node = None if name in self.modules else node_kind(name)
+        if node is not None:
+            return node
+        kinds = {service.kind for service in self.services(name)}
+        for kind, called in (
+            ("Sense", "sensor"),
+            ("DataOut", "data_out"),
+            ("ControlOut", "control_out"),
+            ("DataIn", "sink"),
+        ):
+            if kind in kinds:
+                return called
+        if name in self.modules and self.modules[name].functions:
+            return "effector"
+        return self._guess(name)
+
+    def _guess(self, name: str) -> str:
+        """Return what an undescribed module must be, by its relationships."""
+        if self.control_out[name]:
+            return "control_out"
+        if self.data_out[name]:
+            return "data_out" if self.data_in[name] else "sensor"
+        return "sink" if self.data_in[name] and not self.control_in[name] else "effector"
+
+    def services(self, name: str) -> tuple[Service, ...]:
+        """Return the services of a module; none for a node or an undescribed module."""
+        return self.modules[name].services if name in self.modules else ()
+
+    def offered(self, name: str) -> tuple[Mode, Fraction | None]:
+        """Return the mode in which a module makes data, and its rate in Hertz.
+
+        A module that offers several makes what its single client asks for, else its first.
+        """
+        service = next((s for s in self.services(name) if s.kind in ("Sense", "DataOut")), None)
+        if service is None or not service.modes:
+            return Mode(WHEN_READY), None
+        asked = [link.mode for link in self.data_out[name] if link.mode is not None]
+        named = [mode for mode in service.modes if len(asked) == 1 and mode == asked[0]]
+        mode = (named or list(service.modes))[0]
+        hz = None if service.hz is None else Fraction(service.hz)
+        return mode, hz if mode.name == AT_FREQUENCY else None
+
+    def carried(self, link: Link) -> tuple[Mode, Fraction | None]:
+        """Return what a link carries: as stated, else as its feeder's input, else as offered."""
+        mode, hz = link.mode, link.hz
+        if mode is None or (mode.name == AT_FREQUENCY and hz is None):
+            fed, rate = self.made(link.source)
+            mode = mode or self._unstated(link.source, fed)
+            hz = rate if mode.name == AT_FREQUENCY else None
+        return mode, hz
+
+    def _unstated(self, source: str, fed: Mode) -> Mode:
+        is_node = self.kind(source) in ("data_splitter", "data_transformer")
+        return fed if is_node else self.offered(source)[0]
+
+    def made(self, name: str) -> tuple[Mode, Fraction | None]:
+        """Return the mode and rate of what stands behind a module's or node's outputs."""
+        if self.kind(name) in ("data_splitter", "data_transformer"):
+            inputs = self.data_in[name]
+            return self.carried(inputs[0]) if inputs else (Mode(WHEN_READY), None)
+        mode, hz = self.offered(name)
+        if mode.name not in (AT_FREQUENCY, ON_REQUEST):
+            # What is made is raw: the link's own port sets the condition.
+            return Mode(WHEN_READY), None
+        return mode, hz
+
+    def rate(self, name: str, seen: frozenset[str] = frozenset()) -> Fraction | None:
+        """Return how often a module makes a message, in Hertz, where that is known."""
+        if name in seen:
+            return None
+        _, hz = self.offered(name)
+        behaviour = self.behaviours.get(name)
+        if hz is None and behaviour is not None and behaviour.period is not None:
+            hz = Fraction(SECOND, behaviour.period)
+        if hz is not None:
+            return hz
+        inputs = self.data_in[name]
+        if len(inputs) != 1:
+            return None
+        mode, stated = self.carried(inputs[0])
+        if mode.name not in (AT_FREQUENCY, WHEN_READY):
+            return None
+        return stated or self.rate(inputs[0].source, seen | {name})
+
+    def hold(self, link: Link) -> int:
+        """Return how long (ns) a message over a link into an arbiter stays in force."""
+        if link.hold is not None:
+            return link.hold
+        # Splitters copy and InheritanceNodes map: how often is a matter of who speaks through them.
+        commanders = self._commanders(link.source)
+        hz = self.rate(commanders[0]) if len(commanders) == 1 else None
+        return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
+
+    def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
+        """Return how many arbiters stand one behind the other before a node."""
+        if name in seen:
+            return 0
+        own = self.kind(name) == "arbitration_node"
+        behind = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
+        return own + max(behind, default=0)
+
+    def reaches_effector(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
+        """Return whether commands of a node reach an effector without another arbiter."""
+        if name in seen:
+            return False
+        return any(
+            self.kind(link.client) != "arbitration_node"
+            and (
+                self.kind(link.client) not in ("control_splitter", "inheritance_node")
+                or self.reaches_effector(link.client, seen | {name})
+            )
+            for link in self.control_out[name]
+        )
+
+    def providers(self, node: str) -> dict[str, Link]:
+        """Return an InheritanceNode's outputs by provider, nearest to the commanded one first."""
+        links = self._provider_links(node)
+        way = self.inheriting.way_down(node)
+        return {name: links[name] for name in way if name in links}
+
+    def carrying(
+        self, node: str, position: Callable[[str], Mapping[str, float]]
+    ) -> "Carrying | None":
+        """Return how an InheritanceNode's providers move its module, none where nothing is mounted.
+
+        `position` gives the present values of a module's motions in degrees and mm.
+        """
+        way = self.inheriting.way_down(node)
+        return (
+            self.inheriting.carrying(way[0], list(self.providers(node)), position) if way else None
+        )
+
+    def unknown_providers(self, node: str) -> list[str]:
+        """Return which of several providers nothing describes, so that none can be chosen."""
+        providers = self._provider_links(node)
+        return [n for n in providers if n not in self.modules] if len(providers) > 1 else []
+
+    def led_by_both(self, node: str) -> str | None:
+        """Return the module that an InheritanceNode stands for where its controllers lead it, too.
+
+        They name functions that the module has and others.
+        """
+        through = self.inheriting.commanders(node)
+        for name in self.inheriting.stands_for(node)[:1]:
+            if not set(through).isdisjoint(self.inheriting.commanders(name)):
+                return name
+        return None
+
+    def left_to_providers(self) -> dict[str, frozenset[str]]:
+        """Return what InheritanceNodes carry out for modules that are led by both, by module."""
+        left: dict[str, frozenset[str]] = {}
+        for node in self.names:
+            name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None
+            if name is None:
+                continue
+            carrying = self.carrying(node, lambda _: {})
+            given = {
+                function
+                for function in MOTION_FUNCTIONS
+                if carrying is not None
+                and (carrying.support(function) or carrying.anyone(function))
+            }
+            left[name] = left.get(name, frozenset()) | given - self.inheriting.functions(name)
+        return left
+
+    def _provider_links(self, node: str) -> dict[str, Link]:
+        return {
+            effector: link
+            for link in self.control_out[node]
+            for effector in self.inheriting.reached(link.client)
+        }
+
+    def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
+        """Return the modules whose commands come to a node, through whatever nodes."""
+        if name in seen:
+            return []
+        if self.kind(name) not in ("arbitration_node", "control_splitter", "inheritance_node"):
+            return [name]
+        return [
+            commander
+            for link in self.control_in[name]
+            for commander in self._commanders(link.source, seen | {name})
+        ]

@@ -1,0 +1,216 @@
+"""What a run was like, as facts, and the requirements that `rules/run` judges by them."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.trace import Explainer, Trace
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.diagnostic import Span, point
+from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
+from mars_asp.execution.trial import Trial
+from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+
+#: Requirement and the kind of consequence that says it was violated.
+ALWAYS = {
+    "services delivered": "undelivered_service",
+    "one controller at a time": "shared_control",
+    "priorities respected": "priority_breach",
+    "commands within limits": "limit_breach",
+    "commanded functions exist": "missing_function",
+    "no module failed": "module_failure",
+}
+ON_REQUEST = {
+    "no_collision": "collision",
+    "clearance": "clearance",
+    "reach": "reach",
+    "exclusive": "exclusive",
+    "coverage": "coverage",
+}
+#: Where facts are that stand in no file.
+OBSERVED = point("<run>", 1, 1)
+_MOST = 2**31 - 1
+#: As much of an exception's text is told.
+_LONGEST = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """A requirement, whether it held, and if not, why: the consequences that say so."""
+
+    name: str
+    violations: tuple[Consequence, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Say whether nothing violated it."""
+        return not self.violations
+
+    @property
+    def message(self) -> str:
+        """Return why it was violated, at most three times."""
+        more = " ..." if len(self.violations) > 3 else ""
+        return "; ".join(c.message for c in self.violations[:3]) + more
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Every requirement, those that always apply first, and what they were judged by."""
+
+    requirements: tuple[Requirement, ...]
+    analysis: Analysis
+    facts: tuple[Fact, ...]
+    rulebook: Rulebook
+
+    @property
+    def holds(self) -> bool:
+        """Say whether all requirements hold."""
+        return all(requirement.holds for requirement in self.requirements)
+
+    def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
+        """Return why each violation was found, down to lines of scenario and configuration.
+
+        What was observed has no line: rules put it in words.
+        """
+        given = GivenFacts(fact for fact in self.facts if fact.span != OBSERVED)
+        explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
+        found = [c for requirement in self.requirements for c in requirement.violations]
+        traces = explainer.why(dict.fromkeys(c.atom for c in found))
+        return tuple((c, traces[c.atom]) for c in found)
+
+
+def run_rulebook() -> Rulebook:
+    """Return the rules that judge a run, and no others."""
+    every = load_rulebook(stages=("run",))
+    rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
+    return Rulebook(rules, tuple(("base", text) for stage, text in every.texts if stage == "run"))
+
+
+def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
+    """Return every requirement with its verdict."""
+    return judge_facts(
+        run_facts(trial), tuple(_asked(trial)), rulebook or run_rulebook(), trial.scenario.span
+    )
+
+
+def judge_facts(
+    facts: Iterable[Fact], asked: Sequence[str], rulebook: Rulebook, span: Span
+) -> Judgement:
+    """Judge facts of a run; `asked` are the requirements of the scenario."""
+    facts = tuple(facts)
+    analysis = analyse(facts, rulebook, span)
+    named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
+    requirements = tuple(
+        Requirement(name, tuple(c for c in analysis.consequences if c.kind == kind))
+        for name, kind in named.items()
+    )
+    return Judgement(requirements, analysis, facts, rulebook)
+
+
+def run_facts(trial: Trial) -> Iterator[Fact]:
+    """Yield what `rules/run` is given about a run: what was stated, and what was observed."""
+    yield from _services(trial)
+    yield from _control(trial)
+    yield from _limits(trial)
+    yield from _functions(trial)
+    for name, failures in trial.executor.failures.items():
+        yield _seen("failed", name, failures.count, visible(failures.first)[:_LONGEST])
+    body, scenario = trial.body, trial.scenario
+    asked = scenario.requirements
+    for name in _asked(trial):
+        yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
+    yield from (_seen("collided", round(at * 1000)) for at in body.contacts)
+    for since, until, origin, command in trial.commands:
+        stretch = round(since * 1000), round(until * 1000)
+        yield from (_seen("obeyed", origin, function, *stretch) for function in command)
+    if "clearance" in asked:
+        yield _seen("clearance", _whole(body.clearance * 1000), _whole(asked["clearance"] * 1000))
+    if "reach" in asked and trial.reached is None:
+        within = asked["reach"].get("within", scenario.duration)
+        yield _seen("never_reached", _whole(within * 1000))
+    for first, second in asked.get("exclusive", ()):
+        yield _seen("together", first, second, _whole(trial.together(first, second) * 1000))
+    if "coverage" in asked:
+        yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
+
+
+def _asked(trial: Trial) -> Iterator[str]:
+    return (name for name, value in trial.scenario.requirements.items() if value is not False)
+
+
+def _services(trial: Trial) -> Iterator[Fact]:
+    plan = trial.executor.plan
+    for number, link in enumerate(trial.executor.links):
+        if link.kind != "data":
+            continue
+        mode, hz = plan.carried(link)
+        yield _seen("delivered", number, link.delivered)
+        if mode.name == "NotifyAtFrequency" and hz is not None:
+            count = last_tick(trial.executor.schedule.now, hz) + 1
+            yield _fact(link.span, "promised", number, link.source, link.client, count)
+
+
+def _control(trial: Trial) -> Iterator[Fact]:
+    now = trial.executor.schedule.now
+    for link in trial.executor.links:
+        if link.kind == "control" and link.delivered and link.client in trial.executor.effectors:
+            yield _fact(link.span, "commanded_by", link.client, link.source)
+        if link.client in trial.executor.arbiters and link.kind == "control":
+            yield _fact(link.span, "ranked", link.client, link.source, link.priority)
+    for name, arbiter in trial.executor.arbiters.items():
+        if not isinstance(arbiter, HierarchicalArbitration):
+            continue
+        changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
+        for (since, holder), (until, _) in pairwise(changes):
+            if holder and until > since:
+                yield _seen("held", name, holder, since // MILLISECOND, until // MILLISECOND)
+        for link, stretches in arbiter.in_force:
+            for start, end in stretches:
+                told = start // MILLISECOND, end // MILLISECOND
+                yield _seen("in_force", name, link.source, *told)
+
+
+def _limits(trial: Trial) -> Iterator[Fact]:
+    modules, robot = trial.executor.plan.modules, trial.scenario.robot["module"]
+    places = {(m.name, f.name): f.span for m in modules.values() for f in m.functions}
+    places |= {
+        (robot, function): trial.scenario.places[function]
+        for function in trial.scenario.robot.get("limits", ())
+    }
+    for name, effector in trial.executor.effectors.items():
+        peaks: dict[str, float] = {}
+        for _, _, command in effector.applied:
+            for function, rate in command.items():
+                peaks[function] = max(peaks.get(function, 0.0), abs(rate))
+        for function, rate in peaks.items():
+            yield _seen("peak", name, function, _whole(rate * 1000))
+        for function, rate in trial.limits.get(name, {}).items():
+            place = places.get((name, function), trial.scenario.span)
+            yield _fact(place, "limit", name, function, _whole(rate * 1000))
+
+
+def _functions(trial: Trial) -> Iterator[Fact]:
+    """Yield what each effector states that it can do, and what its simulated device can."""
+    modules = trial.executor.plan.modules
+    for name in trial.executor.effectors:
+        for function in modules[name].functions if name in modules else ():
+            yield _fact(function.span, "has_function", name, function.name)
+        for moved in trial.moves.get(name, ()):
+            yield _seen("moves", name, moved)
+
+
+def _whole(number: float) -> int:
+    """Round to what clingo can hold: beyond 32 bits the greatest stands for more."""
+    return int(max(-_MOST, min(_MOST, round(number) if abs(number) < _MOST else number)))
+
+
+def _seen(name: str, *arguments: Term) -> Fact:
+    return _fact(OBSERVED, name, *arguments)
+
+
+def _fact(span: Span, name: str, *arguments: Term) -> Fact:
+    return Fact(Atom(name, arguments), span)

@@ -1,0 +1,1 @@
+"""What a run leaves behind: events, plots, pages and recordings for other tools."""

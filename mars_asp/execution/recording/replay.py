@@ -1,0 +1,80 @@
+"""A run as one page that plays it: nothing else is needed, and nothing is fetched."""
+
+import json
+from base64 import b64encode
+from collections.abc import Iterator
+from hashlib import sha256
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.execution.recording.picture import LEFT, MARGIN, Picture, plot_run
+from mars_asp.execution.trial import Trial
+from mars_asp.output import visible
+
+
+def replay_page(trial: Trial, title: str) -> str:
+    """Return an HTML page; only its own script may run in it, whatever the names are."""
+    script = files("mars_asp.execution.recording").joinpath("replay.js").read_text(encoding="utf-8")
+    digest = b64encode(sha256(script.encode()).digest()).decode()
+    page = files("mars_asp.execution.recording").joinpath("replay.html").read_text(encoding="utf-8")
+    return Template(page).substitute(
+        policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'",
+        title=escape(visible(title)),
+        picture=plot_run(trial),
+        run=_embedded(replay_json(trial)),
+        script=script,
+    )
+
+
+def _embedded(value: object) -> str:
+    """Return JSON that can stand in HTML: no text in it ends the element it stands in."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
+
+
+def replay_json(trial: Trial) -> dict[str, Any]:
+    """Return what the page shows: times in s, lengths in mm, places in pixels of the picture."""
+    picture, world = Picture(trial), trial.body.world
+    return {
+        "duration": trial.scenario.duration,
+        "view": {"corner": picture.corner, "scale": picture.scale, "margin": MARGIN},
+        "lanes": {
+            "left": LEFT,
+            "wide": picture.wide,
+            "top": picture.top,
+            "bottom": picture.bottom,
+        },
+        "poses": [
+            [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
+            for at, pose in trial.body.way
+        ],
+        "moving": [[*c.centre, *(c.target or c.centre), c.speed] for c in world.moving],
+        "contacts": trial.body.contacts,
+        "commands": [[since, origin, command] for since, _, origin, command in trial.commands],
+        "arbiters": list(_arbiters(trial)),
+    }
+
+
+def _rounded(value: float) -> float:
+    return round(value, 4)
+
+
+def _arbiters(trial: Trial) -> Iterator[dict[str, Any]]:
+    for name, arbiter in trial.executor.arbiters.items():
+        if isinstance(arbiter, HierarchicalArbitration):
+            holdings = [[h.since / SECOND, h.holder, h.through, h.why] for h in arbiter.holdings]
+            inputs = [
+                {
+                    "name": link.source,
+                    "priority": link.priority,
+                    "in_force": [[since / SECOND, until / SECOND] for since, until in stretches],
+                }
+                for link, stretches in arbiter.in_force
+            ]
+            yield {"node": name, "holdings": holdings, "inputs": inputs}
+        else:
+            yield {"node": name, "period_ms": arbiter.period / MILLISECOND}

@@ -1,0 +1,1 @@
+"""Scenario files: the world, the devices and the requirements of a run."""

@@ -1,0 +1,35 @@
+"""A planar kinematic simulator; knows nothing of ASP. Lengths in mm, angles in degrees.
+
+The plane is seen from above: `forward` and `side` coordinates, a heading that grows from forward
+towards side, which is to the left. With y up these are z and x, with z up x and y
+(`planar_functions`).
+"""
+
+from mars_asp.execution.simulator.body import Body, Pose, move
+from mars_asp.execution.simulator.devices import (
+    Joint,
+    bumper,
+    joystick,
+    lidar,
+    marks,
+    odometry,
+    sonar,
+)
+from mars_asp.execution.simulator.world import Circle, Mark, World, regular_polygon
+
+__all__ = [
+    "Body",
+    "Circle",
+    "Joint",
+    "Mark",
+    "Pose",
+    "World",
+    "bumper",
+    "joystick",
+    "lidar",
+    "marks",
+    "move",
+    "odometry",
+    "regular_polygon",
+    "sonar",
+]

@@ -1,0 +1,1 @@
+"""Where mounted modules are, how they move, and which modules carry out a motion."""

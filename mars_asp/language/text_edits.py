@@ -1,0 +1,174 @@
+r"""Edits of a text: stretches put otherwise, lines inserted; each said by lines of the original.
+
+>>> draft = Draft("robot.mars", "@modules A, Sonr\n")
+>>> draft.put(12, 16, "Sonar")
+>>> draft.lines()[0].new
+'@modules A, Sonar'
+"""
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+from mars_asp.diagnostic import Span
+
+Where: TypeAlias = Literal["before", "behind"]
+#: A line that holds no more than a comment.
+_NO_STATEMENT = re.compile(r"\s*(?:(?://|#).*)?")
+
+
+@dataclass(frozen=True, slots=True)
+class LineEdit:
+    """A line of a file that is replaced, deleted or inserted.
+
+    `old` is the whole line as it stands, without line end, and `None` where lines are inserted:
+    then `where` says on which side of line `line`, and `new` may hold several lines. `new` is
+    `None` where the line is deleted. Lines and columns are those of the original text.
+    """
+
+    path: str
+    line: int
+    column: int
+    old: str | None
+    new: str | None
+    where: Where | None = None
+
+
+class ConflictError(Exception):
+    """Two edits put the same stretch of a text in different ways."""
+
+
+class Draft:
+    """A text while it is edited; offsets are those of the original."""
+
+    def __init__(self, path: str, text: str) -> None:
+        r"""Begin with a text whose lines end with `\n`."""
+        self.path = path
+        self.text = text
+        self._written = text.removesuffix("\n").split("\n")
+        self._starts = [0]
+        for line in self._written:
+            self._starts.append(self._starts[-1] + len(line) + 1)
+        self._stretches: dict[tuple[int, int], str] = {}
+        self._deleted: set[int] = set()
+        self._inserted: dict[tuple[int, Where], list[str]] = {}
+
+    @property
+    def last(self) -> int:
+        """Return the number of the last line."""
+        return len(self._written)
+
+    def line(self, number: int) -> str:
+        """Return a line, counted from 1, as it was written."""
+        return self._written[number - 1]
+
+    def offset(self, line: int, column: int) -> int:
+        """Return the offset of a place."""
+        return self._starts[line - 1] + column - 1
+
+    def line_at(self, offset: int) -> int:
+        """Return the number of the line in which an offset is."""
+        return bisect_right(self._starts, offset)
+
+    def blanks(self, line: int) -> str:
+        """Return what a line is indented by."""
+        text = self.line(line)
+        return text[: len(text) - len(text.lstrip())]
+
+    def begin(self, span: Span) -> int:
+        """Return the offset at which a span begins."""
+        return self.offset(span.line, span.column)
+
+    def put(self, begin: int, end: int, text: str) -> None:
+        """Put a text in the place of a stretch; what was put there before is forgotten."""
+        self._stretches[begin, end] = text
+
+    def delete(self, line: int) -> None:
+        """Leave out a line with all that stands in it."""
+        self._deleted.add(line)
+
+    def insert(self, line: int, where: Where, lines: Iterable[str]) -> None:
+        """Insert lines on one side of a line, behind those that are to stand there already."""
+        self._inserted.setdefault((line, where), []).extend(lines)
+
+    def lines(self) -> tuple[LineEdit, ...]:
+        """Return the edits line by line, at most one for each line and each side of it.
+
+        A line of which no more than a comment is left goes with what it was about.
+
+        Raises:
+            ConflictError: two stretches overlap.
+        """
+        edits: dict[int, LineEdit] = {}
+        behind: dict[int, list[str]] = {}
+        for number, pieces in self._pieces().items():
+            old = self.line(number)
+            new, last = "", 0
+            for begin, end, text in pieces:
+                if begin < last:
+                    raise ConflictError
+                new, last = new + old[last:begin] + text, end
+            new += old[last:]
+            first, *others = new.split("\n")
+            behind[number] = others
+            gone = _NO_STATEMENT.fullmatch(first) and not _NO_STATEMENT.fullmatch(old)
+            if first != old:
+                kept = None if gone else first.rstrip()
+                edits[number] = LineEdit(self.path, number, pieces[0][0] + 1, old, kept)
+        for number in self._deleted:
+            edits[number] = LineEdit(self.path, number, 1, self.line(number), None)
+        for number, others in behind.items():
+            if others:
+                self._inserted.setdefault((number, "behind"), [])[:0] = others
+        return tuple(sorted(self._with_inserted(edits), key=_place))
+
+    def _pieces(self) -> dict[int, list[tuple[int, int, str]]]:
+        """Return for each line the columns, from 0, that are put otherwise, in their order."""
+        pieces: dict[int, list[tuple[int, int, str]]] = {}
+        for (begin, end), text in sorted(self._stretches.items()):
+            first = self.line_at(begin)
+            for number in range(first, self.line_at(end) + 1):
+                start = self._starts[number - 1]
+                piece = max(begin - start, 0), end - start, text if number == first else ""
+                pieces.setdefault(number, []).append(piece)
+        return pieces
+
+    def _with_inserted(self, edits: dict[int, LineEdit]) -> list[LineEdit]:
+        """Return edits with the inserted lines; the first takes the place of a deleted line."""
+        whole = []
+        for (number, where), lines in self._inserted.items():
+            edit = edits.get(number)
+            added = lines
+            side: Where = where
+            if edit is not None and edit.new is None:
+                edits[number] = replace(edit, new=lines[0])
+                added, side = lines[1:], "behind"
+            if added:
+                whole.append(LineEdit(self.path, number, 1, None, "\n".join(added), side))
+        return [*edits.values(), *whole]
+
+
+def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
+    r"""Return a text, whose lines end with `\n`, as the edits of its lines make it."""
+    lines: list[str | None] = list(text.removesuffix("\n").split("\n"))
+    before: dict[int, str] = {}
+    behind: dict[int, str] = {}
+    for edit in edits:
+        if edit.old is not None:
+            assert lines[edit.line - 1] == edit.old, "lines are those of the original"
+            lines[edit.line - 1] = edit.new
+        elif edit.new is not None:
+            (before if edit.where == "before" else behind)[edit.line] = edit.new
+    written = (
+        part
+        for number, line in enumerate(lines, 1)
+        for part in (before.get(number), line, behind.get(number))
+        if part is not None
+    )
+    return "".join(f"{part}\n" for part in written)
+
+
+def _place(edit: LineEdit) -> tuple[int, int]:
+    return edit.line, ("before", None, "behind").index(edit.where)

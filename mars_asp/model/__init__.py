@@ -1,0 +1,1 @@
+"""What modules and configurations are: frozen values."""

@@ -1,0 +1,252 @@
+"""What annotated sources and configurations declare, as plain frozen values.
+
+Names follow the reference of the language: modules carry annotations, a configuration relates
+modules by mounts, control and data relationships. Nothing here decides anything.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Literal, TypeAlias
+
+from mars_asp.diagnostic import Span
+
+ServiceKind: TypeAlias = Literal["Sense", "DataOut", "ControlOut", "DataIn", "Converts"]
+Architecture: TypeAlias = Literal["flat", "hierarchical"]
+ConfigurationKind: TypeAlias = Literal["configuration", "specification"]
+
+SERVICE_KINDS: tuple[ServiceKind, ...] = ("Sense", "DataOut", "ControlOut", "DataIn", "Converts")
+MOTION_FUNCTIONS = ("Rotn_X", "Rotn_Y", "Rotn_Z", "Trans_X", "Trans_Y", "Trans_Z")
+GRASP = "Grasp"
+DELIVERY_MODES = (
+    "NotifyWhenReady",
+    "NotifyAtFrequency",
+    "NotifyOnMax",
+    "NotifyOnMin",
+    "NotifyOnValue",
+    "NotifyOnChange",
+    "RequestWhenReady",
+)
+#: The most arguments a mode takes (a bound, a value and its tolerance, a least difference).
+MODE_ARGUMENTS = {"NotifyOnMax": 1, "NotifyOnMin": 1, "NotifyOnValue": 2, "NotifyOnChange": 1}
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A delivery mode: its name, numeric arguments and the field the condition is about.
+
+    `text` is the mode as it was written; two modes are equal when they mean the same.
+    """
+
+    name: str
+    arguments: tuple[Decimal, ...] = ()
+    of: str | None = None
+    text: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """One function annotation and what the declaration behind it says.
+
+    `output` and every input are normalised representation names; `None` is unknown (or, for
+    `output`, none). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
+    `span` starts at the annotation's `@`.
+    """
+
+    kind: ServiceKind
+    span: Span
+    function: str | None = None
+    output: str | None = None
+    inputs: tuple[str | None, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    hz: Decimal | None = None
+    commands: tuple[str, ...] = ()
+    cost: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A native motion function or `Grasp`: bounds in degrees or mm, `rate` per second."""
+
+    name: str
+    span: Span
+    min: Decimal | None = None
+    max: Decimal | None = None
+    rate: Decimal | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Transformation:
+    """A mount tuple: (axis, degrees) rotations in order, then a translation in mm."""
+
+    rotations: tuple[tuple[str, Decimal], ...] = ()
+    translation: tuple[Decimal, Decimal, Decimal] = (Decimal(0), Decimal(0), Decimal(0))
+    text: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Vertex:
+    """Where vertex `number` stands in its module's reference frame."""
+
+    number: int
+    transformation: Transformation
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """An annotated or declared module.
+
+    `span` starts at its `@module_start`, `named` where its name stands.
+    """
+
+    name: str
+    span: Span
+    services: tuple[Service, ...] = ()
+    functions: tuple[Function, ...] = ()
+    vertices: tuple[Vertex, ...] = ()
+    named: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A module's name where it is written in a `.mars` file."""
+
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """`mounting vertex is_mounted_on mounted vertex transformation`."""
+
+    mounting: str
+    mounted: str
+    span: Span
+    mounting_vertex: int | None = None
+    mounted_vertex: int | None = None
+    transformation: Transformation | None = None
+
+
+Allocation: TypeAlias = Literal["root", "split"]
+#: Which of those that give a function alone take it, nearest first, by the allocation.
+TAKING: Mapping[str | None, slice] = {None: slice(1), "root": slice(-1, None), "split": slice(None)}
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
+
+    `allocation` says who of several carries out an inherited function; `None` is the nearest.
+    `listed` is whether the priority is the controller's place in a list, not a number.
+    """
+
+    controlled: str
+    controller: str
+    span: Span
+    priority: int | None = None
+    hold_ms: int | None = None
+    allocation: Allocation | None = None
+    listed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """`client uses_data_from source mode hz`; what is not stated is `None`."""
+
+    client: str
+    source: str
+    span: Span
+    mode: Mode | None = None
+    hz: Decimal | None = None
+
+
+Relationship: TypeAlias = Mount | Control | Data
+
+
+def ends_of(relationship: Relationship) -> tuple[str, str]:
+    """Return the modules that a relationship names, the left one first."""
+    match relationship:
+        case Data(client, source):
+            return client, source
+        case Control(controlled, controller):
+            return controlled, controller
+        case Mount(mounting, mounted):
+            return mounting, mounted
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """What a transformer of a specification does, as its comment says.
+
+    `converter` is a module's name, or `None` for the abstract one.
+    """
+
+    transformer: str
+    converter: str | None
+    source: str
+    target: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class StandIn:
+    """The module that an InheritanceNode of a specification stands for.
+
+    `evident` is whether mounts and controllers tell it, so that no comment has to be printed.
+    """
+
+    node: str
+    module: str
+    span: Span
+    evident: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A configuration or a specification, which has the same body.
+
+    `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
+    `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
+    once extraction has run, those found in sources.
+    """
+
+    path: str
+    span: Span
+    kind: ConfigurationKind = "configuration"
+    architecture: Architecture = "flat"
+    stated: bool = False
+    period_ms: int | None = None
+    sources: tuple[Name, ...] = ()
+    modules: tuple[Name, ...] = ()
+    relationships: tuple[Relationship, ...] = ()
+    declared: tuple[Module, ...] = ()
+    conversions: tuple[Conversion, ...] = ()
+    stand_ins: tuple[StandIn, ...] = ()
+
+
+NodeKind: TypeAlias = Literal[
+    "data_splitter", "data_transformer", "arbitration_node", "control_splitter", "inheritance_node"
+]
+#: How the paper's figures name each kind of node; the first ArbitrationNode has no number.
+NODE_NAMES: dict[NodeKind, str] = {
+    "data_splitter": "DataSplitter",
+    "data_transformer": "DataTransformer",
+    "arbitration_node": "ArbitrationNode",
+    "control_splitter": "ControlSplitter",
+    "inheritance_node": "InheritanceNode",
+}
+_NODE_NAME = re.compile(
+    r"(?P<stem>DataSplitter|DataTransformer|ControlSplitter|InheritanceNode)[1-9][0-9]*"
+    r"|(?P<arbiter>ArbitrationNode)([2-9]|[1-9][0-9]+)?"
+)
+
+
+def node_kind(name: str) -> NodeKind | None:
+    """Return the kind of node that a name stands for in a specification, if any."""
+    match = _NODE_NAME.fullmatch(name)
+    if match is None:
+        return None
+    stem = match["stem"] or match["arbiter"]
+    return next(kind for kind, word in NODE_NAMES.items() if word == stem)

@@ -1,0 +1,81 @@
+"""Delivery modes and frequencies as they are written in annotations and in `.mars` files."""
+
+import re
+from decimal import Decimal
+from typing import NamedTuple
+
+from mars_asp.model.declarations import DELIVERY_MODES, MODE_ARGUMENTS, Mode
+from mars_asp.model.ranges import ARGUMENT, NumberProblem
+from mars_asp.spelling import nearest
+
+_MODE = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\(([^()]*)\))?\s*")
+#: Those arguments, by their positions, that are a distance, which has no sign.
+_DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a least difference"}
+
+
+class ModeProblem(NamedTuple):
+    """What is wrong with a mode: where in its text (from 0), the message and what to do."""
+
+    offset: int
+    message: str
+    help: str
+
+
+def parse_mode(text: str) -> Mode | ModeProblem:
+    """Read one mode, such as `NotifyOnValue(30, 0.5)` or `NotifyOnMin(300, of=nearest)`."""
+    match = _MODE.fullmatch(text)
+    if match is None:
+        return ModeProblem(0, f"`{text.strip()}` is no delivery mode", _expected(text))
+    name, inside = match[1], match[2]
+    if name not in DELIVERY_MODES:
+        return ModeProblem(match.start(1), f"`{name}` is no delivery mode", _expected(name))
+    written = re.sub(r"\s+", " ", text.strip())
+    if inside is None:
+        return Mode(name, text=written)
+    most = MODE_ARGUMENTS.get(name, 0)
+    arguments: list[Decimal] = []
+    of: str | None = None
+    offset = match.start(2)
+    for part in inside.split(","):
+        stripped = part.strip()
+        at = offset + len(part) - len(part.lstrip())
+        named = re.fullmatch(r"of\s*=\s*([A-Za-z_][\w.]*)", stripped)
+        if most and named and of is None:
+            of = named[1]
+        elif len(arguments) < most and of is None:
+            number = _argument(stripped, name, len(arguments))
+            if isinstance(number, NumberProblem):
+                return ModeProblem(at, number.message, number.help)
+            arguments.append(number)
+        else:
+            return ModeProblem(at, f"`{stripped}` is no argument of `{name}`", _takes(name, most))
+        offset += len(part) + 1
+    return Mode(name, tuple(arguments), of, written)
+
+
+def _argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
+    """Return an argument of a mode, or what is wrong with it."""
+    number = ARGUMENT.read(text)
+    if isinstance(number, NumberProblem):
+        if not re.match(r"[-+]?\.?[0-9]", text):
+            return NumberProblem(
+                f"`{text}` is no argument of `{name}`", _takes(name, MODE_ARGUMENTS[name])
+            )
+        return NumberProblem(f"{number.message} of `{name}`", number.help)
+    if number < 0 and (name, position) in _DISTANCES:
+        what = _DISTANCES[name, position]
+        return NumberProblem(f"`{text}` is below 0, which no {what[2:]} is", "write its magnitude")
+    return number
+
+
+def _expected(name: str) -> str:
+    near = nearest(name, DELIVERY_MODES)
+    if near:
+        return f"did you mean `{near}`?"
+    return f"write one of {', '.join(DELIVERY_MODES)}"
+
+
+def _takes(name: str, most: int) -> str:
+    if not most:
+        return f"`{name}` takes no arguments"
+    return f"`{name}` takes at most {most} number(s), then `of=FIELD`"

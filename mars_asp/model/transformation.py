@@ -1,0 +1,70 @@
+"""The tuple of a mount: (axis, degrees) pairs, then a translation in mm."""
+
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import NamedTuple
+
+from mars_asp.model.declarations import Transformation
+from mars_asp.model.ranges import ANGLE, LENGTH, NumberProblem, Range
+
+AXES = ("x", "y", "z")
+NONE = "_"
+_MOST_SLOTS = 7
+
+
+class TupleProblem(NamedTuple):
+    """What is wrong with a slot of a tuple, counted from 0, and what to do."""
+
+    slot: int
+    message: str
+    help: str
+
+
+def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TupleProblem, ...]:
+    """Read the slots of a tuple, or return all that is wrong with them.
+
+    The last three slots are always the translation. Of an odd number before them one, the last
+    or the first, must be `_`.
+    """
+    if not 3 <= len(slots) <= _MOST_SLOTS:
+        return (
+            TupleProblem(
+                len(slots) - 1,
+                f"a tuple of {len(slots)} slots",
+                "write `(axis, degrees, axis, degrees, x, y, z)` with `_` for none",
+            ),
+        )
+    before, after = list(slots[:-3]), slots[-3:]
+    offset = 0
+    if len(before) % 2:
+        if before[-1] == NONE:
+            before.pop()
+        elif before[0] == NONE:
+            before.pop(0)
+            offset = 1
+        else:
+            message = f"`{before[-1]}` is half of a rotation"
+            return (TupleProblem(len(before) - 1, message, "write axis and degrees"),)
+    problems: list[TupleProblem] = []
+
+    def number(place: int, wanted: Range) -> Decimal:
+        found = wanted.read(slots[place])
+        if isinstance(found, NumberProblem):
+            problems.append(TupleProblem(place, found.message, found.help))
+            return Decimal(0)
+        return found
+
+    rotations = []
+    for place in range(offset, offset + len(before), 2):
+        axis = slots[place]
+        if axis == slots[place + 1] == NONE:
+            continue
+        if axis not in AXES:
+            message = f"`{axis}` is no axis"
+            problems.append(TupleProblem(place, message, "write `x`, `y`, `z` or `_`"))
+        rotations.append((axis, number(place + 1, ANGLE)))
+    x, y, z = (
+        Decimal(0) if slot == NONE else number(place, LENGTH)
+        for place, slot in enumerate(after, len(slots) - 3)
+    )
+    return tuple(problems) or Transformation(tuple(rotations), (x, y, z))

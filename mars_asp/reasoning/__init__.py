@@ -1,0 +1,1 @@
+"""The MARS model decided by rules: facts, analysis, synthesis, verification and questions."""

@@ -1,0 +1,248 @@
+"""The consequences of a configuration: what the rules derive, with their messages and places.
+
+Nothing is decided here: a consequence is an atom `consequence(Kind, Severity, Subject, Case)` of
+the answer set, its message the metadata of the rule that derives it.
+"""
+
+from collections.abc import Callable, Iterable, Sequence, Set
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import TypeAlias, TypeVar
+
+import clingo
+
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.arithmetic import telling, wrapped
+from mars_asp.asp.rules.checks import CONSEQUENCE, SEVERITIES
+from mars_asp.asp.rules.consistency import check_decided, check_packs, check_severities
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.grounding import Grounding, unsolved
+from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
+from mars_asp.reasoning.facts.compile import facts_text
+
+#: Kind, subject and case of a consequence.
+Key: TypeAlias = tuple[Term, Term, Term]
+_Value = TypeVar("_Value")
+_SAID = "_said"
+
+
+@dataclass(frozen=True, slots=True)
+class Consequence:
+    """One consequence; `spans` are the places it concerns, in the order of the file."""
+
+    kind: str
+    severity: Severity
+    subject: str
+    participants: tuple[str, ...]
+    message: str
+    help: str | None
+    rule: Rule
+    spans: tuple[Span, ...]
+    atom: clingo.Symbol
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What the rules derive from facts.
+
+    Consequences are read from the grounding when somebody asks, as not every question does. With
+    a `subject`, only those that it names are.
+    """
+
+    grounding: Grounding
+    facts: tuple[Fact, ...]
+    speakers: tuple[Rule, ...]
+    #: Where a consequence is placed that concerns no line.
+    configuration: Span
+    subject: str | None = None
+
+    @cached_property
+    def consequences(self) -> tuple[Consequence, ...]:
+        """Return the consequences, sorted by place."""
+        return read_consequences(self)
+
+    @cached_property
+    def unchecked(self) -> tuple[str, ...]:
+        """Return the modules of which nothing is known."""
+        symbols = self.grounding.symbols("unchecked", 1)
+        return tuple(sorted(symbol.arguments[0].string for symbol in symbols))
+
+    @cached_property
+    def has_errors(self) -> bool:
+        """Say whether a consequence is an error."""
+        severities = {arguments(a)[1] for a in atoms(self.grounding.control, *CONSEQUENCE, True)}
+        return any(_severity(as_symbol(severity)) == "error" for severity in severities)
+
+
+def analyse(
+    facts: Iterable[Fact], rulebook: Rulebook, configuration: Span, subject: str | None = None
+) -> Analysis:
+    """Ground the rules over facts.
+
+    `configuration` is where a consequence is placed that concerns no line; `subject`, as in
+    `data_divergence(Camera)` or the whole atom, is what alone will be read.
+
+    Raises:
+        MarsError: clingo refuses the rules, or rule packs leave no answer or give a severity that
+            is none.
+    """
+    facts = tuple(facts)
+    speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
+    said = [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
+    asked = [
+        Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
+    ]
+    text = facts_text(facts)
+    program = [*rulebook.fragments("base"), *said, *asked, Fragment(text, "facts")]
+    try:
+        grounding = Grounding(program)
+    except MarsError as error:
+        raise _all_wrong(error, program, rulebook) from None
+    overflowing = tuple(wrapped(grounding.control, rulebook.asked))
+    if overflowing:
+        raise MarsError(overflowing)
+    check_packs(grounding.control, rulebook, text)
+    if rulebook.packs:
+        check_decided(grounding.control, _SAID, speakers)
+    # Also where a slice of packs does not count them.
+    check_severities(grounding.control, _SAID, speakers)
+    return Analysis(grounding, facts, speakers, configuration, subject)
+
+
+def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook) -> MarsError:
+    """Return what cannot be grounded with the numbers that do not fit.
+
+    Of a sum that a choice decides the solver says no more than that it is too large.
+    """
+    if not rulebook.asked:
+        return error
+    overflowing = tuple(wrapped(unsolved(program), rulebook.asked))
+    placed = (each for each in error.diagnostics if each.code == "rule-undefined")
+    return MarsError((*overflowing, *placed)) if overflowing else error
+
+
+def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Consequence, ...]:
+    """Return the consequences, sorted by place, without keeping them.
+
+    Without `participants` nobody reads who takes part in each.
+    """
+    control, subject = analysis.grounding.control, analysis.subject
+    first = _first_said(control)
+    if subject is not None:
+        first = {head: told for head, told in first.items() if _is_named(head, subject)}
+    keys = {head: _key(arguments(head)) for head in first}
+    wanted = set(keys.values())
+    part_of = _collect(control, ("participant", 5), wanted) if participants else {}
+    concerned = _collect(control, ("concerns", 4), wanted)
+    identifiers = {row[0] for rows in concerned.values() for row in rows}
+    span_of = _places(analysis.facts, identifiers)
+    # Few terms stand in very many consequences.
+    show, write, severity_of = _of_terms(shown), _of_terms(str), _of_terms(_severity)
+    consequences = []
+    for head, key in keys.items():
+        kind, severity, about, _ = arguments(head)
+        number, values = first[head]
+        rule = analysis.speakers[number]
+        named = dict(zip(rule.holes, arguments(values), strict=True))
+        places = (span_of.get(row[0]) for row in concerned.get(key, ()))
+        consequences.append(
+            Consequence(
+                write(kind),
+                severity_of(severity),
+                show(about),
+                _in_order(part_of.get(key, ()), show),
+                fill(rule.because, named, show) or str(as_symbol(head)),
+                fill(rule.help, named, show),
+                rule,
+                tuple(sorted({span for span in places if span})) or (analysis.configuration,),
+                as_symbol(head),
+            )
+        )
+    consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
+    return tuple(consequences)
+
+
+def diagnostic(consequence: Consequence) -> Diagnostic:
+    """Return a consequence as a diagnostic."""
+    labels = tuple((span, "this takes part") for span in consequence.spans[1:])
+    return Diagnostic(
+        consequence.rule.id,
+        consequence.severity,
+        consequence.message,
+        consequence.spans[0],
+        labels,
+        consequence.help,
+    )
+
+
+def _saying(number: int, rule: Rule) -> str:
+    """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
+    head, body = rule.written
+    return f"{_SAID}({number},{head},v({','.join(rule.holes)})) :- {body}."
+
+
+def _first_said(control: clingo.Control) -> dict[Term, tuple[int, Term]]:
+    """Return for each consequence the first rule that says it, and the values of its holes."""
+    first: dict[Term, tuple[int, Term]] = {}
+    for atom in atoms(control, _SAID, 3, True):
+        speaker, head, values = arguments(atom)
+        told = (as_symbol(speaker).number, values)
+        rival = first.get(head)
+        if rival is None or (told[0], as_symbol(values)) < (rival[0], as_symbol(rival[1])):
+            first[head] = told
+    return first
+
+
+def _is_named(head: Term, subject: str) -> bool:
+    kind, _, about, _ = as_symbol(head).arguments
+    return subject in (f"{kind}({shown(about)})", str(as_symbol(head)))
+
+
+def _key(parts: Sequence[Term]) -> Key:
+    kind, _, about, case = parts
+    return kind, about, case
+
+
+def _collect(
+    control: clingo.Control, predicate: tuple[str, int], keys: Set[Key]
+) -> dict[Key, list[Sequence[Term]]]:
+    """Return what atoms say of consequences, by their keys: the arguments behind the key."""
+    rows: dict[Key, list[Sequence[Term]]] = {}
+    for atom in atoms(control, *predicate, True):
+        kind, about, case, *rest = arguments(atom)
+        if (kind, about, case) in keys:
+            rows.setdefault((kind, about, case), []).append(rest)
+    return rows
+
+
+def _places(facts: Iterable[Fact], identifiers: Iterable[Term]) -> dict[Term, Span]:
+    """Return where the things stand that terms identify."""
+    wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
+    return {
+        wanted[fact.atom.arguments[0]]: fact.span
+        for fact in facts
+        if fact.atom.name == "place" and fact.atom.arguments[0] in wanted
+    }
+
+
+def _in_order(rows: Sequence[Sequence[Term]], show: Callable[[Term], str]) -> tuple[str, ...]:
+    if len(rows) > 1:
+        rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
+    return tuple(dict.fromkeys(show(row[1]) for row in rows))
+
+
+def _plain(symbol: clingo.Symbol) -> int | str:
+    return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)
+
+
+def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[Term], _Value]:
+    """Return a function of terms that is made once for each of them."""
+    return cache(lambda term: make(as_symbol(term)))
+
+
+def _severity(symbol: clingo.Symbol) -> Severity:
+    name = str(symbol)
+    return next(severity for severity in SEVERITIES if severity == name)

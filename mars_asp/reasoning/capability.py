@@ -1,0 +1,145 @@
+"""Capability queries: what a robot is able to do at one time, decided by `rules/can`.
+
+>>> answer = capability(load_project("config.mars"), rulebook, "Rotn_Y of Camera")
+>>> answer.able
+True
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.asp.trace import Derived, Trace
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.explain import explainer_for
+from mars_asp.reasoning.synthesis.synthesise import costs_of
+from mars_asp.spelling import nearest
+
+#: What places in a query are shown under.
+QUERY = "<query>"
+MOST_DEMANDS = 64
+_FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
+_DEMAND = re.compile(r"\s*(\w+)\s+of\s+(\w+)\s*")
+_VERDICTS = (("able", 3), ("lacking", 3), ("busy", 5))
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """One function of one module that a query asks for, and where in the query."""
+
+    function: str
+    module: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Whether a demand can be met, and why or why not."""
+
+    demand: Demand
+    able: bool
+    traces: tuple[Trace, ...]
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Say what would make it possible, as the rules that deny it say."""
+        if self.able:
+            return ()
+        told = (fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived))
+        return tuple(dict.fromkeys(help_text for help_text in told if help_text))
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The verdict on each demand of a query, in its order."""
+
+    query: str
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def able(self) -> bool:
+        """Say whether everything that is asked can be done at one time."""
+        return all(verdict.able for verdict in self.verdicts)
+
+
+def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
+    """Say whether a robot can do what a query asks, all at one time.
+
+    A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stage
+    `can`.
+
+    Raises:
+        MarsError: the query cannot be read, or names what does not exist.
+    """
+    demands = tuple(_demands(query, project))
+    asked = [
+        Fact(Atom("asked", (number, demand.function, demand.module)), demand.span)
+        for number, demand in enumerate(demands, 1)
+    ]
+    wanted = [(demand.function, demand.module) for demand in demands]
+    facts = (*project_facts(project, wanted), *asked)
+    analysis = analyse(facts, rulebook, project.configuration.span)
+    with costs_of(facts):
+        resolution = analysis.grounding.resolve(rulebook.text("can"))
+    found = [
+        symbol
+        for name, arity in _VERDICTS
+        for symbol, is_fact in analysis.grounding.atoms(name, arity)
+        if is_fact or as_term(symbol) in resolution.taken
+    ]
+    traces = explainer_for(rulebook, facts, analysis, resolution).why(found)
+    return Answer(
+        query,
+        tuple(
+            Verdict(
+                demand,
+                any(s.name == "able" and s.arguments[0].number == number for s in found),
+                tuple(traces[s] for s in sorted(found) if s.arguments[0].number == number),
+            )
+            for number, demand in enumerate(demands, 1)
+        ),
+    )
+
+
+def _demands(query: str, project: Project) -> Iterator[Demand]:
+    names = {name.text for name in project.configuration.modules}
+    problems: list[Diagnostic] = []
+    column = 1
+    parts = re.split(r"\bwhile\b", query)
+    for part in parts[:MOST_DEMANDS]:
+        begin = column + len(part) - len(part.lstrip())
+        span = Span(QUERY, 1, begin, 1, begin + len(part.strip()))
+        column += len(part) + len("while")
+        match = _DEMAND.fullmatch(part)
+        if match is None:
+            found = f"`{part.strip()}`" if part.strip() else "nothing"
+            message = f"found {found}, expected `FUNCTION of MODULE`"
+            help_text = "such as `Rotn_Y of Camera while Trans_Z of MobilePlatform`"
+            problems.append(Diagnostic("query", "error", message, span, (), help_text, query))
+            continue
+        for word, known, what in (
+            (match[1], _FUNCTIONS, "a function"),
+            (match[2], names, "a module of this configuration"),
+        ):
+            if word not in known:
+                problems.append(_unknown(word, known, what, span, query))
+        yield Demand(match[1], match[2], span)
+    if len(parts) > MOST_DEMANDS:
+        span = Span(QUERY, 1, column, 1, column + 1)
+        message = f"more than {MOST_DEMANDS} functions are asked for"
+        problems.append(Diagnostic("query", "error", message, span, help="ask for fewer"))
+    if problems:
+        raise MarsError(problems)
+
+
+def _unknown(word: str, known: Iterable[str], what: str, span: Span, query: str) -> Diagnostic:
+    near = nearest(word, known)
+    help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(known))}"
+    return Diagnostic("query", "error", f"`{word}` is not {what}", span, (), help_text, query)

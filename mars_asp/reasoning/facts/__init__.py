@@ -1,0 +1,1 @@
+"""The facts of a configuration and its modules, as rules are given them."""

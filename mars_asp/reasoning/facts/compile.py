@@ -1,0 +1,472 @@
+"""Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from decimal import Decimal
+from functools import cached_property
+from itertools import groupby
+from operator import attrgetter
+from typing import get_args
+
+from clingo import Symbol
+
+from mars_asp.annotations.representations import Names, canonical_names
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.diagnostic import Span
+from mars_asp.model.cycles import knots
+from mars_asp.model.declarations import (
+    NODE_NAMES,
+    Allocation,
+    Architecture,
+    Configuration,
+    Control,
+    Data,
+    Function,
+    Mode,
+    Module,
+    Mount,
+    Name,
+    Relationship,
+    Service,
+    ends_of,
+    node_kind,
+)
+from mars_asp.model.modes import parse_mode
+from mars_asp.spelling import resemblances
+
+ANY = Atom("any")
+NONE = Atom("none")
+PERIODIC = "NotifyAtFrequency"
+
+
+def configuration_facts(
+    configuration: Configuration,
+    modules: Mapping[str, Module] | None = None,
+    wanted: Set[str] | None = None,
+) -> tuple[Fact, ...]:
+    """Turn a configuration and the modules described for it into facts with their places.
+
+    `modules` adds to those declared in the configuration itself; only modules that the
+    configuration names, and converters, are told. Relationships are identified as `numbered`
+    says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
+    made.
+    """
+    return Compiler(configuration, modules or {}, wanted).compile()
+
+
+def described_modules(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> dict[str, Module]:
+    """Return the modules that rules are told of, by name: those named, and every converter."""
+    every = {**modules, **{module.name: module for module in configuration.declared}}
+    named = {name.text for name in configuration.modules}
+    named |= {
+        name for relationship in configuration.relationships for name in ends_of(relationship)
+    }
+    return {
+        name: every[name]
+        for name in sorted(every)
+        if name in named or any(s.kind == "Converts" for s in every[name].services)
+    }
+
+
+def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
+    """Return the representations that rules are told of, in the form in which they are told."""
+    return _names(described_modules(configuration, modules))
+
+
+def _names(described: Mapping[str, Module]) -> Names:
+    return canonical_names(sorted(set(_representations(described.values()))))
+
+
+def numbered_annotations(
+    configuration: Configuration, described: Mapping[str, Module]
+) -> Iterator[tuple[int, Module, Service | Function]]:
+    """Yield the annotations of described modules with their identifiers."""
+    number = len(configuration.relationships)
+    for module in described.values():
+        for annotation in annotations_of(module):
+            number += 1
+            yield number, module, annotation
+
+
+def annotations_of(module: Module) -> tuple[Service | Function, ...]:
+    """Return the annotations of a module in the order of their identifiers."""
+    return (*module.services, *module.functions)
+
+
+def mode_term(mode: Mode) -> Atom:
+    """Return mode(Name, Arguments); modes that mean the same give the same term."""
+    inside = [plain(number) for number in mode.arguments]
+    if mode.of is not None:
+        inside.append(f"of={mode.of}")
+    return Atom("mode", (mode.name, ", ".join(inside)))
+
+
+def mode_of(term: Symbol) -> Mode:
+    """Return the mode of a term mode(Name, Arguments)."""
+    name, inside = (argument.string for argument in term.arguments)
+    mode = parse_mode(f"{name}({inside})" if inside else name)
+    if not isinstance(mode, Mode):
+        raise ValueError(f"no delivery mode: {term}")
+    return mode
+
+
+def millihertz(hz: Decimal) -> int:
+    """Return a frequency in whole millihertz, which those that were read are."""
+    return int(hz * 1000)
+
+
+def plain(number: Decimal) -> str:
+    """Return a number without exponent and without trailing zeros."""
+    text = format(number, "f")
+    return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
+
+
+#: The predicates by which the architecture, modules, relationships and annotations are told.
+HEADING = frozenset({"architecture", "period"})
+MODULES = frozenset({"module", "node", "place"})
+RELATIONSHIPS = frozenset(
+    "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
+    " required_mode required_rate".split()
+)
+WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
+ANNOTATIONS = frozenset(
+    "described class native place converts commands unknown_input input ambiguous_name delivers"
+    " output offered_mode offered_rate".split()
+)
+#: Those by which it is told what mounts do to motions.
+FRAMES = frozenset(
+    "rooted appears appears_in_part lever_arm combines support shares circuit".split()
+)
+
+
+_CLASSES = (
+    "sensor",
+    "effector",
+    "end_effector",
+    "data_out_algorithm",
+    "control_out_algorithm",
+    "data_sink",
+    "converter",
+)
+_KNOTS = ("data", "control", "mount")
+#: The constants that facts are made of: a rule pack that replaced one would read other facts.
+CONSTANTS: frozenset[str] = frozenset(
+    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *_CLASSES, *_KNOTS}
+    | {ANY.name, NONE.name, "zero", "generic"}
+)
+
+
+class Compiler:
+    """Collects facts."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        wanted: Set[str] | None,
+    ) -> None:
+        self.configuration = configuration
+        self.wanted = wanted
+        self.modules = modules
+        self.facts: list[Fact] = []
+
+    @cached_property
+    def known(self) -> Mapping[str, Module]:
+        """Return every module that anything is known of."""
+        return {**self.modules, **{module.name: module for module in self.configuration.declared}}
+
+    @cached_property
+    def described(self) -> Mapping[str, Module]:
+        """Return the modules that rules are told of."""
+        return described_modules(self.configuration, self.modules)
+
+    @cached_property
+    def names(self) -> Names:
+        """Return the representations that rules are told of."""
+        return _names(self.described)
+
+    @cached_property
+    def numbered(self) -> Sequence[tuple[int, Relationship]]:
+        """Return the relationships with their identifiers."""
+        return numbered(self.configuration.relationships)
+
+    def compile(self) -> tuple[Fact, ...]:
+        """Return all facts that are wanted."""
+        self.tell()
+        return tuple(self.facts)
+
+    def tell(self) -> None:
+        """Tell all that is wanted."""
+        parts = (
+            (self.heading, HEADING),
+            (self.each_module, MODULES),
+            (self.relationships, RELATIONSHIPS),
+            (self.annotations, ANNOTATIONS),
+            (self.words, {"in_words"}),
+            (self.resemblances, {"resembles"}),
+            (self.knots, {"closed_walk", "entangled", "spelt"}),
+        )
+        for tell, predicates in parts:
+            if self.wanted is None or self.wanted & predicates:
+                tell()
+
+    def heading(self) -> None:
+        """Tell the architecture."""
+        configuration = self.configuration
+        self.add(configuration.span, "architecture", Atom(configuration.architecture))
+        if configuration.period_ms is not None:
+            self.add(configuration.span, "period", configuration.period_ms)
+
+    def each_module(self) -> None:
+        """Tell the modules that the configuration names."""
+        for name in self.configuration.modules:
+            self.module(name)
+
+    def module(self, name: Name) -> None:
+        """Tell one module that the configuration names."""
+        self.add(name.span, "module", name.text)
+        self.place(name.text, name.span)
+        if self.configuration.kind == "specification":
+            kind = node_kind(name.text)
+            if kind and name.text not in self.described:
+                self.add(name.span, "node", name.text, Atom(kind))
+
+    def relationships(self) -> None:
+        """Tell the relationships."""
+        for number, relationship in self.numbered:
+            self.relationship(number, relationship)
+
+    def annotations(self) -> None:
+        """Tell what modules are described to be."""
+        if self.wanted is None or not self.wanted.isdisjoint(("described", "class")):
+            for module in self.described.values():
+                self.description(module)
+        for number, module, annotation in numbered_annotations(self.configuration, self.described):
+            self.annotation(number, module, annotation)
+
+    def description(self, module: Module) -> None:
+        """Tell that a module is described, and of which classes it is."""
+        self.add(module.span, "described", module.name)
+        for module_class in module_classes(module):
+            self.add(module.span, "class", module.name, Atom(module_class))
+
+    def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
+        """Tell one annotation of a module."""
+        if isinstance(annotation, Service):
+            self.service(number, module.name, annotation)
+        else:
+            self.add(annotation.span, "native", number, module.name, annotation.name)
+        self.place(number, annotation.span)
+
+    def add(self, span: Span, name: str, *arguments: Term) -> None:
+        """Note a fact, if it is wanted."""
+        if self.wanted is None or name in self.wanted:
+            self.facts.append(Fact(Atom(name, arguments), span))
+
+    def place(self, identifier: Term, span: Span) -> None:
+        """Tell where something stands."""
+        self.add(span, "place", identifier, span.path, span.line, span.column)
+
+    def relationship(self, number: int, relationship: Relationship) -> None:
+        """Tell one relationship."""
+        span = relationship.span
+        match relationship:
+            case Data(client, source):
+                self.add(span, "uses_data_from", number, client, source)
+                self.requirement(number, relationship)
+            case Control(controlled, controller):
+                self.add(span, "is_controlled_by", number, controlled, controller)
+                if relationship.priority is not None:
+                    self.add(span, "priority", number, relationship.priority)
+                    # Elsewhere a list says what numbers say.
+                    if self.configuration.architecture == "flat" and not relationship.listed:
+                        self.add(span, "stated_priority", number)
+                if relationship.hold_ms is not None:
+                    self.add(span, "hold", number, relationship.hold_ms)
+                if relationship.allocation is not None:
+                    self.add(span, "allocation", number, Atom(relationship.allocation))
+            case Mount(mounting, mounted):
+                at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
+                self.add(span, "is_mounted_on", number, mounting, at, mounted, on)
+        self.place(number, span)
+
+    def requirement(self, number: int, data: Data) -> None:
+        """Tell which service a data relationship asks for."""
+        if data.mode is None:
+            return
+        mode = mode_term(data.mode)
+        self.add(data.span, "required_mode", number, mode)
+        if data.hz is None:
+            return
+        self.add(data.span, "required_rate", number, millihertz(data.hz))
+
+    def words(self) -> None:
+        """Say once how each mode with its rate is written."""
+        known = set()
+        told = set()
+        for mode, hz, otherwise, span in self.written_modes():
+            # Most are written alike, and to make their terms takes longer than to find them known.
+            if (mode, mode.text, hz, otherwise) in known:
+                continue
+            known.add((mode, mode.text, hz, otherwise))
+            term = mode_term(mode)
+            rate = otherwise if hz is None else millihertz(hz)
+            if (str(term), rate) not in told:
+                told.add((str(term), rate))
+                text = mode.text or mode.name
+                words = text if hz is None else f"{text} {plain(hz)}"
+                self.add(span, "in_words", term, rate, words)
+
+    def written_modes(self) -> Iterator[tuple[Mode, Decimal | None, Atom, Span]]:
+        """Yield each mode that is required or offered, with its frequency or what stands for it."""
+        for _, relationship in self.numbered:
+            if isinstance(relationship, Data) and relationship.mode is not None:
+                yield relationship.mode, relationship.hz, ANY, relationship.span
+        for module in self.described.values():
+            for service in module.services:
+                if service.kind in ("Sense", "DataOut"):
+                    for mode in service.modes:
+                        hz = service.hz if mode.name == PERIODIC else None
+                        yield mode, hz, NONE, service.span
+
+    def service(self, number: int, name: str, service: Service) -> None:
+        """Tell a function annotation of a module."""
+        span = service.span
+        if service.kind == "Converts":
+            source, target = (*service.inputs, None)[0], service.output
+            if source is not None and target is not None:
+                ends = (self.names.canonical[source], self.names.canonical[target])
+                self.add(span, "converts", number, name, *ends, service.cost)
+            return
+        if service.kind in ("Sense", "DataOut"):
+            self.offer(number, name, service)
+        for function in service.commands:
+            self.add(span, "commands", number, name, function)
+        for index, representation in enumerate(service.inputs):
+            if representation is None or representation in self.names.ambiguous:
+                self.add(span, "unknown_input", number, name, index)
+            else:
+                self.add(span, "input", number, name, index, self.names.canonical[representation])
+            self.candidates(number, name, representation, span)
+
+    def offer(self, number: int, name: str, service: Service) -> None:
+        """Tell what a module delivers, and how."""
+        span = service.span
+        self.add(span, "delivers", number, name)
+        if service.output is not None and service.output not in self.names.ambiguous:
+            self.add(span, "output", number, name, self.names.canonical[service.output])
+        self.candidates(number, name, service.output, span)
+        for index, mode in enumerate(service.modes):
+            term = mode_term(mode)
+            self.add(span, "offered_mode", number, index, term)
+            if mode.name == PERIODIC and service.hz is not None:
+                self.add(span, "offered_rate", number, millihertz(service.hz))
+
+    def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
+        """Tell what an ambiguous representation could mean."""
+        for candidate in self.names.ambiguous.get(written or "", ()):
+            self.add(span, "ambiguous_name", number, name, written or "", candidate)
+
+    def resemblances(self) -> None:
+        """Tell which known name a name that nothing declares is spelt like."""
+        declared = {name.text for name in self.configuration.modules}
+        ends = {end for r in self.configuration.relationships for end in ends_of(r)}
+        pools = [(ends - declared, sorted(declared | set(self.known)))]
+        if self.known:
+            unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
+            pools.append((unknown, sorted(set(self.known) - declared)))
+        places = {name.text: name.span for name in self.configuration.modules}
+        for strangers, candidates in pools:
+            for stranger, near in resemblances(sorted(strangers), candidates, 0.75):
+                span = places.get(stranger, self.configuration.span)
+                self.add(span, "resembles", stranger, near)
+
+    def knots(self) -> None:
+        """Tell what relationships of one kind lead back to itself, and the shortest way round."""
+        data, control, mounts = [], [], []
+        spans = {}
+        for number, relationship in self.numbered:
+            spans[number] = relationship.span
+            match relationship:
+                case Data(client, source):
+                    data.append((source, client, number))
+                case Control(controlled, controller):
+                    control.append((controlled, controller, number))
+                case Mount(mounting, mounted):
+                    mounts.append((mounting, mounted, number))
+        for kind, edges in zip(_KNOTS, (data, control, mounts), strict=True):
+            for index, knot in enumerate(knots(edges)):
+                for step, (start, end, number) in enumerate(knot.walk):
+                    self.add(
+                        spans[number], "closed_walk", Atom(kind), index, step, start, end, number
+                    )
+                span = spans[knot.walk[0][2]]
+                for name in knot.nodes:
+                    self.add(span, "entangled", Atom(kind), index, name)
+                names = [start for start, _, _ in knot.walk]
+                self.add(span, "spelt", Atom(kind), index, " -> ".join([*names, names[0]]))
+
+
+def numbered(
+    relationships: Sequence[Relationship],
+) -> tuple[tuple[int, Relationship], ...]:
+    """Return relationships with their identifiers, integers from 1.
+
+    They are numbered by what they say, so that the order of the lines of a file, which means
+    nothing, cannot decide anything either.
+    """
+    found: list[Relationship] = []
+    for kind, ends in _ENDS.items():
+        alike = sorted((each for each in relationships if type(each) is kind), key=ends)
+        # Few relate the same two modules, so little else is ever compared.
+        for _, group in groupby(alike, ends):
+            first, *others = group
+            found += sorted((first, *others), key=_content) if others else (first,)
+    return tuple(enumerate(found, 1))
+
+
+#: The two modules of relationships of each kind, the kinds in the order of their identifiers.
+_ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = {
+    Data: attrgetter("client", "source"),
+    Control: attrgetter("controlled", "controller"),
+    Mount: attrgetter("mounting", "mounted"),
+}
+
+
+def _content(relationship: Relationship) -> tuple[object, ...]:
+    """Return what a relationship says of its two modules, and where."""
+    match relationship:
+        case Data(_, _, span, mode, hz):
+            return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
+        case Control(_, _, span, priority, hold, allocation):
+            return (priority or 0, hold or 0, allocation or "", span)
+        case Mount(_, _, span, at, on):
+            return (at or 0, on or 0, span)
+
+
+def module_classes(module: Module) -> Iterator[str]:
+    """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
+    kinds = {service.kind for service in module.services}
+    functions = {function.name for function in module.functions}
+    tests = (
+        "Sense" in kinds,
+        bool(functions - {"Grasp"}),
+        "Grasp" in functions,
+        "DataOut" in kinds,
+        "ControlOut" in kinds,
+        "DataIn" in kinds,
+        "Converts" in kinds,
+    )
+    return (name for name, holds in zip(_CLASSES, tests, strict=True) if holds)
+
+
+def facts_text(facts: Iterable[Fact]) -> str:
+    """Return facts as clingo reads them, one a line."""
+    return "".join(f"{fact.atom}.\n" for fact in facts)
+
+
+def _representations(modules: Iterable[Module]) -> Iterator[str]:
+    for module in modules:
+        for service in module.services:
+            yield from (name for name in (service.output, *service.inputs) if name is not None)

@@ -1,0 +1,208 @@
+"""What mounts do to motions: numbers turned into facts, and no decision.
+
+What is inherited, emergent or in conflict is for `rules/physical.lp` to say.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+
+import numpy as np
+
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.kinematics.frames import (
+    TOLERANCE,
+    Joint,
+    Matrix,
+    Posture,
+    Robot,
+    build_robot,
+    generic_posture,
+    inverse,
+    jacobian,
+    scaled,
+    take_posture,
+)
+from mars_asp.kinematics.supports import circuits, columns_with_share, fewest_groups, spanned
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Control, Module, Mount
+from mars_asp.model.ranges import MOST
+from mars_asp.reasoning.facts.compile import described_modules, module_classes, numbered
+
+_SEEDS = (1, 2, 3)
+_ZERO, _GENERIC = Atom("zero"), Atom("generic")
+_MILLION = 1_000_000
+
+
+def frame_facts(
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    asked: Iterable[tuple[str, str]] = (),
+) -> tuple[Fact, ...]:
+    """Return how native functions of carriers show in the frames of those they carry.
+
+    Told of sensors, end-effectors, whatever is controlled, and what is `asked`, functions of
+    modules; see `rules/vocabulary.lp` for the predicates. The place of each fact is the mount of
+    the module that it is about.
+    """
+    mounts, known, heirs = _scene(configuration, modules)
+    functions: dict[str, list[str]] = {}
+    for function, name in dict.fromkeys(asked):
+        functions.setdefault(name, []).append(function)
+    robot = build_robot(mounts, known)
+    heirs = {name for name in (*heirs, *functions) if name in robot.carrier}
+    if not heirs or not any(robot.joints.values()):
+        return ()
+    rest = take_posture(robot)
+    generic = tuple(generic_posture(robot, seed) for seed in _SEEDS)
+    spans = {mount.mounting: mount.span for mount in reversed(mounts)}
+    return tuple(
+        Fact(atom, spans[name])
+        for name in robot.order
+        if name in heirs
+        for atom in _observations(robot, name, rest, generic, functions.get(name, ()))
+    )
+
+
+def frames(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> dict[str, tuple[str, Matrix]]:
+    """Return each mounted or carrying module's root and its pose there at rest, 3x4 in mm.
+
+    Modules on a cycle of mounts have none.
+    """
+    mounts, known, _ = _scene(configuration, modules)
+    robot = build_robot(mounts, known)
+    poses = take_posture(robot).poses
+    root: dict[str, str] = {}
+    for name in robot.order:
+        root[name] = root[robot.carrier[name]] if name in robot.carrier else name
+    return {name: (root[name], poses[name][:3]) for name in sorted(robot.order)}
+
+
+def _scene(
+    configuration: Configuration, modules: Mapping[str, Module]
+) -> tuple[list[Mount], dict[str, Module], set[str]]:
+    """Return the mounts in the order of their identifiers, the described, and who may inherit."""
+    known = described_modules(configuration, modules)
+    numbers = [relationship for _, relationship in numbered(configuration.relationships)]
+    mounts = [relationship for relationship in numbers if isinstance(relationship, Mount)]
+    heirs = {r.controlled for r in numbers if isinstance(r, Control)}
+    for name, module in known.items():
+        if not {"sensor", "end_effector"}.isdisjoint(module_classes(module)):
+            heirs.add(name)
+    return mounts, known, heirs
+
+
+def _observations(
+    robot: Robot,
+    name: str,
+    rest: Posture,
+    generic: tuple[Posture, ...],
+    asked: Sequence[str],
+) -> Iterator[Atom]:
+    ancestors = robot.ancestors(name)
+    yield Atom("rooted", (name, ancestors[-1], len(ancestors)))
+    providers = [ancestor for ancestor in ancestors if robot.joints[ancestor]]
+    if not providers:
+        return
+    here = inverse(rest.poses[name])
+    twists = jacobian(rest, name, providers)
+    free = max((jacobian(posture, name, providers) for posture in generic), key=_rank)
+    alone: set[str] = set()
+    start = 0
+    for provider in providers:
+        joints = robot.joints[provider]
+        own = slice(start, start + len(joints))
+        start = own.stop
+        for joint, twist in zip(joints, twists[:, own].T, strict=True):
+            shown = tuple(_appearance(name, provider, joint.function, twist))
+            alone.update(str(atom.arguments[3]) for atom in shown if atom.name == "appears")
+            yield from shown
+        place = (here @ rest.poses[provider])[:3, 3]
+        yield from _lever_arms(name, provider, place, twists[:, own])
+        if len(joints) > 1:
+            for posture, columns in ((_ZERO, twists[:, own]), (_GENERIC, free[:, own])):
+                for function, names in _combinations(joints, columns):
+                    alone.add(function)
+                    for shared in names:
+                        yield Atom("combines", (name, provider, posture, function, shared))
+    if len(providers) > 1:
+        yield from _supports(robot, name, free, alone)
+        for function in asked:
+            yield from _circuits(robot, name, free, function)
+
+
+def _rank(columns: Matrix) -> int:
+    return int(np.linalg.matrix_rank(scaled(columns), tol=TOLERANCE))
+
+
+def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Iterator[Atom]:
+    """Tell as what one function appears: one signed function, or shares of several."""
+    turns = function.startswith("Rotn")
+    direction = twist[:3] if turns else twist[3:]
+    names = MOTION_FUNCTIONS[:3] if turns else MOTION_FUNCTIONS[3:]
+    told: tuple[Term, ...] = (name, provider, function)
+    largest = int(np.abs(direction).argmax())
+    if abs(direction[np.arange(3) != largest]).max() < TOLERANCE:
+        sign = 1 if direction[largest] > 0 else -1
+        yield Atom("appears", (*told, names[largest], sign))
+    else:
+        for axis, share in zip(names, direction, strict=True):
+            yield Atom("appears_in_part", (*told, axis, round(share * _MILLION)))
+
+
+def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
+    """Tell how far the axes of a provider, which meet in its place, pass what they turn."""
+    turned = np.abs(twists[:3]).max(axis=1) > TOLERANCE
+    for axis in np.flatnonzero(turned):
+        micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
+        if micrometres:
+            told = (name, provider, MOTION_FUNCTIONS[axis], min(micrometres, MOST))
+            yield Atom("lever_arm", told)
+
+
+def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield what one provider's joints combine to, and the joints with a share: arcs count."""
+    for rows, functions in ((twists[:3], MOTION_FUNCTIONS[:3]), (twists, MOTION_FUNCTIONS)):
+        for index in np.flatnonzero(spanned(rows)):
+            if rows is twists and index < 3:
+                continue
+            shared = columns_with_share(rows, int(index))
+            yield functions[index], tuple(joints[column].function for column in shared)
+
+
+def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
+    """Tell the sets of fewest and nearest carriers that give together what none does alone."""
+    distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
+    providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
+    joints = [joint for provider in providers for joint in robot.joints[provider]]
+    ends = np.cumsum([len(robot.joints[provider]) for provider in providers])
+    groups = np.split(free, ends[:-1], axis=1)
+    inside = spanned(free)
+    wanted = [i for i, f in enumerate(MOTION_FUNCTIONS) if inside[i] and f not in alone]
+    for unit, sets in fewest_groups(groups, wanted).items():
+        function = MOTION_FUNCTIONS[unit]
+        costs = [
+            (sum(distance[providers[i]] for i in found), sorted(providers[i] for i in found), found)
+            for found in sets
+        ]
+        costs.sort()
+        nearest = [each for each in costs if each[0] == costs[0][0]]
+        for number, (cost, _, found) in enumerate(nearest):
+            columns = [c for i in found for c in range(ends[i] - groups[i].shape[1], ends[i])]
+            yield Atom("support", (name, function, number, cost))
+            for column in columns_with_share(free[:, columns], unit):
+                joint = joints[columns[column]]
+                yield Atom("shares", (name, function, number, joint.module, joint.function))
+
+
+def _circuits(robot: Robot, name: str, free: Matrix, function: str) -> Iterator[Atom]:
+    """Tell which motions of several carriers together give a function, with none to spare."""
+    joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
+    if function not in MOTION_FUNCTIONS:
+        return
+    number = 0
+    for circuit in circuits(free, MOTION_FUNCTIONS.index(function)):
+        if len({joints[column].module for column in circuit}) > 1:
+            for column in circuit:
+                joint = joints[column]
+                yield Atom("circuit", (name, function, number, joint.module, joint.function))
+            number += 1

@@ -1,0 +1,207 @@
+"""A configuration together with the sources that describe its modules."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
+from mars_asp.language import Parsed, parse_text
+from mars_asp.language.parse import plain_lines, read_text
+from mars_asp.model.declarations import Configuration, Module, Mount
+from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
+from mars_asp.reasoning.facts.index import Lookup
+from mars_asp.spelling import resemblances
+
+if TYPE_CHECKING:
+    from mars_asp.annotations.files import Extraction
+
+_HERE = Path()
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """A configuration, the modules described for it, and what is noteworthy about their files.
+
+    `text` is what the configuration was read from, `found` what was read from sources; `blocks`
+    are the texts of the configuration's own module blocks.
+    """
+
+    configuration: Configuration
+    modules: Mapping[str, Module]
+    diagnostics: tuple[Diagnostic, ...]
+    text: str = ""
+    found: "Extraction | None" = None
+    blocks: tuple[str, ...] = ()
+
+
+def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
+    """Read a `.mars` file and the annotated sources that it and `sources` name.
+
+    `text` replaces the file's content, as it does for standard input. Paths of `@sources` are
+    relative to the file.
+
+    Raises:
+        MarsError: syntax errors of the file, and sources that are missing or wrongly annotated.
+    """
+    text = read_text(Path(path)) if text is None else plain_lines(text)
+    parsed = parse_text(text, path)
+    configuration = parsed.configuration
+    folder = Path(path).parent
+    problems: list[Diagnostic] = []
+    paths: list[Path] = []
+    for name in configuration.sources:
+        advice = "paths of `@sources` are relative to the configuration's own file"
+        missing = _missing(name.text, name.span, advice)
+        paths += _found(name.text, missing, problems, folder)
+    for argument in sources:
+        advice = "paths of `--sources` are relative to the folder that mars-asp is called in"
+        place = point(argument, 1, 1)
+        paths += _found(argument, _missing(argument, place, advice), problems)
+    if problems:
+        raise MarsError(problems)
+    found = None
+    if paths:
+        from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
+
+        found = extract(paths)
+    return _described(parsed, text, found)
+
+
+def revised(project: Project, texts: Mapping[str, str]) -> Project:
+    r"""Return a project as it is with other texts of some of its files.
+
+    `texts` are by path, with `\n` for every line end; files that they do not name are not read
+    again.
+
+    Raises:
+        MarsError: what is wrong with the new texts.
+    """
+    path = project.configuration.path
+    text = texts.get(path, project.text)
+    parsed = parse_text(text, path)
+    changed = texts.keys() - {path}
+    found = project.found
+    if found is not None and changed:
+        from mars_asp.annotations.files import reread  # noqa: PLC0415 -- as above
+
+        for source in sorted(changed):
+            found = reread(found, source, texts[source])
+    return _described(parsed, text, found)
+
+
+def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
+    """Return a configuration with the modules that describe it.
+
+    Raises:
+        MarsError: what is wrong with their annotations.
+    """
+    configuration = parsed.configuration
+    modules: dict[str, Module] = {}
+    diagnostics = parsed.warnings
+    if found is not None:
+        diagnostics += found.diagnostics
+        modules = {module.name: module for module in found.modules}
+        diagnostics += tuple(_misspelt(configuration, modules))
+    clashes = [
+        _annotated_twice(module, modules[module.name])
+        for module in configuration.declared
+        if module.name in modules
+    ]
+    errors = [d for d in diagnostics if d.severity == "error"] + clashes
+    if errors:
+        raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
+    return Project(configuration, modules, by_place(diagnostics), text, found, parsed.blocks)
+
+
+def project_facts(
+    project: Project, asked: Iterable[tuple[str, str]] = (), wanted: Set[str] | None = None
+) -> tuple[Fact, ...]:
+    """Return the facts of a project, with `wanted` those of these predicates.
+
+    How carriers move a module is told of sensors, end-effectors, what is controlled, and where it
+    is `asked` for a function of a module.
+    """
+    facts = configuration_facts(project.configuration, project.modules, wanted)
+    if wanted is not None and not wanted & FRAMES:
+        return facts
+    frames = _frame_facts(project, asked)
+    return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
+
+
+def project_lookup(project: Project, wanted: Set[str]) -> Lookup:
+    """Return the facts of a project of predicates `wanted`, to be made as they are looked for."""
+    return Lookup(project.configuration, project.modules, wanted, lambda: _frame_facts(project))
+
+
+def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:
+    if not has_mounts(project) or not _has_functions(project):
+        return ()
+    from mars_asp.reasoning.facts.motion import frame_facts  # noqa: PLC0415 -- numpy
+
+    return frame_facts(project.configuration, project.modules, asked)
+
+
+def has_mounts(project: Project) -> bool:
+    """Say whether a project mounts anything; only then is numpy worth loading."""
+    return any(isinstance(r, Mount) for r in project.configuration.relationships)
+
+
+def _has_functions(project: Project) -> bool:
+    """Say whether any module has a native function, without which nothing is inherited."""
+    described = (*project.modules.values(), *project.configuration.declared)
+    return any(module.functions for module in described)
+
+
+def _found(
+    written: str, missing: Diagnostic, problems: list[Diagnostic], folder: Path = _HERE
+) -> list[Path]:
+    """Return the paths that a path or glob of a folder names; note where it names none."""
+    from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
+
+    matches = find_paths(written, folder)
+    if not matches:
+        problems.append(missing)
+    return matches
+
+
+def _missing(written: str, place: Span, advice: str) -> Diagnostic:
+    message = f"`{written}` names no file or folder"
+    return Diagnostic("sources-missing", "error", message, place, help=advice)
+
+
+def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
+    """Yield names that are annotated nowhere, but much like one that is and is not used."""
+    spans = {name.text: name.span for name in configuration.modules}
+    described = modules.keys() | {module.name for module in configuration.declared}
+    unknown = (name for name in spans if name not in described)
+    for name, near in resemblances(unknown, modules.keys() - spans.keys(), 0.8):
+        # `Camera1` and `Camera2` are two modules.
+        if _undigited(near) == _undigited(name):
+            continue
+        place = modules[near].named or modules[near].span
+        yield Diagnostic(
+            "annotations-missing",
+            "warning",
+            f"`{name}` is annotated nowhere",
+            spans[name],
+            ((place, f"`{near}` is annotated here"),),
+            f"did you mean `{near}`?",
+        )
+
+
+def _undigited(name: str) -> str:
+    return re.sub("[0-9]", "", name)
+
+
+def _annotated_twice(module: Module, other: Module) -> Diagnostic:
+    return Diagnostic(
+        "module-twice",
+        "error",
+        f"module `{module.name}` is described twice",
+        module.span,
+        ((other.span, "also here"),),
+        "keep one of the two descriptions",
+    )

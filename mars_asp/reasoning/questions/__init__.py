@@ -1,0 +1,1 @@
+"""What people ask about a configuration, and what answers it."""

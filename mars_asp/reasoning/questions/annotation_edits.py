@@ -1,0 +1,232 @@
+"""Annotations added, changed and taken out in the text in which they stand."""
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+
+from mars_asp.annotations.arguments import FUNCTIONS, parts
+from mars_asp.annotations.declarations import Declaration
+from mars_asp.annotations.directives import OVERRIDES, Directive, directives
+from mars_asp.annotations.following import following
+from mars_asp.annotations.overrides import Overrides
+from mars_asp.annotations.services import read_signature
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Span
+from mars_asp.language.print import print_number
+from mars_asp.language.text_edits import Draft
+from mars_asp.model.declarations import SERVICE_KINDS, Function, Mode, Module, Service
+
+#: What begins a comment in a language, where no other comment shows how its author does.
+_MARKS = {"python": "# ", "matlab": "% "}
+_LINE_MARK = re.compile(r"\s*(?://[/!]?|#+|%+|\*)?\s*")
+_BLOCK_MARK = re.compile(r"(\s*)/\*[*!]?\s*")
+_NUMBER = re.compile(r"[+-]?[\d.]+\s*$")
+_PLAIN = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
+
+
+class NoPlaceError(Exception):
+    """There is no place for an annotation at which it would mean what it is to mean."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Marks:
+    """How a comment line is written: what stands before an annotation, and what behind it."""
+
+    before: str
+    behind: str
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """A source, its annotations, and which of them begins at a line and column."""
+
+    source: Source
+    directives: list[Directive]
+    places: dict[tuple[int, int], int]
+
+
+def read(source: Source) -> Read:
+    """Read the annotations of a source in which nothing is wrong."""
+    found = [found for found in directives(source) if isinstance(found, Directive)]
+    return Read(source, found, {source.position(d.offset): n for n, d in enumerate(found)})
+
+
+class Annotations:
+    """The annotations of one source, and a draft of its text in which they are edited."""
+
+    def __init__(self, read: Read, draft: Draft) -> None:
+        """Take what was read of a source, and the draft that edits go to."""
+        self._source = read.source
+        self._found = read.directives
+        self._places = read.places
+        self._draft = draft
+
+    def offer(self, service: Service, mode: Mode, hz: Decimal | None) -> None:
+        """Let an annotation state a mode, too, or another frequency."""
+        directive = self._found[self._index(service.span)]
+        if mode not in service.modes:
+            rate = "" if hz is None else f" {print_number(hz)}"
+            at = self._at(directive, len(directive.rest))
+            self._draft.put(at, at, f", {mode.text}{rate}")
+        elif hz is not None:
+            for begin, part in parts(directive.rest):
+                number = _NUMBER.search(part)
+                if number is not None:
+                    first, last = begin + number.start(), begin + len(part.rstrip())
+                    self._draft.put(
+                        self._at(directive, first), self._at(directive, last), print_number(hz)
+                    )
+
+    def remove(self, annotation: Service | Function) -> None:
+        """Take an annotation out, and its overrides where no other one has them."""
+        index = self._index(annotation.span)
+        group = self._group(index)
+        gone = [self._found[index]]
+        if all(other is gone[0] or other.word in OVERRIDES for other in group):
+            gone = group
+        for directive in gone:
+            self._take_out(directive)
+
+    def give(self, module: Module, word: str, output: str | None = None) -> None:
+        """Annotate a module with a motion function, `DataOut` or `ControlOut`.
+
+        `output` is what a `DataOut` is to deliver where its declaration does not say it.
+
+        Raises:
+            NoPlaceError: no function of the module can carry the annotation.
+        """
+        inside = self._inside(module)
+        if word in FUNCTIONS:
+            heads = [d for d in inside if d.word in FUNCTIONS or d.word == "module_name"]
+            self._behind(heads[-1], f"@{word}")
+            return
+        lines = ["@DataOut NotifyWhenReady" if word == "DataOut" else f"@{word}"]
+        if module.services:
+            carrier = module.services[0]
+            lines += _output(word, carrier.output, output)
+            self._before(self._found[self._index(carrier.span)], lines)
+            return
+        name, end = inside[0], inside[-1]
+        behind = following(self._source, max(d.until for d in inside[:-1]), end.offset)
+        if isinstance(behind.found, Declaration):
+            declared = read_signature(behind.found, Overrides(), delivers=True).output
+            lines += _output(word, declared, output)
+            line, column = self._source.position(behind.place(behind.found.offset))
+            indent = self._draft.line(line)[: column - 1]
+            mark = indent + self._mark(name) if not indent.strip() else self._mark(name)
+            self._draft.insert(line, "before", [mark + text for text in lines])
+        elif self._source.is_configuration:
+            # What a block says is all there is of a module, so it may say one function more.
+            kind = output or "void"
+            lines += [f"@Output {output}"] if output and not _PLAIN.fullmatch(output) else []
+            declared = kind if _PLAIN.fullmatch(kind) else "void"
+            lines.append(f"{declared} {'deliver' if word == 'DataOut' else 'control'}();")
+            if word == "DataOut" and output is None:
+                raise NoPlaceError
+            self._draft.insert(self._source.position(end.offset)[0], "before", lines)
+        else:
+            raise NoPlaceError
+
+    def _index(self, span: Span) -> int:
+        return self._places[span.line, span.column]
+
+    def _at(self, directive: Directive, index: int) -> int:
+        """Return the offset in the draft of a character behind an annotation's word."""
+        return self._draft.offset(*self._source.position(directive.place(self._source, index)))
+
+    def _inside(self, module: Module) -> list[Directive]:
+        """Return the annotations of a module behind its `@module_start`, the last its end."""
+        first = self._index(module.span) + 1
+        last = next(n for n in range(first, len(self._found)) if self._is_end(n))
+        return self._found[first : last + 1]
+
+    def _is_end(self, index: int) -> bool:
+        return self._found[index].word == "module_end"
+
+    def _group(self, index: int) -> list[Directive]:
+        """Return the annotations that belong to the same declaration as one of them."""
+        words = (*SERVICE_KINDS, *OVERRIDES)
+        first = last = index
+        # A module begins before them and ends behind them.
+        while self._found[first - 1].word in words and self._adjoin(first - 1):
+            first -= 1
+        while self._found[last + 1].word in words and self._adjoin(last):
+            last += 1
+        return self._found[first : last + 1]
+
+    def _adjoin(self, index: int) -> bool:
+        """Say whether no code stands between an annotation and the next one."""
+        begin, end = self._found[index].until, self._found[index + 1].offset
+        return not self._source.stretch(begin, end, end - begin).code.strip()
+
+    def _take_out(self, directive: Directive) -> None:
+        marks = self._marks(directive)
+        first = self._source.position(directive.offset)
+        last = self._source.position(directive.end)
+        behind = self._draft.line(last[0])[last[1] - 1 :].strip().removeprefix("*/")
+        if marks is None or ("/*" in marks.before) != bool(marks.behind) or behind:
+            self._draft.put(self._draft.offset(*first), self._draft.offset(*last), "")
+            return
+        for line in range(first[0], last[0] + 1):
+            self._draft.delete(line)
+
+    def _marks(self, directive: Directive) -> _Marks | None:
+        """Return how the line of an annotation is written; nothing where code stands before it."""
+        line, column = self._source.position(directive.offset)
+        before = self._draft.line(line)[: column - 1]
+        if not (_LINE_MARK.fullmatch(before) or _BLOCK_MARK.fullmatch(before)):
+            return None
+        last, end = self._source.position(directive.end)
+        behind = self._draft.line(last)[end - 1 :].strip()
+        return _Marks(before, " */" if behind.startswith("*/") else "")
+
+    def _mark(self, like: Directive) -> str:
+        """Return what begins a comment of its own, as another annotation shows it."""
+        marks = self._marks(like)
+        if marks is not None and "*" not in marks.before:
+            return marks.before.lstrip()
+        return _MARKS.get(self._source.language, "// ")
+
+    def _behind(self, directive: Directive, text: str) -> None:
+        """Write an annotation on a line of its own behind another."""
+        line = self._source.position(directive.end)[0]
+        marks = self._marks(directive)
+        if marks is None:
+            self._draft.insert(line, "behind", [self._mark(directive) + text])
+            return
+        opened = _BLOCK_MARK.fullmatch(marks.before)
+        if opened and not marks.behind:
+            self._draft.insert(line, "behind", [f"{opened[1]} * {text}"])
+        elif marks.behind and not opened:
+            self._draft.insert(
+                self._source.position(directive.offset)[0], "before", [marks.before + text]
+            )
+        else:
+            self._draft.insert(line, "behind", [marks.before + text + marks.behind])
+
+    def _before(self, directive: Directive, lines: list[str]) -> None:
+        """Write annotations on lines of their own before another; behind it where code precedes."""
+        marks = self._marks(directive)
+        line = self._source.position(directive.offset)[0]
+        if marks is None:
+            mark = self._mark(directive)
+            self._draft.insert(
+                self._source.position(directive.end)[0], "behind", [mark + text for text in lines]
+            )
+            return
+        opened = _BLOCK_MARK.fullmatch(marks.before)
+        end = " */" if opened else ""
+        self._draft.insert(line, "before", [marks.before + text + end for text in lines])
+
+
+def _output(word: str, declared: str | None, output: str | None) -> list[str]:
+    """Return the override that a declaration needs in order to deliver something.
+
+    Raises:
+        NoPlaceError: it delivers nothing and nothing is known that it could, or it does already.
+    """
+    if word != "DataOut":
+        return []
+    if (declared is None) != (output is not None):
+        raise NoPlaceError
+    return [] if output is None else [f"@Output {output}"]

@@ -1,0 +1,260 @@
+"""What changed between two configurations, and the lines that caused it.
+
+A line has changed when the facts it gives, apart from their identifiers, are not given by any
+line of the other configuration; so order, comments and layout change nothing.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Generic, Literal, TypeAlias, TypeVar
+
+import clingo
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.asp.trace import Explainer, Trace
+from mars_asp.asp.trace.tree import Absent, Derived, Given
+from mars_asp.diagnostic import Span
+from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.explain import explainer_for
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
+
+How: TypeAlias = Literal["appeared", "vanished", "changed"]
+Signature: TypeAlias = tuple[str, ...]
+Item = TypeVar("Item")
+_ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
+#: Facts about the whole configuration, which stand at lines that do not say them.
+_OBSERVED = frozenset({"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"})
+
+
+@dataclass(frozen=True, slots=True)
+class Change(Generic[Item]):
+    """A consequence or node that is in one configuration only, or in both and not the same.
+
+    `added` and `removed` are the lines that caused it: those that only the new and only the old
+    configuration has.
+    """
+
+    how: How
+    old: Item | None
+    new: Item | None
+    added: tuple[Span, ...]
+    removed: tuple[Span, ...]
+
+    @property
+    def item(self) -> Item:
+        """Return what changed, as it is now, or was where it is gone."""
+        item = self.old if self.new is None else self.new
+        assert item is not None
+        return item
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """All that changed; a synthesis is `None` where nothing realises that configuration.
+
+    Nodes are compared where both are realised: those of one alone would say no more than that.
+    """
+
+    added: tuple[Span, ...]
+    removed: tuple[Span, ...]
+    consequences: tuple[Change[Consequence], ...]
+    nodes: tuple[Change[Node], ...]
+    old: Synthesis | None
+    new: Synthesis | None
+
+    @property
+    def is_empty(self) -> bool:
+        """Say whether no consequence and no node changed."""
+        return not self.consequences and not self.nodes
+
+    @property
+    def has_new_errors(self) -> bool:
+        """Say whether an error appeared."""
+        return any(
+            change.how == "appeared" and change.item.severity == "error"
+            for change in self.consequences
+        )
+
+
+def diff(
+    old: Project, new: Project, rulebook: Rulebook, seconds: float | None = None
+) -> Difference:
+    """Compare the consequences and nodes of two projects.
+
+    Raises:
+        MarsError: rules that clingo refuses.
+        TimeoutError: no specification was found in the seconds given, for each of the two.
+    """
+    before, after = _Side(old, rulebook, seconds), _Side(new, rulebook, seconds)
+    before.compare(after)
+    after.compare(before)
+    both = before.synthesis is not None and after.synthesis is not None
+    return Difference(
+        tuple(sorted(after.changed)),
+        tuple(sorted(before.changed)),
+        tuple(_changes(before, after, before.consequences(), after.consequences())),
+        tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
+        before.synthesis,
+        after.synthesis,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry(Generic[Item]):
+    """An item; equal values are the same, equal keys may be the same one changed."""
+
+    key: tuple[str, ...]
+    value: tuple[str, ...]
+    atom: clingo.Symbol
+    item: Item
+
+
+class _Side:
+    """One of the two configurations, solved."""
+
+    def __init__(self, project: Project, rulebook: Rulebook, seconds: float | None) -> None:
+        self.facts = project_facts(project)
+        self.analysis: Analysis = analyse(self.facts, rulebook, project.configuration.span)
+        self.synthesis = synthesise(
+            project.configuration, project.modules, self.analysis, rulebook, seconds
+        )
+        self.lines = _lines(self.facts)
+        self.changed: frozenset[Span] = frozenset()
+        resolution = None if self.synthesis is None else self.synthesis.resolution
+        self.explainer: Explainer = explainer_for(rulebook, self.facts, self.analysis, resolution)
+
+    def compare(self, other: "_Side") -> None:
+        """Find the lines that the other side does not have, repetitions counted."""
+        left = Counter(other.lines.values())
+        changed = []
+        for span, said in sorted(self.lines.items()):
+            if left[said] > 0:
+                left[said] -= 1
+            else:
+                changed.append(span)
+        self.changed = frozenset(changed)
+
+    def consequences(self) -> Iterator[_Entry[Consequence]]:
+        for c in self.analysis.consequences:
+            key = (c.kind, c.subject, c.severity)
+            yield _Entry(key, (*key, c.message, *c.participants), c.atom, c)
+
+    def nodes(self) -> Iterator[_Entry[Node]]:
+        if self.synthesis is not None:
+            resolves = self.synthesis.specification.resolves
+            for node in self.synthesis.specification.nodes:
+                key = (node.kind, *resolves[node.name][:1])
+                yield _Entry(key, (node.term,), clingo.parse_term(node.term), node)
+
+    def holds(self, symbol: clingo.Symbol) -> bool:
+        atom = self.analysis.grounding.control.symbolic_atoms[symbol]
+        taken = frozenset() if self.synthesis is None else self.synthesis.resolution.taken
+        return atom is not None and (atom.is_fact or as_term(symbol) in taken)
+
+    def matching(self, pattern: str) -> Iterator[clingo.Symbol]:
+        """Yield the true atoms that match a text with `_` for anything.
+
+        An atom with a number may speak of an identifier, which belongs to one file alone.
+        """
+        try:
+            wanted = clingo.parse_term(_ANYTHING.sub("_any", pattern))
+        except RuntimeError:
+            return
+        if any(argument.type == clingo.SymbolType.Number for argument in wanted.arguments):
+            return
+        anything = clingo.Function("_any")
+        for symbol in self.analysis.grounding.symbols(wanted.name, len(wanted.arguments)):
+            pairs = zip(wanted.arguments, symbol.arguments, strict=True)
+            if all(w in (anything, found) for w, found in pairs) and self.holds(symbol):
+                yield symbol
+
+
+def _lines(facts: Iterable[Fact]) -> Mapping[Span, Signature]:
+    """Return for each place the facts that stand there, without their identifiers."""
+    facts = tuple(facts)
+    identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}
+    said: dict[Span, list[str]] = {}
+    for fact in facts:
+        if fact.atom.name in _OBSERVED:
+            continue
+        first, *rest = fact.atom.arguments
+        numbered = isinstance(first, int) and first in identifiers
+        words = map(str, rest if numbered else (first, *rest))
+        said.setdefault(fact.span, []).append(f"{fact.atom.name}({','.join(words)})")
+    return {span: tuple(sorted(words)) for span, words in said.items()}
+
+
+def _changes(
+    before: _Side, after: _Side, old: Iterable[_Entry[Item]], new: Iterable[_Entry[Item]]
+) -> Iterator[Change[Item]]:
+    """Leave out what is the same, pair the rest by its keys, and find what caused each."""
+    old, new = tuple(old), tuple(new)
+    was, now = _others(old, new), _others(new, old)
+    old_traces = before.explainer.why([e.atom for entries in was.values() for e in entries])
+    new_traces = after.explainer.why([e.atom for entries in now.values() for e in entries])
+    for key in dict.fromkeys((*was, *now)):
+        for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
+            removed: set[Span] = set()
+            added: set[Span] = set()
+            if gone is not None:
+                removed |= _given(old_traces[gone.atom]) & before.changed
+                added |= _preventing(old_traces[gone.atom], after)
+            if come is not None:
+                added |= _given(new_traces[come.atom]) & after.changed
+                removed |= _preventing(new_traces[come.atom], before)
+            how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
+            yield Change(
+                how,
+                None if gone is None else gone.item,
+                None if come is None else come.item,
+                tuple(sorted(added)),
+                tuple(sorted(removed)),
+            )
+
+
+def _others(
+    entries: Iterable[_Entry[Item]], known: Iterable[_Entry[Item]]
+) -> dict[tuple[str, ...], list[_Entry[Item]]]:
+    """Return by their keys the entries that are not among those known, repetitions counted."""
+    left = Counter(entry.value for entry in known)
+    found: dict[tuple[str, ...], list[_Entry[Item]]] = {}
+    for entry in entries:
+        if left[entry.value] > 0:
+            left[entry.value] -= 1
+        else:
+            found.setdefault(entry.key, []).append(entry)
+    return found
+
+
+def _steps(trace: Trace) -> Iterator[Trace]:
+    seen: set[int] = set()
+    stack = [trace]
+    while stack:
+        step = stack.pop()
+        if id(step) not in seen:
+            seen.add(id(step))
+            yield step
+            if isinstance(step, Derived):
+                stack += step.premises
+
+
+def _given(trace: Trace) -> set[Span]:
+    """Return the places of the facts that a trace rests on."""
+    return {s.span for s in _steps(trace) if isinstance(s, Given) and s.span is not None}
+
+
+def _preventing(trace: Trace, other: _Side) -> set[Span]:
+    """Return changed lines by which the other side has what this trace needs to be absent."""
+    patterns = {step.atom for step in _steps(trace) if isinstance(step, Absent)}
+    atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
+    found: set[Span] = set()
+    for reason in other.explainer.why(sorted(atoms)).values():
+        found |= _given(reason) & other.changed
+    return found

@@ -1,0 +1,224 @@
+"""The rules and facts that one question needs: a splitting set (Lifschitz and Turner 1994).
+
+What a rule of the base reads is derived by rules of the base alone, so the rules behind an atom,
+grounded without the others, give it as all of them together do. Of their instances and of the
+facts, `mars_asp.asp.slice.magic` says which the question can need.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import clingo
+
+from mars_asp.asp.rules.checks import CONSEQUENCE
+from mars_asp.asp.rules.rulebook import Rule, Rulebook, consequence_kinds
+from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
+from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
+from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
+from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.reasoning.facts.index import KEYS, Lookup
+from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
+
+#: A rule and its outlines.
+_Outlined: TypeAlias = tuple[Rule, tuple[Outline, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """A part of the rules and of the facts, which answers a question as the whole does."""
+
+    rulebook: Rulebook
+    facts: tuple[Fact, ...]
+
+
+def slice_for(
+    subject: str,
+    rulebook: Rulebook,
+    facts_of: Callable[[Set[str]], Iterable[Fact]],
+    lookup_of: Callable[[Set[str]], Lookup],
+) -> Slice | None:
+    """Return what `KIND(NAME)` of a consequence or an atom needs, or `None` for anything else.
+
+    That is so where the subject is no such term, or where no rule of the base derives it, and with
+    rule packs that could leave no answer at all or several, or compute what does not fit, by rules
+    that the question does not read. By the names of predicates, `facts_of` gives all their facts,
+    `lookup_of` those that are looked for.
+    """
+    name, first = _asked(subject, rulebook)
+    rules = [rule for rule in rulebook.rules if rule.stage == "base"]
+    if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
+        return None
+    base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
+    if not any(name == head for rule in rules for head, _ in rule.heads):
+        return None
+    asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
+    # What could matter says which facts to make, and these which rules can fire at all.
+    possible = _behind(base, asked, None)
+    demand = _demand(subject, name, _statements(rule for rule, _ in possible))
+    if demand is None:
+        facts = tuple(facts_of(_read(possible, name)))
+        text = None
+    else:
+        facts, text = _needed(demand, facts_of, lookup_of)
+    derived = {head for _, variants in base for one in variants for head, _ in one.derives}
+    behind = _behind(base, asked, derived | {fact.atom.name for fact in facts})
+    names = _read(behind, name)
+    needed = tuple(fact for fact in facts if fact.atom.name in names)
+    sliced = tuple(rule for rule, _ in behind)
+    if text is None:
+        text = "\n".join(rule.text for rule in sliced)
+    return Slice(Rulebook(sliced, (("base", text),)), needed)
+
+
+def slice_for_resolution(
+    rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
+) -> Slice | None:
+    """Return what the resolution needs; `None` with rule packs, which could leave no answer.
+
+    That is what its rules read, and what no specification can resolve, which is not theirs to say.
+    """
+    if rulebook.packs:
+        return None
+    base = [rule for rule in rulebook.rules if rule.stage == "base"]
+    resolving = tuple(rule for rule in rulebook.rules if rule.stage == "resolve")
+    read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
+    behind: dict[str, Rule] = {}
+    new = resolving
+    while new:
+        kinds = _kinds_read((*behind.values(), *resolving))
+        new = tuple(
+            rule
+            for rule in base
+            if rule.text not in behind
+            and not read.isdisjoint(rule.heads)
+            and (kinds is None or _is_read(rule, kinds))
+        )
+        behind.update((rule.text, rule) for rule in new)
+        read = read.union(*(rule.reads for rule in new))
+    rules = tuple(rule for rule in base if rule.text in behind)
+    texts = (
+        ("base", "\n".join(rule.text for rule in rules)),
+        ("resolve", rulebook.text("resolve")),
+    )
+    facts = tuple(facts_of({name for name, _ in read}))
+    return Slice(Rulebook((*rules, *resolving), texts), facts)
+
+
+def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
+    """Return the kinds of consequence that rules read by name; `None` where they read any."""
+    texts = [rule.text for rule in rules if CONSEQUENCE in rule.reads]
+    kinds = {
+        literal.terms[0].constant
+        for variants in statements_of(texts).values()
+        for statement in variants
+        for literal in statement.read
+        if literal.signature == CONSEQUENCE
+    }
+    return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
+
+
+def _is_read(rule: Rule, kinds: Set[str]) -> bool:
+    """Say whether a rule derives anything besides consequences of other kinds."""
+    named = rule.kinds
+    return named is None or not named or not named.isdisjoint(kinds)
+
+
+def _statements(rules: Iterable[Rule]) -> list[Statement]:
+    read = statements_of(rule.text for rule in rules)
+    return [statement for variants in read.values() for statement in variants]
+
+
+def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
+    """Say whether rules with packs have just one answer, whatever the facts are.
+
+    So it is where packs hold rules alone, each of which forces one atom, and recursion leads
+    through no negation: they are stratified (Apt, Blair and Walker 1988).
+    """
+    if any(not has_rules_alone(text) for _, text in rulebook.texts[-rulebook.packs :]):
+        return False
+    every = _statements(base)
+    if not are_forced(every) or negates_itself(every):
+        return False
+    # What is classically negated excludes what is not.
+    return not any(statement.head.is_negated for statement in every)
+
+
+def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | None:
+    """Return how to find out which instances a question needs, if that can be told."""
+    symbol = _term(subject)
+    if name == "consequence" and (symbol is None or symbol.name != name):
+        kind, _, rest = subject.partition("(")
+        about = rest.removesuffix(")")
+        # A name is shown without quotes, any other term as it is written.
+        subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
+        values = [(kind, each) for each in sorted(subjects)]
+        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, KEYS)
+    if symbol is None or not symbol.arguments:
+        return None
+    sign = "" if symbol.positive else "-"
+    count = len(symbol.arguments)
+    asked = Asked(f"{sign}{symbol.name}", count, tuple(range(count)))
+    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], KEYS)
+
+
+def _needed(
+    demand: Demand,
+    facts_of: Callable[[Set[str]], Iterable[Fact]],
+    lookup_of: Callable[[Set[str]], Lookup],
+) -> tuple[tuple[Fact, ...], str]:
+    """Return the facts that are needed, and the rules with what says so."""
+    lookup = lookup_of(demand.found)
+    control = clingo.Control(["--warn=none"])
+    control.add("demand", [], demand.program)
+    control.ground([("demand", [])], _Context(lookup))
+    atoms = (str(atom.symbol) for atom in control.symbolic_atoms)
+    needs = (f"{atom}." for atom in atoms if atom.startswith("_need"))
+    whole = tuple(facts_of(demand.whole)) if demand.whole else ()
+    found = (fact for fact in lookup.facts if fact.atom.name not in demand.whole)
+    return (*whole, *found), "\n".join((demand.guarded, *needs))
+
+
+class _Context:
+    """What a demand program calls."""
+
+    def __init__(self, lookup: Lookup) -> None:
+        self._lookup = lookup
+
+    def given(
+        self, name: clingo.Symbol, positions: clingo.Symbol, values: clingo.Symbol
+    ) -> Sequence[clingo.Symbol]:
+        """Return the arguments of the given facts with values at positions, as tuples."""
+        places = tuple(place.number for place in positions.arguments)
+        found = self._lookup.find(name.string, places, tuple(map(term_of, values.arguments)))
+        return [clingo.Function("", symbol_of(fact.atom).arguments) for fact in found]
+
+
+def _behind(
+    rules: Sequence[_Outlined], asked: Mapping[str, frozenset[str]], present: Set[str] | None
+) -> tuple[_Outlined, ...]:
+    found = reachable_rules([variants for _, variants in rules], asked, present)
+    return tuple(rules[number] for number in found)
+
+
+def _read(rules: Iterable[_Outlined], asked: str) -> frozenset[str]:
+    names = (name for _, variants in rules for name, _ in reads(variants))
+    return frozenset({asked, *names})
+
+
+def _asked(subject: str, rulebook: Rulebook) -> tuple[str, str]:
+    """Return the predicate and the first argument that a subject names; none are empty."""
+    kind, bracket, _ = subject.partition("(")
+    if not bracket:
+        return "", ""
+    if kind in consequence_kinds(rulebook):
+        return CONSEQUENCE[0], kind
+    symbol = _term(subject)
+    return ("", "") if symbol is None else (symbol.name, str((*symbol.arguments, "")[0]))
+
+
+def _term(text: str) -> clingo.Symbol | None:
+    """Return what a text says, if it is a function term."""
+    symbol = symbol_in(text)
+    return symbol if symbol is not None and symbol.type == clingo.SymbolType.Function else None

@@ -1,0 +1,503 @@
+"""The smallest edits that remove a finding: proposed by `rules/repair`, each tried by solving.
+
+>>> for repair in repairs(load_project("config.mars"), load_rulebook(stages=STAGES)):
+...     print(repair.consequence.message, [mend.cost for mend in repair.mends])
+"""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from itertools import combinations, groupby, pairwise
+
+import clingo
+
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.rulebook import Rule, Rulebook, consequence_kinds
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.language.text_edits import LineEdit
+from mars_asp.model.declarations import Configuration, Control, ends_of
+from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.project import Project, project_facts, revised
+from mars_asp.reasoning.questions.edits import (
+    ImpossibleEditError,
+    Texts,
+    UnknownEditError,
+    apply_edits,
+)
+from mars_asp.reasoning.questions.subject import wrong_subject
+from mars_asp.reasoning.synthesis.synthesise import least_cost
+from mars_asp.spelling import nearest
+
+#: What the rulebook of a repair holds.
+STAGES = ("resolve", "repair")
+#: For a finding mends are looked for until so many are found, or so many sets of edits were tried.
+MOST_MENDS, MOST_TRIED, MOST_EDITS = 5, 60, 3
+#: For all findings together, until so many facts were solved; a try costs as much as so many facts.
+MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
+#: Where more edits are proposed than one in so many tries could try, edits that change much at once
+#: come first, and of the tries one in so many is left once all findings have a mend.
+ONE_IN_FOR_EACH, ONE_IN_FOR_FURTHER = 4, 10
+#: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
+HEAVIEST = 3
+_EDIT = ("edit", 5)
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """One edit that a rule proposes; `weight` is how much it changes, from 1.
+
+    `parts` are the edits that it consists of, itself where it has no parts.
+    """
+
+    term: clingo.Symbol
+    parts: tuple[clingo.Symbol, ...]
+    message: str
+    weight: int
+    rule: Rule
+
+
+@dataclass(frozen=True, slots=True)
+class Mend:
+    """Edits that together remove a finding, and what the result was when it was solved.
+
+    `others` counts the other findings that are gone, too; `warnings` are warnings that were not
+    there before, `remarks` those of reading the files; `errors` counts the errors that are left;
+    `spent` is the cost of the least specification by level, `None` while errors are left.
+    """
+
+    edits: tuple[Edit, ...]
+    lines: tuple[LineEdit, ...]
+    others: int
+    warnings: tuple[Consequence, ...]
+    remarks: tuple[Diagnostic, ...]
+    errors: int
+    spent: Mapping[int, int] | None
+
+    @property
+    def cost(self) -> tuple[int, int, int]:
+        """Return by what mends are ranked: edits, their weight, new warnings."""
+        warnings = len(self.warnings) + len(self.remarks)
+        return len(self.edits), sum(edit.weight for edit in self.edits), warnings
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A finding and the smallest mends of it, best first.
+
+    Of as many edits as rules `proposed`, `tried` sets were written and solved; `complete` is
+    whether no smaller or equally small one was left; `late` is whether the time was over before
+    that.
+    """
+
+    consequence: Consequence
+    mends: tuple[Mend, ...]
+    proposed: int
+    tried: int
+    complete: bool
+    late: bool
+
+
+def repairs(
+    project: Project,
+    rulebook: Rulebook,
+    subject: str | None = None,
+    seconds: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Repair, ...]:
+    """Look for mends of every error, or of every warning where there is no error.
+
+    `subject` chooses findings by kind, subject or `kind(subject)` instead. `rulebook` holds the
+    stages `STAGES`. After `seconds` what was found so far is returned. `progress` is told how many
+    sets of edits were tried, and how many will be at most.
+
+    Raises:
+        MarsError: rules that clingo refuses; the subject is no module,
+            and no kind of consequence.
+    """
+    began = time.monotonic()
+    deadline = None if seconds is None else began + seconds
+    facts = project_facts(project)
+    analysis = analyse(facts, rulebook, project.configuration.span)
+    findings = _asked(analysis.consequences, subject)
+    if not findings:
+        if subject is not None:
+            _check_subject(subject, project, rulebook)
+        return ()
+    proposed = _proposals(analysis, rulebook)
+    most = MOST_FACTS // (len(facts) + FACTS_OF_A_TRY)
+    search = _Search(project, rulebook, analysis.consequences, findings, deadline)
+    return search.repairs(
+        [proposed.get(_key_of(finding.atom), []) for finding in findings],
+        max(LEAST_TRIED, most),
+        time.monotonic() - began,
+        progress,
+    )
+
+
+def _asked(found: Sequence[Consequence], subject: str | None) -> list[Consequence]:
+    if subject is not None:
+        return [
+            c
+            for c in found
+            if c.severity != "note"
+            and subject in (c.kind, c.subject, f"{c.kind}({c.subject})", *c.participants)
+        ]
+    errors = [c for c in found if c.severity == "error"]
+    return errors or [c for c in found if c.severity == "warning"]
+
+
+def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
+    """Tell a subject that is sound from one that nothing could be found for."""
+    names = {name.text for name in project.configuration.modules}
+    kinds = consequence_kinds(rulebook)
+    kind, _, rest = subject.partition("(")
+    about = rest.removesuffix(")")
+    if subject in names | kinds or (kind in kinds and about in names):
+        return
+    near = nearest(subject, names | kinds)
+    if kind in kinds:
+        module = nearest(about, names)
+        near = f"{kind}({module})" if module else None
+    raise wrong_subject(
+        project,
+        f"`{subject}` is no module and no kind of consequence",
+        f"did you mean `{near}`?" if near else "write a module, a KIND or `KIND(NAME)`",
+    )
+
+
+def _proposals(
+    analysis: Analysis, rulebook: Rulebook
+) -> dict[tuple[clingo.Symbol, ...], list[Edit]]:
+    """Return the edits that the rules propose for each finding, least first."""
+    speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
+    said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
+    grounding = analysis.grounding
+    grounding.derive(f"{rulebook.text('repair')}\n{said}")
+    found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
+    parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
+    for symbol in sorted(grounding.symbols("part", 2)):
+        whole, part = symbol.arguments
+        parts.setdefault(whole, []).append(part)
+    for symbol in sorted(grounding.symbols("_proposed", 3)):
+        number, head, values = symbol.arguments
+        rule = speakers[number.number]
+        *key, term, weight = head.arguments
+        named = dict(zip(rule.holes, values.arguments, strict=True))
+        message = fill(rule.because, named, shown) or str(term)
+        consists = tuple(parts.get(term, (term,)))
+        edit = Edit(term, consists, message, weight.number, rule)
+        found.setdefault(tuple(key), {}).setdefault(term, edit)
+    return {
+        key: sorted(edits.values(), key=lambda edit: (edit.weight, edit.rule.span, edit.term))
+        for key, edits in found.items()
+    }
+
+
+def _saying(number: int, rule: Rule) -> str:
+    head, body = rule.written
+    return f"_proposed({number},{head},v({','.join(rule.holes)})) :- {body}."
+
+
+def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
+    kind, _, subject, case = atom.arguments
+    return kind, subject, case
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """What a set of edits made of a project: `gone` are the findings that are no more.
+
+    Findings that read alike are all in `gone` where one is; `fewer` says how many there are less.
+    """
+
+    gone: frozenset[int]
+    fewer: int
+    lines: tuple[LineEdit, ...]
+    warnings: tuple[Consequence, ...]
+    remarks: tuple[Diagnostic, ...]
+    errors: int
+    spent: Mapping[int, int] | None
+
+
+class _Search:
+    """Tries sets of edits on one project, each once for all findings that it could mend."""
+
+    def __init__(
+        self,
+        project: Project,
+        rulebook: Rulebook,
+        before: Iterable[Consequence],
+        findings: Sequence[Consequence],
+        deadline: float | None,
+    ) -> None:
+        self._project = project
+        self._texts = Texts(project)
+        self._rulebook = rulebook
+        self._deadline = deadline
+        self._before = Told(before)
+        self._findings = findings
+
+    def repairs(
+        self,
+        proposed: Sequence[Sequence[Edit]],
+        most: int,
+        longest: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> tuple[Repair, ...]:
+        """Look for mends by their size, and then by weight for each finding that they may mend.
+
+        `proposed` are the edits for each finding, least first; `most` is how many sets are tried;
+        `longest` is how many seconds a try may take, before one was made.
+        """
+        mends: list[list[Mend]] = [[] for _ in self._findings]
+        tried = [0] * len(self._findings)
+        #: The findings for which a set was passed over, and for which that was for want of time.
+        left: set[int] = set()
+        hurried: set[int] = set()
+        solved = 0
+        singles = len(_shared(dict(enumerate(proposed)), 1))
+        crowded = singles > max(LEAST_TRIED, most // ONE_IN_FOR_EACH)
+        further = max(LEAST_TRIED, most // ONE_IN_FOR_FURTHER)
+        # Behind sets of all sizes, the edits that stand alone because they change so much; before
+        # them, where to try each edit would take long.
+        sizes = tuple(range(1, MOST_EDITS + 1))
+        for size in (None, *sizes) if crowded else (*sizes, None):
+            wanting = [number for number, found in enumerate(mends) if not found or size == 1]
+            for group in _shared({n: proposed[n] for n in wanting}, size):
+                now = time.monotonic()
+                late = self._deadline is not None and now + longest > self._deadline
+                most = min(most, further) if crowded and all(mends) else most
+                wanted = {
+                    number: edits
+                    for number, edits in group.items()
+                    if len(mends[number]) < MOST_MENDS
+                    and (size is None or tried[number] < MOST_TRIED)
+                }
+                left |= group.keys() - wanted.keys()
+                if late or solved >= most:
+                    left |= wanted.keys()
+                    hurried |= wanted.keys() if solved < most else set()
+                    continue
+                if not wanted:
+                    continue
+                if progress is not None:
+                    progress(solved, most)
+                solved += 1
+                outcome = self._try(next(iter(wanted.values())))
+                longest = max(longest, time.monotonic() - now)
+                for number, edits in wanted.items():
+                    tried[number] += 1
+                    if outcome is not None and number in outcome.gone:
+                        mends[number].append(_mend(edits, outcome))
+        return tuple(
+            Repair(
+                finding,
+                _ranked(mends[number]),
+                len(proposed[number]),
+                tried[number],
+                number not in left,
+                number in hurried,
+            )
+            for number, finding in enumerate(self._findings)
+        )
+
+    def _try(self, edits: tuple[Edit, ...]) -> _Outcome | None:
+        """Write, read and solve; return nothing where no finding goes or an error comes."""
+        terms = [part for edit in edits for part in edit.parts]
+        try:
+            lines, texts = apply_edits(self._texts, terms)
+            project = revised(self._project, texts)
+            facts = project_facts(project)
+            analysis = analyse(facts, self._rulebook, project.configuration.span)
+        except (MarsError, UnknownEditError, ImpossibleEditError):
+            return None
+        if not order_kept(self._texts, project.configuration, terms):
+            return None
+        told = Told(analysis.consequences)
+        gone = frozenset(
+            n for n, finding in enumerate(self._findings) if told.lacks(finding, self._before)
+        )
+        new = told.beyond(self._before)
+        if not gone or any(c.severity == "error" for c in new):
+            return None
+        errors = sum(c.severity == "error" for c in analysis.consequences)
+        spent = None if errors else self._spent(analysis)
+        if not errors and spent is None:
+            return None
+        warnings = tuple(c for c in new if c.severity == "warning")
+        remarks = tuple(new_remarks(self._project.diagnostics, project.diagnostics))
+        fewer = told.fewer(self._findings, self._before)
+        return _Outcome(gone, fewer, lines, warnings, remarks, errors, spent)
+
+    def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
+        left = None if self._deadline is None else max(0.1, self._deadline - time.monotonic())
+        try:
+            return least_cost(analysis, self._rulebook, left)
+        except (MarsError, TimeoutError):
+            return None
+
+
+def _mend(edits: tuple[Edit, ...], outcome: _Outcome) -> Mend:
+    others = outcome.fewer - 1
+    return Mend(
+        edits,
+        outcome.lines,
+        others,
+        outcome.warnings,
+        outcome.remarks,
+        outcome.errors,
+        outcome.spent,
+    )
+
+
+def _shared(
+    proposed: Mapping[int, Sequence[Edit]], size: int | None
+) -> list[dict[int, tuple[Edit, ...]]]:
+    """Return the sets of edits of a size, each with the findings that it is proposed for.
+
+    Those of least weight for each finding come first, then those that stand first for one.
+    """
+    found: dict[frozenset[clingo.Symbol], dict[int, tuple[Edit, ...]]] = {}
+    rank: dict[frozenset[clingo.Symbol], int] = {}
+    for number, edits in proposed.items():
+        for place, chosen in enumerate(_by_weight(edits, size)):
+            terms = frozenset(edit.term for edit in chosen)
+            found.setdefault(terms, {})[number] = chosen
+            rank[terms] = min(place, rank.get(terms, place))
+
+    def order(terms: frozenset[clingo.Symbol]) -> tuple[float, int, int]:
+        group = found[terms]
+        weight = sum(edit.weight for edit in next(iter(group.values())))
+        return weight / len(group), rank[terms], min(group)
+
+    return [found[terms] for terms in sorted(found, key=order)]
+
+
+def _by_weight(edits: Sequence[Edit], size: int | None) -> Iterator[tuple[Edit, ...]]:
+    """Yield the sets of a size, those of least weight first; without a size, the heaviest edits."""
+    if size is None:
+        yield from ((edit,) for edit in edits if edit.weight > HEAVIEST)
+        return
+    edits = [edit for edit in edits if edit.weight <= HEAVIEST]
+    if size == 1:
+        yield from combinations(edits, size)
+    else:
+        # Of more than a screenful of edits sets would be too many to try anyway.
+        groups = combinations(edits[:20], size)
+        by_weight = sorted(groups, key=lambda group: sum(edit.weight for edit in group))
+        # Single edits were tried before, so these are more than are tried.
+        yield from by_weight[:MOST_TRIED]
+
+
+def _ranked(mends: Iterable[Mend]) -> tuple[Mend, ...]:
+    return tuple(sorted(mends, key=lambda mend: mend.cost))
+
+
+class Told:
+    """Consequences as they can be found again in another analysis, counted."""
+
+    def __init__(self, consequences: Iterable[Consequence]) -> None:
+        """Count by kind and subject, and by what else tells two of them apart."""
+        self._consequences = tuple(consequences)
+        self._about = Counter(map(_about, self._consequences))
+        self._taking_part = Counter(map(_taking_part, self._consequences))
+        self._messages = Counter(map(_message, self._consequences))
+
+    def lacks(self, finding: Consequence, before: "Told") -> bool:
+        """Say whether a finding of `before` is gone, and none of its kind stands in its place."""
+        about, message = _about(finding), _message(finding)
+        return (
+            self._about[about] < before._about[about]
+            and self._messages[message] < before._messages[message]
+        )
+
+    def fewer(self, findings: Iterable[Consequence], before: "Told") -> int:
+        """Return how many there are less of the kinds and subjects of findings of `before`."""
+        return sum(
+            max(0, before._about[about] - self._about[about])
+            for about in set(map(_about, findings))
+        )
+
+    def beyond(self, before: "Told") -> list[Consequence]:
+        """Return what was not there before, or with others taking part, or said otherwise."""
+        return [
+            c
+            for c in self._consequences
+            if self._taking_part[_taking_part(c)] > before._taking_part[_taking_part(c)]
+            or (
+                c.severity == "warning"
+                and self._messages[_message(c)] > before._messages[_message(c)]
+            )
+        ]
+
+
+def _about(consequence: Consequence) -> tuple[str, ...]:
+    return consequence.kind, consequence.subject
+
+
+def _taking_part(consequence: Consequence) -> tuple[str, ...]:
+    return *_about(consequence), *consequence.participants
+
+
+def _message(consequence: Consequence) -> tuple[str, ...]:
+    return *_about(consequence), consequence.message
+
+
+def new_remarks(before: Iterable[Diagnostic], after: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield the warnings about files that were not there before, wherever they stand."""
+    known = Counter((remark.code, remark.message) for remark in before)
+    for remark in after:
+        name = remark.code, remark.message
+        if known[name]:
+            known[name] -= 1
+        elif remark.severity == "warning":
+            yield remark
+
+
+def order_kept(before: Texts, after: Configuration, edits: Iterable[clingo.Symbol]) -> bool:
+    """Say whether controllers that ranked strictly above others of a module still do.
+
+    A controller that is renamed keeps its rank; where an edit takes a priority away, that of all
+    controllers of its module may change.
+    """
+    terms = list(edits)
+    renamed = {}
+    unranked = set()
+    for term in terms:
+        if term.match("rename", 2):
+            renamed[term.arguments[0].string] = term.arguments[1].string
+        elif term.match("unrank", 1):
+            unranked.add(ends_of(before.relationships[term.arguments[0].number])[0])
+    now = _ranks(after, {})
+    stated = before.project.configuration
+    return all(_is_kept(_ranks(stated, names), now, unranked) for names in ({}, renamed))
+
+
+def _is_kept(
+    before: Mapping[str, Mapping[str, int]],
+    after: Mapping[str, Mapping[str, int]],
+    unranked: Set[str],
+) -> bool:
+    return all(
+        max(lower) < min(higher)
+        for module in before.keys() - unranked
+        for lower, higher in pairwise(_levels(before[module], after.get(module, {})))
+    )
+
+
+def _levels(ranks: Mapping[str, int], now: Mapping[str, int]) -> list[list[int]]:
+    """Return what those that ranked alike rank `now`, from those that ranked lowest."""
+    kept = sorted(ranks.keys() & now.keys(), key=ranks.__getitem__)
+    return [[now[name] for name in same] for _, same in groupby(kept, ranks.__getitem__)]
+
+
+def _ranks(configuration: Configuration, renamed: Mapping[str, str]) -> dict[str, dict[str, int]]:
+    """Return the priority of each controller of each module, the highest that is stated."""
+    ranks: dict[str, dict[str, int]] = {}
+    for stated in configuration.relationships:
+        if isinstance(stated, Control):
+            of = ranks.setdefault(renamed.get(stated.controlled, stated.controlled), {})
+            name = renamed.get(stated.controller, stated.controller)
+            of[name] = max(of.get(name, 0), stated.priority or 0)
+    return ranks

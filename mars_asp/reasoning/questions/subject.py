@@ -1,0 +1,65 @@
+"""What a question names, and what is said where it names nothing that is there."""
+
+import re
+from collections.abc import Iterable, Set
+
+from mars_asp.asp.rules.rulebook import Rulebook, consequence_kinds
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.reasoning.project import Project
+from mars_asp.spelling import nearest
+
+_STRING_OR_VARIABLE = re.compile(r'"(?:[^"\\]|\\.)*"|\b[A-Z_]\w*')
+
+
+def quoted(subject: str, names: Set[str]) -> str:
+    """Write names of modules as strings where they would be variables."""
+
+    def quote(word: re.Match[str]) -> str:
+        return f'"{word[0]}"' if word[0] in names else word[0]
+
+    return _STRING_OR_VARIABLE.sub(quote, subject)
+
+
+def absent_subject(
+    subject: str, project: Project, rulebook: Rulebook, known: Iterable[str]
+) -> MarsError:
+    """Return the error that a subject names nothing that is there, with what it may mean.
+
+    `known` are the names that it may be meant for.
+    """
+    names = {name.text for name in project.configuration.modules}
+    kind, _, rest = subject.partition("(")
+    about = rest.removesuffix(")")
+    is_kind = kind in consequence_kinds(rulebook)
+    if not is_kind and kind not in NODE_NAMES.values():
+        near = nearest(subject, known)
+        message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
+        help_text = (
+            f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
+        )
+        return wrong_subject(project, message, help_text)
+    if about and about not in names:
+        near = nearest(about, names)
+        help_text = f"did you mean `{kind}({near})`?" if near else f"write `{kind}(NAME)`"
+        return wrong_subject(project, f"there is no module `{about}`", help_text)
+    asked = f"`--why-not '{kind}({about or 'NAME'})'`"
+    if is_kind:
+        message = f"there is no `{subject}` in this configuration"
+        return wrong_subject(project, message, f"{asked} says why")
+    message = f"`{subject}` is not the name of a node"
+    return wrong_subject(project, message, f"{asked} says why there is one or none")
+
+
+def unconcerned(subject: str, project: Project) -> MarsError:
+    """Return the error that a module takes part in nothing that could be explained."""
+    help_text = "it takes part in no consequence"
+    if project.configuration.kind == "specification":
+        help_text += ", for a specification resolves them: ask the configuration that it realises"
+    return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
+
+
+def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
+    """Return the error that a question is about nothing that could be answered."""
+    place = point(project.configuration.path, 1, 1)
+    return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))

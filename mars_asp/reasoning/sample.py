@@ -1,0 +1,87 @@
+"""Two robots that hold something of all that rules can be given, for rule packs to be tried on."""
+
+from mars_asp.reasoning.project import Project, load_project
+
+_RANKED = """\
+@configuration hierarchical
+@modules Camera, Screen, Log, Tool, Head, Platform, Finder, Joystick, Console, Recorder
+Screen uses_data_from Camera NotifyAtFrequency 10
+Log uses_data_from Camera RequestWhenReady
+Finder uses_data_from Camera
+Recorder uses_data_from Logg
+Finder uses_data_from Recorder
+Recorder uses_data_from Finder
+Head is_mounted_on Platform (_,_,_,_,_,100)
+Camera is_mounted_on Head
+Tool is_mounted_on Head 1 (x,45,_,_,_,250,30)
+Tool is_controlled_by Finder 1 hold 200 allocation root
+Tool is_controlled_by Joystick 2
+Head is_controlled_by Joystick 2
+Platform is_controlled_by Console, Joystick
+
+@module_start
+@module_name Camera
+@Sense NotifyAtFrequency 25, RequestWhenReady
+image::Raw grab();
+@module_end
+@module_start
+@module_name Screen
+@DataIn
+void show(Lines lines, void *hint);
+@module_end
+@module_start
+@module_name Recorder
+@DataIn
+void keep(Raw frame, other::Raw second);
+@module_end
+@module_start
+@module_name Outline
+@Converts 2
+Edges outline(image::Raw image);
+@module_end
+@module_start
+@module_name Join
+@Converts
+Lines join(Edges edges);
+@module_end
+@module_start
+@module_name Finder
+@ControlOut Trans_X, Rotn_Y
+Command find(Lines lines);
+@module_end
+@module_start
+@module_name Tool
+@Grasp 0 120 50
+void grasp(double width);
+@module_end
+@module_start
+@module_name Head
+@Rotn_Y
+void pan(double rate);
+@Rotn_X -90 90 60
+void nod(double rate);
+@module_end
+@module_start
+@module_name Platform
+@Rotn_Y
+void turn(double rate);
+@Trans_Z _ _ 500
+void drive(double rate);
+@module_end
+"""
+_FLAT = """\
+@specification flat period 50
+@modules Eye, Map, Track, DataSplitter1, Wheel, Push, Pull, ArbitrationNode
+DataSplitter1 uses_data_from Eye
+Map uses_data_from DataSplitter1
+Track uses_data_from DataSplitter1
+ArbitrationNode is_controlled_by Push 3
+ArbitrationNode is_controlled_by Pull 1
+Wheel is_controlled_by ArbitrationNode
+"""
+
+
+def samples() -> tuple[Project, ...]:
+    """Return the robots."""
+    texts = (("ranked.mars", _RANKED), ("flat.mars", _FLAT))
+    return tuple(load_project(path, text=text) for path, text in texts)

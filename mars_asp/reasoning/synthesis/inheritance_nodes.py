@@ -1,0 +1,254 @@
+"""For which module an InheritanceNode of a specification stands.
+
+A comment says it: `// InheritanceNode1: Camera`. Without one it is read from mounts and from who
+controls whom; where several modules fit, and would be moved in different ways, nobody can tell.
+"""
+
+import random
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+from mars_asp.model.declarations import (
+    MOTION_FUNCTIONS,
+    Allocation,
+    Configuration,
+    Control,
+    Function,
+    Module,
+    Mount,
+    NodeKind,
+    Service,
+    node_kind,
+)
+
+if TYPE_CHECKING:
+    from mars_asp.kinematics.sharing import Carrying
+
+#: What of each function falls to whom: provider, native function, share.
+_Effect: TypeAlias = Mapping[str, frozenset[tuple[str, str, float]]]
+_COPYING = ("arbitration_node", "control_splitter")
+
+
+class InheritanceNodes:
+    """The control and the mounts of a specification; `modules` are those that are described."""
+
+    def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
+        """Index who controls whom and what carries what."""
+        self.configuration, self.modules = configuration, modules
+        self.mounts: dict[str, Mount] = {}
+        self._into: defaultdict[str, list[Control]] = defaultdict(list)
+        self._out_of: defaultdict[str, list[Control]] = defaultdict(list)
+        for relationship in configuration.relationships:
+            if isinstance(relationship, Mount):
+                self.mounts.setdefault(relationship.mounting, relationship)
+            elif isinstance(relationship, Control):
+                self._into[relationship.controlled].append(relationship)
+                self._out_of[relationship.controller].append(relationship)
+        self.said = {each.node: each.module for each in configuration.stand_ins}
+        self._given: dict[tuple[str, str, Allocation | None], frozenset[str]] = {}
+        self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
+
+    def kind(self, name: str) -> NodeKind | None:
+        """Return the kind of a node; a module that is described is none."""
+        return None if name in self.modules else node_kind(name)
+
+    def chain(self, name: str) -> list[str]:
+        """Return what a module is mounted on, itself first."""
+        chain = [name]
+        while chain[-1] in self.mounts and self.mounts[chain[-1]].mounted not in chain:
+            chain.append(self.mounts[chain[-1]].mounted)
+        return chain
+
+    def reached(self, name: str) -> list[str]:
+        """Return the modules that commands to a name end in, behind arbiters and splitters."""
+        return self._past_copies(name, lambda n: [line.controlled for line in self._out_of[n]])
+
+    def commanders(self, node: str) -> list[str]:
+        """Return who commands a module or node, before arbiters and splitters."""
+
+        def heard(name: str) -> list[str]:
+            return [line.controller for line in self._into[name]]
+
+        return [speaker for each in heard(node) for speaker in self._past_copies(each, heard)]
+
+    def _past_copies(
+        self, name: str, onward: Callable[[str], list[str]], seen: frozenset[str] = frozenset()
+    ) -> list[str]:
+        """Return where one comes from a name by a step, through arbiters and splitters."""
+        if name in seen:
+            return []
+        if self.kind(name) not in _COPYING:
+            return [name]
+        seen |= {name}
+        return [end for each in onward(name) for end in self._past_copies(each, onward, seen)]
+
+    def allocation(self, node: str) -> Allocation | None:
+        """Return which of similar providers a node takes, `None` the nearest."""
+        stated = (line.allocation for line in self._into[node])
+        return next((allocation for allocation in stated if allocation is not None), None)
+
+    def fed(self, node: str) -> list[str]:
+        """Return the modules that a node feeds, in the order of the specification."""
+        ends = [end for line in self._out_of[node] for end in self.reached(line.controlled)]
+        return list(dict.fromkeys(ends))
+
+    def stands_for(self, node: str) -> tuple[str, ...]:
+        """Return the module that a node stands for; several where nothing tells which.
+
+        Modules that are moved in the same way are one.
+        """
+        if node in self.said:
+            return (self.said[node],)
+        elsewhere = set(self.said.values())
+        riders = [name for name in self.riders(node) if name not in elsewhere]
+        fitting = self._fitting(node, riders)
+        return self._different(node, fitting)
+
+    def stands_alike(self, node: str, name: str) -> bool:
+        """Whether a node is read to move a module as it is to, without a comment."""
+        fitting = self._fitting(node, self.riders(node))
+        if name not in fitting:
+            return False
+        # It ends at the first that differs: many may ride on one module.
+        others = (other for other in fitting if other != name)
+        return all(self._effect(node, other) == self._effect(node, name) for other in others)
+
+    def _different(self, node: str, fitting: Sequence[str]) -> tuple[str, ...]:
+        """Return one of the modules, the one on the fewest mounts, for each way to be moved."""
+        if len(fitting) < 2:
+            return tuple(fitting)
+        ways: list[tuple[str, _Effect]] = []
+        for name in sorted(fitting, key=lambda name: len(self.chain(name))):
+            effect = self._effect(node, name)
+            if all(effect != other for _, other in ways):
+                ways.append((name, effect))
+        return tuple(name for name, _ in ways)
+
+    def way_down(self, node: str) -> list[str]:
+        """Return a module that a node stands for, and what carries it."""
+        for name in self.stands_for(node):
+            return self.chain(name)
+        # What it feeds carries nobody: each is moved as it is told.
+        fed = self.fed(node)
+        through = [chain for name in fed if set(fed) <= set(chain := self.chain(name))]
+        return max(through, key=len, default=fed)
+
+    def riders(self, node: str) -> list[str]:
+        """Return the modules that all carry which a node feeds."""
+        fed = self.fed(node)
+        if not fed:
+            return []
+        others = [self._carried.get(name, {}) for name in fed[1:]]
+        return [n for n in self._carried.get(fed[0], {}) if all(n in other for other in others)]
+
+    @cached_property
+    def _carried(self) -> Mapping[str, Mapping[str, None]]:
+        found: defaultdict[str, dict[str, None]] = defaultdict(dict)
+        for name in self.mounts:
+            for carrier in self.chain(name)[1:]:
+                found[carrier][name] = None
+        return found
+
+    # ---- who fits ----
+
+    def _fitting(self, node: str, riders: Sequence[str]) -> list[str]:
+        """Return those of the riders that fit best: led as one is, and inheriting what is fed."""
+        led = [name for name in riders if self._is_led_so(node, name)]
+        fed = set(self.fed(node))
+        exact = [name for name in led if self._providers(node, name) == fed]
+        return exact or led or list(riders)
+
+    def _is_led_so(self, node: str, name: str) -> bool:
+        """Whether a module's own controllers are who also commands what it has itself."""
+        if any(service.kind == "ControlOut" for service in self._services(name)):
+            return False
+        native = self.functions(name)
+        commanders, direct = set(self.commanders(node)), set(self.commanders(name))
+        said = {each: self._commands(each) for each in commanders | direct}
+        own = {c for c in commanders | direct if (said[c] & native if said[c] else native)}
+        borrows = all(said[c] - native if said[c] else not native for c in commanders)
+        return borrows and direct & commanders == own & commanders and direct <= own
+
+    def _providers(self, node: str, name: str) -> set[str]:
+        """Return who carries out what a node's commanders say to a module and it only inherits."""
+        if name not in self.modules:
+            return set()
+        allocation = self.allocation(node)
+        wanted = self._wanted(node) - self.functions(name)
+        return {by for function in wanted for by in self._give(name, function, allocation)}
+
+    def _give(self, name: str, function: str, allocation: Allocation | None) -> frozenset[str]:
+        key = name, function, allocation
+        if key not in self._given:
+            carrying = self.carrying(name, self.chain(name)[1:], lambda _: {})
+            shares = [] if carrying is None else carrying.shares(function, allocation)
+            support = () if shares or carrying is None else carrying.support(function)
+            together = {joint.module for joint in support}
+            self._given[key] = frozenset(together or {by for by, _, _ in shares})
+        return self._given[key]
+
+    def _wanted(self, node: str) -> frozenset[str]:
+        """Return the motions that a node's commanders name, all where one of them names none."""
+        said = [self._commands(name) for name in self.commanders(node)]
+        return frozenset(MOTION_FUNCTIONS if not all(said) else set().union(*said))
+
+    def _effect(self, node: str, name: str) -> _Effect:
+        """Return what those whom a node feeds do for each function of a module."""
+        fed = [carrier for carrier in self.chain(name) if carrier in set(self.fed(node))]
+        key = name, tuple(fed), self.allocation(node)
+        if key not in self._effects:
+            carrying = self.carrying(name, fed, _somewhere)
+            self._effects[key] = {
+                function: frozenset(
+                    (by, native, round(share, 6))
+                    for by, native, share in carrying.shares(function, key[2])
+                )
+                for function in MOTION_FUNCTIONS
+                if carrying is not None
+            }
+        wanted = self._wanted(node) - self.functions(name)
+        return {function: self._effects[key].get(function, frozenset()) for function in wanted}
+
+    def carrying(
+        self,
+        name: str,
+        providers: Sequence[str],
+        position: Callable[[str], Mapping[str, float]],
+    ) -> "Carrying | None":
+        """Return how providers move a module, none where nothing is mounted.
+
+        `position` gives the present values of a module's motions in degrees and mm.
+        """
+        mounts = [self.mounts[each] for each in self.chain(name)[:-1]]
+        if not mounts:
+            return None
+        from mars_asp.kinematics.frames import build_robot  # noqa: PLC0415 -- numpy
+        from mars_asp.kinematics.sharing import Carrying  # noqa: PLC0415 -- numpy
+
+        modules = dict(self.modules)
+        for each in providers:
+            if each not in modules and len(providers) == 1:
+                # Who alone carries out what is inherited can do it, though nothing describes it.
+                span = self.configuration.span
+                every = tuple(Function(function, span) for function in MOTION_FUNCTIONS)
+                modules[each] = Module(each, span, functions=every)
+        return Carrying(build_robot(mounts, modules), name, providers, position)
+
+    def functions(self, name: str) -> frozenset[str]:
+        """Return the native functions that a module states."""
+        functions = self.modules[name].functions if name in self.modules else ()
+        return frozenset(function.name for function in functions)
+
+    def _commands(self, name: str) -> frozenset[str]:
+        return frozenset(function for s in self._services(name) for function in s.commands)
+
+    def _services(self, name: str) -> tuple[Service, ...]:
+        return self.modules[name].services if name in self.modules else ()
+
+
+def _somewhere(name: str) -> Mapping[str, float]:
+    """Return a posture at which nothing is parallel or meets by chance."""
+    rng = random.Random(name)
+    return {function: rng.uniform(10, 80) for function in MOTION_FUNCTIONS}

@@ -1,0 +1,114 @@
+"""From the true atoms of `rules/resolve` to a specification.
+
+What is introduced, and where, the rules have decided; here nodes get their names and lines their
+order, as in the figures of the paper.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from clingo import Symbol
+
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Module,
+    Mount,
+    Name,
+    Relationship,
+    StandIn,
+)
+from mars_asp.reasoning.synthesis.control_lines import ControlLines
+from mars_asp.reasoning.synthesis.data_lines import DataLines
+from mars_asp.reasoning.synthesis.draft import Draft, Node
+from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
+
+
+@dataclass(frozen=True)
+class Introduced:
+    """Nodes that were introduced; `purposes` are atoms resolves(Node, Kind, Subject)."""
+
+    nodes: tuple[Node, ...]
+    purposes: tuple[Symbol, ...]
+
+    @cached_property
+    def resolves(self) -> Mapping[str, tuple[str, ...]]:
+        """Return what each node resolves, by its name."""
+        found: dict[str, set[str]] = {}
+        for purpose in self.purposes:
+            term, kind, subject = purpose.arguments
+            found.setdefault(str(term), set()).add(f"{kind.name}({subject.string})")
+        return {node.name: tuple(sorted(found.get(node.term, ()))) for node in self.nodes}
+
+
+@dataclass(frozen=True)
+class Specification(Introduced):
+    """A configuration's resolution: what is printed, and the nodes."""
+
+    configuration: Configuration
+
+
+def introduce(
+    draft: Draft, atoms: Iterable[Symbol], relationships: Iterable[Relationship]
+) -> Introduced:
+    """Write relationships as the true atoms of `rules/resolve` describe; return the new nodes."""
+    before = len(draft.nodes)
+    draft.tell(atoms)
+    data, control = DataLines(draft), ControlLines(draft)
+    for relationship in relationships:
+        match relationship:
+            case Data():
+                data.write(relationship)
+            case Control():
+                control.write(relationship)
+            case Mount():
+                draft.lines.append(relationship)
+    return Introduced(tuple(draft.nodes.values())[before:], draft.atoms("resolves"))
+
+
+def specify(
+    configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
+) -> Specification:
+    """Build the specification that the true atoms of `rules/resolve` describe."""
+    draft = Draft(configuration, modules)
+    introduced = introduce(draft, atoms, configuration.relationships)
+    nodes = introduced.nodes
+    # A specification that needs no more nodes stays in the order in which it is written.
+    stays = configuration.kind == "specification" and not nodes
+    names = tuple(Name(node.name, configuration.span) for node in nodes)
+    conversions = tuple(node.conversion for node in nodes if node.conversion is not None)
+    printed = replace(
+        configuration,
+        kind="specification",
+        stated=_states_architecture(configuration, nodes),
+        sources=(),
+        modules=(*configuration.modules, *names),
+        relationships=configuration.relationships if stays else tuple(draft.lines),
+        declared=(),
+        conversions=(*configuration.conversions, *conversions),
+    )
+    every = {**modules, **{module.name: module for module in configuration.declared}}
+    printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
+    return Specification(nodes, introduced.purposes, printed)
+
+
+def _stand_ins(
+    nodes: Iterable[Node], printed: Configuration, modules: Mapping[str, Module]
+) -> Iterator[StandIn]:
+    """Yield the module that each new InheritanceNode stands for; a comment says what is open."""
+    read = InheritanceNodes(printed, modules)
+    for node in nodes:
+        if node.stands_for is not None:
+            evident = read.stands_alike(node.name, node.stands_for)
+            yield StandIn(node.name, node.stands_for, printed.span, evident)
+
+
+def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:
+    """Say whether `flat` or `hierarchical` is printed."""
+    if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
+        return True
+    if configuration.kind == "specification" and configuration.stated:
+        return True
+    return any(node.kind == "arbitration_node" for node in nodes)

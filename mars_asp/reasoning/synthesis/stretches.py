@@ -1,0 +1,95 @@
+"""The stretches of a configuration that can be resolved apart, in the order of the file.
+
+Modules belong to one part when facts connect them. A stretch is a run of relationships that holds
+whole parts only, so what is named in it has no number that depends on later stretches.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.slice import Portion
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.disjoint_sets import DisjointSets
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_term, atoms
+from mars_asp.model.declarations import Relationship, ends_of
+from mars_asp.reasoning.facts.index import CONNECTED
+
+#: A stretch has at least this share of all relationships, for each takes time of its own.
+_MOST = 16
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """The relationships of each stretch, in their order, and a grounding of all consequences."""
+
+    relationships: tuple[Sequence[Relationship], ...]
+    _grounding: Grounding
+    #: By the name or identifier of what is in a stretch, the number of the stretch from 0.
+    _number_of: Mapping[Term, int]
+    _found: dict[Signature, tuple[list[Term], ...]] = field(default_factory=dict)
+
+    def ground(self, number: int, portion: Portion) -> Grounding:
+        """Return a grounding of what a portion of the resolution reads about one stretch."""
+        stated: dict[Signature, Sequence[Term]] = {}
+        for predicate, at in portion.of_parts.items():
+            signature = _signature(predicate)
+            if signature not in self._found:
+                self._found[signature] = self._apart(signature, at)
+            stated[signature] = self._found[signature][number]
+        for predicate in portion.of_all:
+            signature = _signature(predicate)
+            stated[signature] = atoms(self._grounding.control, *signature)
+        return Grounding("", stated)
+
+    def _apart(self, signature: Signature, at: int) -> tuple[list[Term], ...]:
+        found: tuple[list[Term], ...] = tuple([] for _ in self.relationships)
+        number_of = self._number_of
+        for atom in atoms(self._grounding.control, *signature):
+            number = number_of.get(arguments(atom)[at])
+            if number is not None:
+                found[number].append(atom)
+        return found
+
+
+def stretches(
+    relationships: Sequence[Relationship], facts: Iterable[Fact], grounding: Grounding
+) -> Stretches:
+    """Cut relationships into stretches; one alone has them all where no cut can be made.
+
+    `facts` are those of the configuration, `grounding` has their consequences.
+    """
+    parts: DisjointSets[int | str] = DisjointSets()
+    for fact in facts:
+        told = fact.atom.arguments
+        connected = CONNECTED.get((fact.atom.name, len(told)), ())
+        if len(connected) > 1:
+            parts.join([value for at in connected if not isinstance(value := told[at], Atom)])
+    roots = [parts.find(ends_of(each)[0]) for each in relationships]
+    ends = tuple(_ends(roots))
+    cut = tuple(relationships[start:end] for start, end in zip((0, *ends), ends, strict=False))
+    each = (number for number, stretch in enumerate(cut) for _ in stretch)
+    number_of_root = dict(zip(roots, each, strict=True))
+    number_of = {
+        as_term(symbol_of(member)): number_of_root[root]
+        for member in parts.parent
+        if (root := parts.find(member)) in number_of_root
+    }
+    return Stretches(cut, grounding, number_of)
+
+
+def _ends(roots: Sequence[int | str]) -> Iterator[int]:
+    """Yield where stretches end, so that no part is in two of them."""
+    last = {root: place for place, root in enumerate(roots, 1)}
+    furthest = start = 0
+    for place, root in enumerate(roots, 1):
+        furthest = max(furthest, last[root])
+        if furthest == place and (_MOST * (place - start) >= len(roots) or place == len(roots)):
+            yield place
+            start = place
+
+
+def _signature(predicate: tuple[str, int]) -> Signature:
+    name, arity = predicate
+    return name.removeprefix("-"), arity, not name.startswith("-")

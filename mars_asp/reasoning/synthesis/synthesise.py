@@ -1,0 +1,191 @@
+"""From an analysis to its minimal specification."""
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.slice import kept_apart
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.components import Component
+from mars_asp.asp.solve.grounding import Resolution
+from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.model.declarations import Configuration, Module, node_kind
+from mars_asp.reasoning.analysis import Analysis
+from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.synthesis import (
+    NODE_PREDICATES,
+    Draft,
+    Introduced,
+    Specification,
+    introduce,
+    specify,
+)
+from mars_asp.reasoning.synthesis.stretches import stretches
+
+#: The levels of the minimisation in `rules/resolve`.
+NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
+COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
+#: What the rules derive of each relationship that stands against every specification.
+UNRESOLVABLE = ("unresolvable", 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Synthesis:
+    """The least specification found and what is known of its cost."""
+
+    specification: Specification
+    resolution: Resolution
+
+    def cost(self, level: int) -> int:
+        """Return the cost at a level."""
+        return self.resolution.cost.get(level, 0)
+
+    def bound(self, level: int) -> int:
+        """Return what no specification can cost less than, at a level."""
+        return self.resolution.bound.get(level, 0)
+
+
+def synthesise(
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    analysis: Analysis,
+    rulebook: Rulebook,
+    seconds: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Synthesis | None:
+    """Find the least specification, or `None` where a consequence cannot be resolved.
+
+    After the seconds given the best found so far is taken, with a bound on what is least.
+
+    Raises:
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
+    """
+    resolution = _resolve(analysis, rulebook, seconds, progress)
+    if resolution is None:
+        return None
+    return Synthesis(specify(configuration, modules, resolution.answer.shown), resolution)
+
+
+def least_cost(
+    analysis: Analysis, rulebook: Rulebook, seconds: float | None = None
+) -> Mapping[int, int] | None:
+    """Return what `synthesise` would find the least specification to cost, by level.
+
+    Raises:
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
+    """
+    resolution = _resolve(analysis, rulebook, seconds)
+    if resolution is None:
+        return None
+    resolution.answer.check()
+    return resolution.cost
+
+
+def _resolve(
+    analysis: Analysis,
+    rulebook: Rulebook,
+    seconds: float | None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Resolution | None:
+    deadline = None if seconds is None else time.monotonic() + seconds
+    with costs_of(analysis.facts):
+        resolution = analysis.grounding.resolve(rulebook.text("resolve"), deadline, progress)
+    return None if is_unresolvable(analysis) else resolution
+
+
+def introduced_with(
+    name: str,
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    analysis: Analysis,
+    rulebook: Rulebook,
+    seconds: float | None = None,
+) -> tuple[Introduced, Resolution] | None:
+    """Return the nodes of the stretch of a configuration that has a node, and its resolution.
+
+    They are those of the least specification; of those before, only how many there are is found
+    out, so only nodes of the same kind have their names. `None` where there is no such node, where
+    it is not sure that there is one least specification, or where rules may bring modules together
+    that nothing connects.
+
+    Raises:
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
+    """
+    kind, resolving = node_kind(name), rulebook.text("resolve")
+    apart = None if rulebook.packs else kept_apart(rulebook.text("base"), resolving, CONNECTED)
+    if kind is None or apart is None or is_unresolvable(analysis):
+        return None
+    deadline = None if seconds is None else time.monotonic() + seconds
+    predicate = NODE_PREDICATES[kind]
+    counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
+    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding)
+    draft = Draft(configuration, modules)
+    known: dict[Component, Optimum] = {}
+    last = len(cut.relationships) - 1
+    for number, relationships in enumerate(cut.relationships):
+        if number < last:
+            grounding = cut.ground(number, counting)
+            with costs_of(analysis.facts):
+                resolution = grounding.resolve(counting.text, deadline, known=known)
+            if resolution.count is None:
+                return None
+            if draft.pass_over(kind, resolution.answer.count(predicate), name):
+                continue
+        grounding = cut.ground(number, apart.whole)
+        with costs_of(analysis.facts):
+            resolution = grounding.resolve(resolving, deadline, known=known)
+        introduced = introduce(draft, resolution.answer.shown, relationships)
+        named = any(node.name == name for node in introduced.nodes)
+        return (introduced, resolution) if named and resolution.proven else None
+    return None
+
+
+@contextmanager
+def costs_of(facts: Iterable[Fact]) -> Iterator[None]:
+    """Place costs that do not fit where the facts state the largest of them.
+
+    Raises:
+        MarsError: what could be chosen together in a component that is resolved costs too much.
+    """
+    try:
+        yield
+    except TooCostlyError as error:
+        raise MarsError((_too_costly(error, facts),)) from None
+
+
+def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
+    together = f"could be chosen together add up to {error.total}, more than {MOST_COST}"
+    stated = [fact for fact in facts if fact.atom.name == "converts"]
+    if error.level != CONVERSION or not stated:
+        return Diagnostic(
+            "costs-too-large",
+            "error",
+            f"costs on level {error.level} that {together}",
+            point("rules", 1, 1),
+            help="state smaller weights in the `#minimize` statements of your rule files",
+        )
+    dearest = max(stated, key=lambda fact: int(str(fact.atom.arguments[4])))
+    return Diagnostic(
+        "costs-too-large",
+        "error",
+        f"conversion costs that {together}",
+        dearest.span,
+        help="state smaller costs behind `@Converts`: only how they compare counts",
+    )
+
+
+def is_unresolvable(analysis: Analysis) -> bool:
+    """Say whether something can never be resolved, so that there is no specification."""
+    return any(True for _ in analysis.grounding.symbols(*UNRESOLVABLE))
+
+
+def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:
+    """Say whether the rules of the resolution derive a predicate.
+
+    Then no atom of it holds where nothing realises the configuration. Some may be derived all the
+    same, for what stands against a part does not stop the others.
+    """
+    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")

@@ -1,0 +1,159 @@
+"""Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mars_asp.annotations.representations import canonical_names
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.grounding import Grounding, Resolution
+from mars_asp.model.declarations import Configuration
+from mars_asp.reasoning.facts.compile import (
+    WIRING,
+    configuration_facts,
+    facts_text,
+    representation_names,
+)
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis.synthesise import costs_of
+
+_VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
+_CONVERTERS = frozenset({"converts"})
+_SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A clause of the definition of `realises` that fails, and how."""
+
+    clause: int
+    message: str
+    help: str | None
+    rule: Rule
+
+
+@dataclass(frozen=True, slots=True)
+class Caution:
+    """What keeps nothing from being realised, but says another thing than the configuration."""
+
+    message: str
+    help: str | None
+    rule: Rule
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Violations, sorted by clause, cautions and the grounding both were read from."""
+
+    violations: tuple[Violation, ...]
+    cautions: tuple[Caution, ...]
+    grounding: Grounding
+
+
+def verify(
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    grounding: Grounding | None = None,
+) -> tuple[Violation, ...]:
+    """Return what keeps a specification from realising a project's configuration.
+
+    `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
+    is one already.
+
+    Raises:
+        MarsError: rules that clingo refuses.
+    """
+    return judge_specification(specification, project, rulebook, grounding).violations
+
+
+def judge_specification(
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    grounding: Grounding | None = None,
+) -> Verification:
+    """Return what `verify` finds and the grounding in which it was found.
+
+    It is found on facts and built-in rules alone: with rule packs `grounding` is not used.
+
+    Raises:
+        MarsError: rules that clingo refuses.
+    """
+    if rulebook.packs:
+        rulebook, grounding = rulebook.built_in, None
+    judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
+    said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
+    facts = facts_text(specification_facts(specification, project))
+    text = f"{rulebook.text('verify')}\n{said}\n{facts}"
+    if grounding is None:
+        base = f"{rulebook.text('base')}\n{text}"
+        grounding = Grounding(f"{base}\n{facts_text(project_facts(project))}")
+    else:
+        grounding.derive(text)
+    violations: dict[tuple[int, str], Violation] = {}
+    cautions: dict[str, Caution] = {}
+    for symbol in grounding.symbols("_judged", 3):
+        number, head, values = symbol.arguments
+        rule = judges[number.number]
+        named = dict(zip(rule.holes, values.arguments, strict=True))
+        message = fill(rule.because, named, shown) or str(head)
+        help_text = fill(rule.help, named, shown)
+        if rule.derives(_CAUTION):
+            cautions[message] = Caution(message, help_text, rule)
+        else:
+            clause = head.arguments[0].number
+            violations[clause, message] = Violation(clause, message, help_text, rule)
+    return Verification(
+        tuple(violations[key] for key in sorted(violations)),
+        tuple(cautions[key] for key in sorted(cautions)),
+        grounding,
+    )
+
+
+def written_cost(
+    verification: Verification,
+    project: Project,
+    rulebook: Rulebook,
+    deadline: float | None = None,
+) -> Resolution:
+    """Return what a specification without violations costs, by the levels of the minimisation.
+
+    `rulebook` holds the stage `cost`; `deadline` is a time of `time.monotonic`.
+
+    Raises:
+        TimeoutError: the deadline passed before a converter was found for each transformer.
+        MarsError: the costs of converters do not fit.
+    """
+    with costs_of(project_facts(project, wanted=_CONVERTERS)):
+        return verification.grounding.resolve(rulebook.text("cost"), deadline)
+
+
+def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
+    """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
+    for fact in configuration_facts(specification, wanted=_SPECIFIED):
+        yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
+    yield from _conversions(specification, project)
+    for each in specification.stand_ins:
+        yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
+
+
+def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:
+    """Yield what comments say, in the representations that the project's rules know."""
+    declared = representation_names(project.configuration, project.modules).canonical
+    said = [name for c in specification.conversions for name in (c.source, c.target)]
+    together = canonical_names([*declared, *said]).canonical
+    known = {together[name]: canonical for name, canonical in declared.items()}
+    for conversion in specification.conversions:
+        node, span = conversion.transformer, conversion.span
+        ends = (known.get(together[name], name) for name in (conversion.source, conversion.target))
+        yield Fact(Atom("spec_converts", (node, *ends)), span)
+        if conversion.converter is not None:
+            yield Fact(Atom("spec_converter", (node, conversion.converter)), span)
+
+
+def _saying(number: int, rule: Rule) -> str:
+    """Return a rule that keeps the values of the holes; it begins with what is rarely there."""
+    head, body = rule.written
+    return f"_judged({number},{head},v({','.join(rule.holes)})) :- {head}; {body}."
