@@ -1,189 +1,157 @@
-"""Imports point one way: a file imports only from layers before its own."""
+"""The house: which rooms there are, and that imports point one way between and inside them."""
 
 import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from tests.documents import ROOT
 
-LAYERS = [
-    "source",
-    "diagnostic",
-    "visible",
-    "spelling",
-    "atom",
-    "model",
-    "ranges",
-    "modes",
-    "tuples",
-    "walks",
-    "disjoint",
-    "annotations",
-    "text_edits",
-    "language",
-    "facts",
-    "lookup",
-    "frames",
-    "supports",
-    "physical",
-    "sharing",
-    "inheritance_nodes",
-    "urdf",
-    "kept",
-    "gate",
-    "statements",
-    "computed",
-    "joined",
-    "pack",
-    "symbols",
-    "term",
-    "arithmetic",
-    "apart",
-    "rulebook",
-    "risks",
-    "recorder",
-    "ground_program",
-    "optimum",
-    "solve",
-    "conflict",
-    "stretches",
-    "analysis",
-    "rule_cases",
-    "synthesis",
-    "resolve",
-    "reach",
-    "trace",
-    "magic",
-    "slicing",
-    "project",
-    "sample",
-    "relocate",
-    "verify",
-    "link_modes",
-    "subject",
-    "explain",
-    "capability",
-    "why_not",
-    "diff",
-    "annotation_edits",
-    "edits",
-    "repair",
-    "alternatives",
-    "sim",
-    "execute",
-    "forms",
-    "toml_places",
-    "scenario",
-    "bindings",
-    "devices",
-    "trial",
-    "judge",
-    "draw",
-    "plot",
-    "replay",
-    "record",
-    "foxglove",
-    "cli",
-]
-
-#: The layers of packages that are large enough to have some of their own.
-INNER = {
-    "annotations": [
-        "languages",
-        "skim",
-        "comments",
-        "sources",
-        "directives",
-        "type_words",
-        "types",
-        "declarations",
-        "following",
-        "arguments",
-        "overrides",
-        "services",
-        "problems",
-        "pending",
-        "modules",
-        "files",
-        "blocks",
-        "representations",
-    ],
-    "urdf": ["angles", "elements", "document", "read", "write"],
-    "draw": [
-        "picture",
-        "colours",
-        "ranks",
-        "order",
-        "straighten",
-        "layered",
-        "packing",
-        "shapes",
-        "legend",
-        "svg",
-        "dot",
-        "mermaid",
-        "png",
-    ],
-    "apart": ["shapes", "groups", "portions"],
-    "annotations/declarations": [
-        "declaration",
-        "tokens",
-        "c_types",
-        "c_parameters",
-        "c",
-        "java",
-        "rust",
-        "go",
-        "matlab",
-        "python",
-        "read",
-    ],
+HOUSE = ROOT / "mars_asp"
+#: A place imports from layers before its own alone, and files of one layer not from each other.
+LAYERS = (
+    ("diagnostic", "spelling", "output"),
+    ("asp", "model"),
+    ("annotations",),
+    ("language",),
+    ("kinematics",),
+    ("reasoning",),
+    ("draw", "exchange"),
+    ("execution",),
+    ("cli",),
+)
+#: The files and folders of each package: each imports from those before it alone.
+FILES = {
+    "asp": "cache fragments messages solve rules slice trace",
+    "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
+    "asp/rules": (
+        "gate statements checks computed symbols arithmetic rulebook cases consistency risks"
+    ),
+    "asp/slice": "magic reach shapes groups portions",
+    "asp/trace": (
+        "firings scope tree absence_text counted counting_rules given heights literal_order "
+        "others_text patterns dominators firing_rules text near_misses proofs explainer absence"
+    ),
+    "model": "cycles declarations ranges modes transformation",
+    "annotations": (
+        "languages skim comments sources directives type_words types declarations following "
+        "arguments overrides services problems pending modules files blocks representations"
+    ),
+    "annotations/declarations": (
+        "declaration tokens c_types c_parameters c java rust go matlab python read"
+    ),
+    "language": (
+        "layout text_edits expected relocate statements tokens parse statement_edits print format"
+    ),
+    "kinematics": "frames supports sharing",
+    "reasoning": "facts analysis project sample synthesis questions verification capability",
+    "reasoning/facts": "compile index motion",
+    "reasoning/synthesis": (
+        "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "
+        "synthesise"
+    ),
+    "reasoning/questions": (
+        "alternatives annotation_edits evidence subject edits explain diff repair why_not"
+    ),
+    "exchange": "urdf",
+    "exchange/urdf": "angles elements document read write",
+    "draw": (
+        "picture colours ranks order straighten layered packing shapes legend svg dot mermaid png"
+    ),
+    "execution": "executor simulator scenario trial judgement recording",
+    "execution/executor": (
+        "behaviour schedule link arbitration delivery modules nodes plan executor"
+    ),
+    "execution/simulator": "world body devices",
+    "execution/scenario": "schema toml_places read functions devices",
+    "execution/recording": "picture record mcap replay",
+    "cli": (
+        "deliver encode lines live progress style outputs report extract limits worker reason "
+        "alternatives analyse can check draw export facts fmt import rules run synthesise test "
+        "verify diff repair explain"
+    ),
 }
+#: Words of robots, which the engine does not know.
+OURS = re.compile(r"robot|sensor|effector|controller|consequence|splitter", re.IGNORECASE)
 
 
-@pytest.mark.parametrize("package", INNER)
-def test_imports_inside_a_package_point_one_way(package: str) -> None:
-    layers, wrong = INNER[package], []
-    prefix = f"mars_asp.{package.replace('/', '.')}."
-    for path in sorted((ROOT / "mars_asp" / package).rglob("*.py")):
-        layer = path.relative_to(ROOT / "mars_asp" / package).with_suffix("").parts[0]
-        if layer.startswith("__"):
-            continue
-        assert layer in layers, f"{layer} has no place in the list of layers of {package}"
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(prefix):
-                imported = (node.module or "").removeprefix(prefix).split(".")[0]
-                if layers.index(imported) > layers.index(layer):
-                    wrong.append(f"{path.relative_to(ROOT)} imports {node.module}")
-    assert wrong == []
+def places(folder: Path) -> set[str]:
+    """Return the files and folders of a package by their names."""
+    found = (path for path in folder.iterdir() if path.suffix == ".py" or path.is_dir())
+    return {path.stem for path in found if not path.name.startswith("__")}
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Yield the modules of ours that a file imports from, with what it takes from them."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp"):
+            yield from (f"{node.module}.{each.name}" for each in node.names)
+
+
+def test_the_house_has_these_rooms() -> None:
+    listed = {place for layer in LAYERS for place in layer}
+    assert places(HOUSE) == listed
+    folders = [path for path in HOUSE.iterdir() if path.is_dir() and not path.name.startswith("__")]
+    assert len(folders) <= 10
+    assert len(list(HOUSE.glob("*.py"))) <= 5
+    packages = {path.parent.relative_to(HOUSE).as_posix() for path in HOUSE.rglob("__init__.py")}
+    assert packages - {"."} == FILES.keys()
 
 
 def test_imports_point_one_way() -> None:
+    layer_of = {place: number for number, layer in enumerate(LAYERS) for place in layer}
     wrong = []
-    for path in sorted((ROOT / "mars_asp").rglob("*.py")):
-        layer = path.relative_to(ROOT / "mars_asp").with_suffix("").parts[0]
-        if layer.startswith("__"):
-            continue
-        assert layer in LAYERS, f"{layer} has no place in the list of layers"
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp."):
-                imported = (node.module or "").split(".")[1]
-                if LAYERS.index(imported) > LAYERS.index(layer):
-                    wrong.append(f"{path.relative_to(ROOT)} imports {node.module}")
+    for path in sorted(HOUSE.rglob("*.py")):
+        room = path.relative_to(HOUSE).with_suffix("").parts[0]
+        for name in imported(path) if not room.startswith("__") else ():
+            other = name.split(".")[1]
+            if other in layer_of and other != room and layer_of[other] >= layer_of[room]:
+                wrong.append(f"{path.relative_to(ROOT)} imports {name}")
     assert wrong == []
 
 
+@pytest.mark.parametrize("package", FILES)
+def test_imports_inside_a_package_point_one_way(package: str) -> None:
+    files = FILES[package].split()
+    assert places(HOUSE / package) == set(files)
+    prefix = f"mars_asp.{package.replace('/', '.')}."
+    wrong = []
+    for path in sorted((HOUSE / package).rglob("*.py")):
+        room = path.relative_to(HOUSE / package).with_suffix("").parts[0]
+        for name in imported(path) if not room.startswith("__") else ():
+            other = name.removeprefix(prefix).split(".")[0] if name.startswith(prefix) else room
+            if other in files and files.index(other) > files.index(room):
+                wrong.append(f"{path.relative_to(ROOT)} imports {name}")
+    assert wrong == []
+
+
+def test_the_engine_knows_no_robots() -> None:
+    told = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in sorted((HOUSE / "asp").rglob("*"))
+        if path.suffix in (".py", ".md", ".lp")
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if OURS.search(line)
+    ]
+    assert told == []
+
+
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
-WRITERS = ("groups", "near", "order", "pattern", "rewrite", "scope")
-TREES = ["computed.py", "statements.py", *(f"trace/{name}.py" for name in WRITERS)]
+TREES = [
+    *("asp/rules/computed.py", "asp/rules/statements.py", "asp/trace/counting_rules.py"),
+    *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
+    *("asp/trace/patterns.py", "asp/trace/scope.py"),
+]
 
 
 def test_one_place_reads_rules() -> None:
     found = []
-    for path in sorted((ROOT / "mars_asp").rglob("*.py")):
+    for path in sorted(HOUSE.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             names = [each.name for each in node.names] if isinstance(node, ast.ImportFrom) else []
             module = node.module if isinstance(node, ast.ImportFrom) else None
             if module == "clingo.ast" or (module == "clingo" and "ast" in names):
-                found.append(path.relative_to(ROOT / "mars_asp").as_posix())
+                found.append(path.relative_to(HOUSE).as_posix())
     assert found == TREES
