@@ -12,13 +12,13 @@ from multiprocessing import Pool
 from pathlib import Path
 from statistics import mean, stdev
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.execution.trial import stage_trial, with_seed
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 
 EXAMPLES = Path("examples")

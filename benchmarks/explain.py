@@ -17,10 +17,10 @@ from pathlib import Path
 from clingo import ast
 from growth import robot_lines, used
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import slice_for
+from mars_asp.reasoning.rules import load_rulebook
 
 ASKED = "data_divergence(M7_0)"
 #: How often each command is measured, beside `analyse` each time.

@@ -11,7 +11,6 @@ step as a ratio to those at the smallest size: at most 1 is growth no faster tha
 import time
 from collections.abc import Sequence
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.diagnostic import point
 from mars_asp.model.declarations import (
     Configuration,
@@ -24,6 +23,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 
 HERE = point("benchmark.mars", 1, 1)
 FUNCTIONS = ("Rotn_Y", "Trans_Z", "Rotn_X")

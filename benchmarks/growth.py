@@ -18,9 +18,9 @@ import tempfile
 from collections.abc import Container, Iterator, Sequence
 from pathlib import Path
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 
 PER_ROBOT = 10
 #: Seconds for a synthesis, and the status that says that nothing was proven in them.

@@ -12,9 +12,9 @@ import time
 
 from growth import robot_lines
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
 
 ASKED = (
     "data_divergence(M7_0)",

@@ -21,13 +21,14 @@ from tempfile import TemporaryDirectory
 from unittest import mock
 
 from mars_asp.asp import cache
-from mars_asp.asp.rules import rulebook
-from mars_asp.asp.rules.cases import find_cases, run_case
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.cases import find_cases
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.cli.report import diagnostic_text
 from mars_asp.diagnostic import MarsError, point
+from mars_asp.reasoning import rules as built_in
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.rules import load_rulebook, run_case
 from tests.documents import ROOT
 from tests.random_packs import random_pack
 
@@ -156,14 +157,14 @@ def faults(first: int, count: int, seen: Counter[str]) -> Iterator[str]:
     own_texts = [n for n, path in enumerate(whole.paths) if path == _KEPT]
     rules = tuple(rule for rule in whole.rules if rule.span.path == _KEPT)
     own = Rulebook(rules, tuple(whole.texts[n] for n in own_texts), paths=(_KEPT,))
-    seal = rulebook.seal()
+    seal = built_in.seal()
     with (
         TemporaryDirectory() as folder,
         # What is kept of a text is asked for as long as it is read.
         mock.patch.object(cache, "recall", lambda name, _: _KNOWN.get(name)),
         mock.patch.object(cache, "keep", lambda name, _, value: _KNOWN.update({name: value})),
-        mock.patch.object(rulebook, "_built_in", lambda *_: own),
-        mock.patch.object(rulebook, "seal", lambda: seal),
+        mock.patch.object(built_in, "_built_in", lambda *_: own),
+        mock.patch.object(built_in, "seal", lambda: seal),
     ):
         begin, end = first, first + count
         while begin < end:

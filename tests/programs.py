@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import clingo
 from clingo import ast
 
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.atoms import Term as AtomTerm
 from mars_asp.asp.solve.term_ids import Signature, Term, as_term

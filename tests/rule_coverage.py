@@ -12,9 +12,11 @@ from pathlib import Path
 import clingo
 from clingo import ast
 
-from mars_asp.asp.rules.cases import case_facts, stages_of
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.cases import case_facts
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children
+from mars_asp.reasoning.rules import stages_of
 
 _TYPE = ast.ASTType
 

@@ -21,7 +21,6 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import (
     NODE_NAMES,
@@ -36,6 +35,7 @@ from mars_asp.model.declarations import (
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text, mode_of
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
 from mars_asp.reasoning.verification import verify
 from tests.random_configurations import random_configuration

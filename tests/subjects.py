@@ -1,9 +1,9 @@
 """What differential tests put under test: a text read, and its specification."""
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternatives, alternatives
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, RELATIONSHIPS
 from mars_asp.reasoning.verification import verify
 from tests.documents import ROOT, run

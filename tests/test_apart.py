@@ -8,7 +8,6 @@ from itertools import product
 import clingo
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.asp.slice import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.text import trace_json
@@ -16,6 +15,7 @@ from mars_asp.language import parse_text
 from mars_asp.reasoning.facts.index import CONNECTED
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.stretches import stretches
 from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.random_configurations import random_configuration
@@ -241,7 +241,7 @@ def test_stretches_hold_whole_parts() -> None:
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
     facts = project_facts(project)
-    cut = stretches(project.configuration.relationships, facts, Grounding(""))
+    cut = stretches(project.configuration.relationships, facts, Grounding(()))
     assert [len(each) for each in cut.relationships] == [3, 1]
 
 

@@ -8,13 +8,13 @@ import clingo
 import pytest
 
 from mars_asp.asp.rules.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
-from mars_asp.asp.rules.cases import STAGES
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.risks import risks
-from mars_asp.asp.rules.rulebook import Rule, load_rulebook
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import Span
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,9 @@ from typing import TypeAlias
 import pytest
 from clingo import Symbol
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 
 #: Kind, subject, participants and, where the kind tells them apart, a priority or a function.
 Finding: TypeAlias = tuple[str, str, frozenset[str], str]

@@ -5,13 +5,13 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.execution.executor.schedule import SECOND
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from tests.execute_builders import counter, data_out, sensor, sink
 

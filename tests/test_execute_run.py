@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.asp.trace import Derived, Given
 from mars_asp.cli import run_command, run_here
 from mars_asp.diagnostic import MarsError
@@ -17,6 +16,7 @@ from mars_asp.execution.recording.picture import plot_run
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
+from mars_asp.reasoning.rules import load_rulebook
 from tests.documents import ROOT
 
 LEVEL0 = ROOT / "examples" / "level0"

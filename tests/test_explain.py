@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
 from tests.documents import ROOT, run
 
 LEVEL0 = load_project(str(ROOT / "examples" / "level0" / "config.mars"))

@@ -12,8 +12,9 @@ import clingo
 import pytest
 from clingo import ast
 
-from mars_asp.asp.rules.cases import STAGES, case_facts, find_cases, stages_of
-from mars_asp.asp.rules.rulebook import Rule, load_rulebook
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.cases import case_facts, find_cases
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import Signature, Term, as_term
@@ -21,6 +22,7 @@ from mars_asp.asp.trace import Derived, Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.diagnostic import MarsError, Span
+from mars_asp.reasoning.rules import STAGES, load_rulebook, stages_of
 from tests.documents import ROOT
 from tests.programs import atom_of
 
@@ -50,7 +52,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     base = rulebook.text("base")
     if stage not in (*CHOOSING, "base"):
         base += "\n" + rulebook.text(stage)
-    grounding = Grounding(f"{base}\n{text}")
+    grounding = Grounding([Fragment(f"{base}\n{text}", "rules")])
     opened: Mapping[Signature, Sequence[Term]] = {}
     if stage in CHOOSING:
         try:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp import cache
-from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.reasoning.rules import load_rulebook
 
 
 @pytest.fixture

@@ -27,7 +27,8 @@ FILES = {
     "asp": "cache fragments messages solve rules slice trace",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rulebook cases consistency risks"
+        "gate statements checks computed symbols arithmetic rule metadata read rulebook cases "
+        "consistency risks"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (
@@ -46,7 +47,9 @@ FILES = {
         "layout text_edits expected relocate statements tokens parse statement_edits print format"
     ),
     "kinematics": "frames supports sharing",
-    "reasoning": "facts analysis project sample synthesis questions verification capability",
+    "reasoning": (
+        "facts findings rules analysis project sample synthesis questions verification capability"
+    ),
     "reasoning/facts": "compile index motion",
     "reasoning/synthesis": (
         "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "

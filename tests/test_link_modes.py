@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Data
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
 RULEBOOK = load_rulebook()

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.cases import run_case
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.rules import load_rulebook, run_case
 
 
 def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:

@@ -14,7 +14,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.messages import shown
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.trace import Derived
 from mars_asp.diagnostic import MarsError
@@ -23,6 +23,7 @@ from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.questions.explain import explain, explainer_for
+from mars_asp.reasoning.rules import load_rulebook
 from tests.random_configurations import random_configuration
 from tests.random_packs import Pack, random_pack
 from tests.trace_checker import faults

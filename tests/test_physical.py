@@ -9,11 +9,11 @@ import clingo
 import numpy as np
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.kinematics.frames import Matrix
 from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount, Transformation
 from mars_asp.reasoning.facts.compile import configuration_facts, facts_text
 from mars_asp.reasoning.facts.motion import frame_facts
+from mars_asp.reasoning.rules import load_rulebook
 from tests.robots import HERE, module, placed, random_chain, robot
 
 Verdict: TypeAlias = set[tuple[str, str]]

@@ -12,7 +12,6 @@ from decimal import Decimal
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.diagnostic import point
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import (
@@ -27,6 +26,7 @@ from mars_asp.model.declarations import (
 from mars_asp.model.ranges import MOST
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import NODES, Synthesis, synthesise
 from tests.documents import ROOT
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.cli import run_here
 from mars_asp.language import print_configuration
 from mars_asp.language.text_edits import apply_lines
@@ -18,6 +17,7 @@ from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.project import Project, load_project, project_facts, revised
 from mars_asp.reasoning.questions import repair
 from mars_asp.reasoning.questions.repair import STAGES, Mend, repairs
+from mars_asp.reasoning.rules import load_rulebook
 from tests.applied_repairs import check_repairs
 from tests.documents import ROOT, run
 from tests.test_properties import configurations, few

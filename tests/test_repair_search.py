@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from clingo import Symbol, parse_term
 
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
@@ -23,6 +23,7 @@ from mars_asp.reasoning.questions.repair import (
     order_kept,
     repairs,
 )
+from mars_asp.reasoning.rules import load_rulebook
 
 RULEBOOK = load_rulebook(stages=STAGES)
 ROBOT = "@configuration hierarchical\n@modules W, A\nW is_controlled_by A\n"

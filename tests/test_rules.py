@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.cases import STAGES, Outcome, find_cases, run_case, shown_by, stages_of
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.cases import Outcome, find_cases, shown_by
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
 from tests.documents import ROOT
 from tests.rule_coverage import covered, places
 

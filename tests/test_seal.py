@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.rules import rulebook
-from mars_asp.asp.rules.cases import STAGES, run_case
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook, seal
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import lint
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, seal
 from mars_asp.reasoning.sample import samples
 from mars_asp.reasoning.verification import verify
 from tests.documents import ROOT

@@ -8,14 +8,16 @@ from pathlib import Path
 import clingo
 import pytest
 
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
 from mars_asp.reasoning.facts.index import KEYS
+from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
 from mars_asp.reasoning.questions.explain import explain, explainer_for
+from mars_asp.reasoning.rules import load_rulebook
 from tests.documents import ROOT
 from tests.random_configurations import random_configuration
 
@@ -60,7 +62,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
     part = slice_for_resolution(RULEBOOK, lambda names: project_facts(project, wanted=names))
     assert part is not None
-    kinds = {kind for rule in part.rulebook.rules for kind in rule.kinds or ()}
+    kinds = {kind for rule in part.rulebook.rules for kind in kinds_of(rule) or ()}
     assert kinds == {"simple_inheritance", "similar_inheritance", "emergent_functionality"}
     assert len(part.facts) < len(project_facts(project)) * 0.7
     # A rule that reads consequences of any kind needs all of them.
@@ -69,7 +71,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     rules = (*RULEBOOK.rules, replace(reader, text=text))
     part = slice_for_resolution(Rulebook(rules, RULEBOOK.texts), lambda _: ())
     assert part is not None
-    assert any("data_divergence" in (rule.kinds or ()) for rule in part.rulebook.rules)
+    assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rulebook.rules)
 
 
 #: What the configurations of the project leave out.

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.asp.solve import grounding
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, synthesise
 from mars_asp.reasoning.verification import verify
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import clingo
 import pytest
 
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import Term, as_term
 from mars_asp.asp.trace import Absent, Derived, Given
 from mars_asp.asp.trace.absence import why_not

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.rulebook import load_rulebook
 from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text, print_configuration
@@ -17,6 +16,7 @@ from mars_asp.model.declarations import Configuration, Control, Data, Mode, Moun
 from mars_asp.model.modes import parse_mode
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import judge_specification, verify, written_cost
 from tests.documents import run

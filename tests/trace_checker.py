@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 import clingo
 from clingo import ast
 
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.trace import Absent, Attempt, Derived, Given, Missing, Trace
 
 Values = Mapping[str, clingo.Symbol]

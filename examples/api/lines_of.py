@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.project import load_project
-from mars_asp.asp.rules.rulebook import load_rulebook
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.diagnostic import Span
 from mars_asp.asp.trace import Derived, Given, Trace
 

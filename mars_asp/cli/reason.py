@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
@@ -14,6 +14,7 @@ from mars_asp.language.parse import MOST_BYTES, decode
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.project import Project, load_project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
 
 STANDARD_INPUT = "-"
 _SHOWN = "<stdin>"

@@ -6,16 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.asp.rules.cases import STAGES
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.risks import risks
-from mars_asp.asp.rules.rulebook import Rule, Rulebook, load_rulebook
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import project_facts
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from mars_asp.reasoning.sample import samples
 from mars_asp.spelling import nearest
 

@@ -4,11 +4,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from mars_asp.asp.rules.cases import STAGES, Outcome, find_cases, run_case
+from mars_asp.asp.rules.cases import Outcome, find_cases
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.output import visible
+from mars_asp.reasoning.rules import STAGES, run_case
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from mars_asp.asp.rules.rulebook import Rulebook, load_rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
@@ -14,6 +14,7 @@ from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.rules import load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
 ALWAYS = {

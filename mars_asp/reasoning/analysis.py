@@ -14,14 +14,15 @@ import clingo
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.arithmetic import telling, wrapped
-from mars_asp.asp.rules.checks import CONSEQUENCE, SEVERITIES
-from mars_asp.asp.rules.consistency import check_decided, check_packs, check_severities
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.consistency import check_decided, check_packs
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severities
 
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[Term, Term, Term]
@@ -104,7 +105,7 @@ def analyse(
     overflowing = tuple(wrapped(grounding.control, rulebook.asked))
     if overflowing:
         raise MarsError(overflowing)
-    check_packs(grounding.control, rulebook, text)
+    check_packs(grounding.control, rulebook, text, "consequence/4")
     if rulebook.packs:
         check_decided(grounding.control, _SAID, speakers)
     # Also where a slice of packs does not count them.

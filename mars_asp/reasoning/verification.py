@@ -4,8 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.annotations.representations import canonical_names
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.model.declarations import Configuration
@@ -88,8 +90,8 @@ def judge_specification(
     facts = facts_text(specification_facts(specification, project))
     text = f"{rulebook.text('verify')}\n{said}\n{facts}"
     if grounding is None:
-        base = f"{rulebook.text('base')}\n{text}"
-        grounding = Grounding(f"{base}\n{facts_text(project_facts(project))}")
+        given = Fragment(facts_text(project_facts(project)), "facts")
+        grounding = Grounding([*rulebook.fragments("base"), Fragment(text, "rules"), given])
     else:
         grounding.derive(text)
     violations: dict[tuple[int, str], Violation] = {}

@@ -17,10 +17,12 @@ import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.asp.rules.cases import STAGES, case_facts, find_cases, run_case, stages_of
-from mars_asp.asp.rules.rulebook import Rule, Rulebook, load_rulebook
+from mars_asp.asp.rules.cases import case_facts, find_cases
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function
 from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
 from tests.documents import ROOT
 from tests.mutate.children import ask, limit
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict

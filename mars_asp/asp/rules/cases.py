@@ -1,7 +1,7 @@
 """Regression tests on answer sets: facts and what the rules make of them, in one file.
 
 A line `%= atom atom ...` is one expected answer set, which lines `%+ atom ...` below it continue,
-restricted to the predicates that the case's own `#show` lines name, else to `consequence/4`; no
+restricted to the predicates that the case's own `#show` lines name, else to what rules find; no
 such line means that there is none. A case in a folder named after a stage (`resolve`) has the
 rules of that stage, too; of its answer sets the least count. A line `%~ 3@30 12@10` is what these
 cost, each level that costs anything with its sum, the highest first. A line `%> id: message` is
@@ -19,18 +19,18 @@ import clingo
 from mars_asp.asp.fragments import Fragment, joined, refusals
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.arithmetic import telling, wrapped
-from mars_asp.asp.rules.rulebook import Rule, Rulebook, read_case
-from mars_asp.asp.rules.statements import Piece
+from mars_asp.asp.rules.read import read_case
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import Piece, Signature
 from mars_asp.asp.rules.statements import shown as shows
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
-STAGES = ("resolve", "verify", "cost", "run", "can", "repair")
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
 _COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _SAID = "__said"
-_BY_DEFAULT = (("consequence", 4),)
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
@@ -79,18 +79,20 @@ def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path,
     return tuple(found)
 
 
-def stages_of(path: Path) -> tuple[str, ...]:
-    """Return the stages that the folders of a case are named after.
+def stages_of(path: Path, stages: Sequence[str]) -> tuple[str, ...]:
+    """Return the stages, of those there are, that the folders of a case are named after.
 
     Where a case lies in the current folder, what that folder is called says nothing.
     """
     full, here = path.absolute(), Path.cwd()
     parts = full.relative_to(here).parts if full.is_relative_to(here) else full.parts
-    return tuple(stage for stage in STAGES if stage in parts)
+    return tuple(stage for stage in stages if stage in parts)
 
 
-def run_case(path: Path, rulebook: Rulebook) -> Outcome:
-    """Run one case.
+def run_case(path: Path, rulebook: Rulebook, stages: Sequence[str], finding: Signature) -> Outcome:
+    """Run one case with the rules of the base and of those `stages` that its folders name.
+
+    `finding` is the predicate that is compared where the case shows none.
 
     Raises:
         MarsError: the case may not be given to clingo.
@@ -102,8 +104,8 @@ def run_case(path: Path, rulebook: Rulebook) -> Outcome:
     expected = tuple(
         sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
     )
-    wanted = _shown(written) or _BY_DEFAULT
-    stages = ("base", *stages_of(path))
+    wanted = _shown(written) or (finding,)
+    stages = ("base", *stages_of(path, stages))
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
     program = [Fragment(text, str(path))]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]

@@ -1,9 +1,10 @@
 """What clingo would say of a rule pack too late, or without the place, or not at all."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import clingo
 
@@ -14,7 +15,6 @@ from mars_asp.asp.rules.statements import (
     Place,
     Signature,
     Statement,
-    argument_place,
     calls,
     declared,
     head_pool,
@@ -23,7 +23,7 @@ from mars_asp.asp.rules.statements import (
     unsigned,
 )
 from mars_asp.asp.rules.statements import shown as shows
-from mars_asp.diagnostic import Diagnostic, Severity, Span, point
+from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
 _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
@@ -31,15 +31,29 @@ _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
 #: What is found in all packs together.
 _TWICE = "redefinition of constant"
 
-SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
+#: Yields what a host's own vocabulary has against a rule of a pack: its statements, its text, and
+#: where it stands.
+Judge: TypeAlias = Callable[[Sequence[Statement], str, Span], Iterator[Diagnostic]]
 
-#: What rules find: kind, severity, subject and case.
-CONSEQUENCE: Signature = ("consequence", 4)
-#: What a rule pack from elsewhere may derive besides predicates of its own.
-EXTENSIBLE: frozenset[Signature] = frozenset(
-    {CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}
-)
-_EXTENSIBLE_NAMES: Mapping[str, int] = dict(EXTENSIBLE)
+
+@dataclass(frozen=True)
+class Contract:
+    """What packs may do beside the built-in rules of a program.
+
+    They derive what is `extensible`, and predicates of their own. What they find they tell by
+    `finding`, of which `findings` is the word for several. `judge` says what is wrong with a head
+    that tells of one.
+    """
+
+    extensible: frozenset[Signature]
+    finding: Signature
+    findings: str
+    judge: Judge
+
+    @cached_property
+    def arities(self) -> Mapping[str, int]:
+        """Return how many arguments what is extensible has, by its names."""
+        return dict(self.extensible)
 
 
 @dataclass(frozen=True)
@@ -57,7 +71,7 @@ class Seal:
 
     @cached_property
     def early(self) -> frozenset[Signature]:
-        """Return the predicates that consequences can rest on."""
+        """Return the predicates that rules of the base can rest on."""
         found = (*self.given.items(), *self.derived.items())
         return frozenset(signature for signature, stage in found if stage == "base")
 
@@ -88,7 +102,11 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
 
 
 def unknown_predicates(
-    rule: Iterable[Statement], known: Set[Signature], seal: Seal, span: Span
+    rule: Iterable[Statement],
+    known: Set[Signature],
+    seal: Seal,
+    contract: Contract,
+    span: Span,
 ) -> Iterator[Diagnostic]:
     """Yield the predicates that a rule reads and nobody gives or derives, or none who comes before.
 
@@ -99,8 +117,8 @@ def unknown_predicates(
     for place, (name, arity) in sorted(literals):
         if (name, arity) in seal.later:
             # Of what packs derive, too, the head has been told.
-            if (name, arity) not in known or (name, arity) in EXTENSIBLE:
-                yield _too_early((name, arity), seal, placed(span, place))
+            if (name, arity) not in known or (name, arity) in contract.extensible:
+                yield _too_early((name, arity), seal, contract, placed(span, place))
         elif (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
             others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
@@ -116,15 +134,17 @@ def unknown_predicates(
             )
 
 
-def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield what is wrong with a head that tells of a consequence, such as a choice or a pool.
+def misused_heads(
+    rule: Sequence[Statement], text: str, contract: Contract, span: Span
+) -> Iterator[Diagnostic]:
+    """Yield what is wrong with a head that tells of a finding, such as a choice or a pool.
 
     `text` is that of the rule, `span` where it stands, for the places of what it says count from
     its beginning.
     """
     pool = head_pool(text) if len(rule) > 1 else None
-    for number, statement in enumerate(rule):
-        told = sorted({unsigned(each) for each in statement.derives} & EXTENSIBLE)
+    for statement in rule:
+        told = sorted({unsigned(each) for each in statement.derives} & contract.extensible)
         if told and not statement.forces:
             name, arity = told[0]
             negated = len(statement.heads) == 1 and not statement.head.binds
@@ -156,20 +176,21 @@ def misused_heads(rule: Sequence[Statement], text: str, span: Span) -> Iterator[
                 placed(span, statement.place),
                 help="only what is found is reported: leave out the rule",
             )
-        elif statement.derives == {CONSEQUENCE}:
-            term = statement.head.terms[1]
-            if not term.variables and term.text not in SEVERITIES:
-                yield no_severity(term.text, severity_place(text, span, number))
+    yield from contract.judge(rule, text, span)
 
 
-def misplaced_statements(written: Iterable[Piece], seal: Seal, shown: str) -> Iterator[Diagnostic]:
+def misplaced_statements(
+    written: Iterable[Piece], seal: Seal, contract: Contract, shown: str
+) -> Iterator[Diagnostic]:
     """Yield the statements of a pack, rules apart, that would change what others mean."""
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
             case "cost":
-                message = "a minimisation chooses between answers, and consequences have just one"
-                advice = "derive `consequence/4` for what is dear"
+                message = (
+                    f"a minimisation chooses between answers, and {contract.findings} have just one"
+                )
+                advice = f"derive `{_written(contract.finding)}` for what is dear"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
             case "term":
                 message = "`#show` of a term shows what nothing derives"
@@ -189,9 +210,9 @@ def misplaced_statements(written: Iterable[Piece], seal: Seal, shown: str) -> It
                     {*map(unsigned, shows(piece.text)), *declared(piece.text)}
                 ):
                     if (name, arity) in seal.later:
-                        yield _too_early((name, arity), seal, place)
+                        yield _too_early((name, arity), seal, contract, place)
                     elif name.startswith("_"):
-                        yield from _reserved((name, arity), seal, place)
+                        yield from _reserved((name, arity), seal, contract, place)
 
 
 def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
@@ -215,20 +236,24 @@ def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
         yield Diagnostic("rule-undefined", "error", message, placed(span, place), help=advice)
 
 
-def reserved_heads(rule: Iterable[Statement], seal: Seal, span: Span) -> Iterator[Diagnostic]:
+def reserved_heads(
+    rule: Iterable[Statement], seal: Seal, contract: Contract, span: Span
+) -> Iterator[Diagnostic]:
     """Yield the predicates that a rule of a pack may not derive, for others mean something by them.
 
     `span` is where the rule stands, for the places of what it says count from its beginning.
     """
     heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
     for place, signature in sorted(heads):
-        yield from _reserved(unsigned(signature), seal, placed(span, place))
+        yield from _reserved(unsigned(signature), seal, contract, placed(span, place))
 
 
-def _reserved(signature: Signature, seal: Seal, place: Span) -> Iterator[Diagnostic]:
+def _reserved(
+    signature: Signature, seal: Seal, contract: Contract, place: Span
+) -> Iterator[Diagnostic]:
     name, arity = signature
-    advice = "derive a predicate of your own, or `consequence/4`"
-    if signature in EXTENSIBLE:
+    advice = f"derive a predicate of your own, or `{_written(contract.finding)}`"
+    if signature in contract.extensible:
         return
     if signature in seal.derived:
         message = f"`{name}/{arity}` is derived by the built-in rules alone"
@@ -236,8 +261,8 @@ def _reserved(signature: Signature, seal: Seal, place: Span) -> Iterator[Diagnos
         message = f"`{name}/{arity}` is given, and nothing derives it"
     elif name.startswith("_"):
         message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
-    elif name in _EXTENSIBLE_NAMES:
-        message = f"`{name}` has {_EXTENSIBLE_NAMES[name]} arguments, not {arity}"
+    elif name in contract.arities:
+        message = f"`{name}` has {contract.arities[name]} arguments, not {arity}"
         advice = "`docs/writing-rules.md` says what each of them is"
     else:
         return
@@ -246,33 +271,22 @@ def _reserved(signature: Signature, seal: Seal, place: Span) -> Iterator[Diagnos
     yield Diagnostic("rule-reserved", "error", message, place, help=advice)
 
 
-def _too_early(signature: Signature, seal: Seal, place: Span) -> Diagnostic:
+def _too_early(signature: Signature, seal: Seal, contract: Contract, place: Span) -> Diagnostic:
     name, arity = signature
     stage = seal.later[signature]
     how = "derived by" if signature in seal.derived else "given to"
     return Diagnostic(
         "rule-later",
         "error",
-        f"`{name}/{arity}` is {how} `rules/{stage}`, after the consequences",
+        f"`{name}/{arity}` is {how} `rules/{stage}`, after the {contract.findings}",
         place,
         help="a rule pack rests on what is given or derived in `rules/*.lp`",
     )
 
 
-def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
-    """Return what is said of a severity that is none."""
-    near = nearest(written, SEVERITIES)
-    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
-    message = f"`{written}` is no severity"
-    return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
-
-
-def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
-    """Return where the head of a rule that stands at `span` says how severe a consequence is.
-
-    Of a rule with pools, `variant` is the number of the one that is meant.
-    """
-    return placed(span, argument_place(rule, variant, 1))
+def _written(signature: Signature) -> str:
+    name, arity = signature
+    return f"{name}/{arity}"
 
 
 def placed(span: Span, place: Place) -> Span:

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 
 import clingo
 
-from mars_asp.asp.rules.checks import SEVERITIES, no_severity, severity_place
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
-from mars_asp.asp.solve.term_ids import arguments, as_symbol, atoms, labelled
+from mars_asp.asp.solve.term_ids import arguments, as_symbol, labelled
 from mars_asp.diagnostic import Diagnostic, MarsError
 
 #: The code of what is said of packs that leave no answer.
@@ -20,10 +20,11 @@ INCONSISTENT = "rules-inconsistent"
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 
 
-def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None:
+def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding: str) -> None:
     """Check that the rules of packs have an answer set with facts.
 
     `control` holds all rules of the base and the facts, grounded; without packs nothing is done.
+    `finding` is how packs tell what they find.
 
     Raises:
         MarsError: there is none; the conflicting rules with their places.
@@ -46,7 +47,7 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str) -> None
                 f"{message} every answer for this configuration",
                 rule.span,
                 tuple((other.span, f"with `{_one_line(other)}`") for other in others),
-                "drop or weaken one of them; a pack derives `consequence/4` instead of refusing",
+                f"drop or weaken one of them; a pack derives `{finding}` instead of refusing",
                 rule.text.partition("\n")[0],
             ),
         )
@@ -79,34 +80,6 @@ def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) 
                     excerpt=speakers[number].text.partition("\n")[0],
                 )
                 for number in sorted(open_rules)
-            )
-        )
-
-
-def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
-    """Check that how severe a consequence is, is one of the words for that.
-
-    A rule may take the word from its body, and a `#const` of a pack may replace it. The atoms
-    `said` are as in `check_decided`.
-
-    Raises:
-        MarsError: it is another word; the rules with places.
-    """
-    wrong = set()
-    for atom in atoms(control, said, 3, True):
-        number, head, _ = arguments(atom)
-        severity = arguments(head)[1]
-        if str(as_symbol(severity)) not in SEVERITIES:
-            wrong.add((as_symbol(number).number, str(as_symbol(severity))))
-    if wrong:
-        raise MarsError(
-            tuple(
-                no_severity(
-                    word,
-                    severity_place(speakers[number].text, speakers[number].span),
-                    speakers[number].text.partition("\n")[0],
-                )
-                for number, word in sorted(wrong)
             )
         )
 

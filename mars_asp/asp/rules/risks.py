@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Set
 
 from mars_asp.asp.rules.checks import placed
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
     Operand,
     Operation,

@@ -1,4 +1,4 @@
-"""Ground rules and facts with clingo, and find the least resolution, component by component."""
+"""Ground rules and facts with clingo, and find the least answer, component by component."""
 
 import re
 import time
@@ -28,18 +28,19 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 # What is least is found component by component; the whole is never minimised.
 _OPTIONS = ("--seed=1", "--stats=0", "--warn=no-atom-undefined", "--opt-mode=ignore")
 _MOST_MESSAGES = 10_000
+_UNSATISFIABLE = "no answer satisfies the rules that choose"
 #: Each component has at least this long, for most need less, and one must not spoil all others.
 _LEAST_SECONDS = 0.05
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
 # What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
-# with the square of a run of controllers, each of which stands beside the whole run.
+# with the square of a long list, each item of which stands beside the whole list.
 _NOTHING_SHOWN = "#show."
 _SHOWN = re.compile(r"^#show (\w+)/(\d+)\.", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """An answer of the resolution rules: what follows from the literals that decide it.
+    """An answer of rules that choose: what follows from the literals that decide it.
 
     It is found in one go, without any search, so it also shows that the decisions for the
     components are an answer of the whole.
@@ -50,7 +51,7 @@ class Answer:
 
     @cached_property
     def shown(self) -> tuple[clingo.Symbol, ...]:
-        """Return the true atoms that the resolution rules show, facts among them."""
+        """Return the true atoms that these rules show, facts among them."""
         with self._model() as model:
             return tuple(
                 as_symbol(atom)
@@ -92,13 +93,13 @@ class Answer:
         with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
             model = handle.model()
             if model is None:
-                raise self.grounding.refused("no resolution satisfies the rules of `rules/resolve`")
+                raise self.grounding.refused(_UNSATISFIABLE)
             yield model
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """The least answer of the resolution rules.
+    """The least answer of rules that choose.
 
     `cost` and `bound` map the levels of the minimisation to values; `count` is how many optima
     there are, `None` where nobody counted.
@@ -130,16 +131,14 @@ class Part(NamedTuple):
 
 
 class Grounding:
-    """One clingo control with the consequences as facts, then the resolution rules."""
+    """One clingo control with what rules derive as facts, then rules that choose."""
 
     def __init__(
         self,
-        text: str | Sequence[Fragment],
+        program: Sequence[Fragment],
         stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({}),
     ) -> None:
-        """Ground the rules of the consequences over facts, and state atoms that others derived.
-
-        Of a text in fragments, places are those in their files.
+        """Ground rules and facts that leave nothing open, and state atoms that others derived.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -153,23 +152,24 @@ class Grounding:
         self._shown: list[tuple[str, str]] = []
         self._steps = 0
         self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
-        shows_nothing = Fragment(_NOTHING_SHOWN, "rules")
-        self.add(f"{text}\n{_NOTHING_SHOWN}" if isinstance(text, str) else [*text, shows_nothing])
+        self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(stated)
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
-    def add(self, text: str | Sequence[Fragment]) -> None:
+    def add(self, program: Sequence[Fragment]) -> None:
         """Ground rules and facts over what is grounded already.
+
+        What is wrong with them is told with its place in their files.
 
         Raises:
             MarsError: clingo refuses a rule.
         """
         self._steps += 1
         part = f"step{self._steps}"
-        self._fragments = () if isinstance(text, str) else text
+        self._fragments = program
         try:
-            self.control.add(part, [], text if isinstance(text, str) else joined(text))
+            self.control.add(part, [], joined(program))
             self.control.ground([(part, [])])
         except RuntimeError as error:
             raise self.refused(str(error)) from None
@@ -187,7 +187,7 @@ class Grounding:
             MarsError: clingo refuses a rule.
         """
         self.control.register_observer(clingo.Observer(), replace=True)
-        self.add(text)
+        self.add([Fragment(text, "rules")])
 
     def refused(self, reason: str) -> MarsError:
         """Return the error that says why clingo cannot use the rules, with all places known."""
@@ -219,7 +219,7 @@ class Grounding:
         progress: Callable[[int, int], None] | None = None,
         known: dict[Component, Optimum] | None = None,
     ) -> Resolution:
-        """Ground the resolution rules and find their least answer.
+        """Ground rules that choose, and find their least answer.
 
         `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
         `progress` is told components done and in all; `known` are optima found before, to which
@@ -231,7 +231,7 @@ class Grounding:
         """
         self._program = record(self.control)
         self._shown = _SHOWN.findall(rules)
-        self.add(_SHOWN.sub("", rules))
+        self.add([Fragment(_SHOWN.sub("", rules), "rules")])
         self._names = {
             literal: atom
             for name, arity in _PROJECTED.findall(rules)
@@ -272,11 +272,11 @@ class Grounding:
 
     @property
     def facts(self) -> frozenset[int]:
-        """Return what the resolution rules decide at once, by its numbers in the ground program."""
+        """Return what is a fact in spite of all choices, by its numbers in the ground program."""
         return frozenset(self._program.facts)
 
     def shown_atoms(self) -> Iterator[Labelled]:
-        """Yield the atoms of the predicates that the resolution rules show."""
+        """Yield the atoms of the predicates that rules that choose show."""
         for name, arity in self._shown:
             yield from labelled(self.control, name, int(arity), True)
 
@@ -287,7 +287,7 @@ class Grounding:
                 yield signature, found
 
     def decided_predicates(self) -> dict[Signature, Sequence[Term]]:
-        """Return the predicates that the resolution rules decide, and their atoms."""
+        """Return the predicates that rules that choose decide, and their atoms."""
         return {
             signature: [atom for atom, _, _ in found]
             for signature, found in self._resolved()
@@ -343,7 +343,7 @@ class Grounding:
         try:
             return optimise(component, deadline)
         except UnsatisfiableError:
-            raise self.refused("no resolution satisfies the rules of `rules/resolve`") from None
+            raise self.refused(_UNSATISFIABLE) from None
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:

@@ -6,7 +6,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing

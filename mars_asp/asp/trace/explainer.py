@@ -6,7 +6,8 @@ from types import MappingProxyType
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rule, Rulebook
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.slice.reach import outlines_of, reachable_rules
 from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_symbol, as_term, atoms, state
 from mars_asp.asp.trace.firing_rules import QUESTION, Rewriter, asking_name

@@ -33,7 +33,7 @@ from clingo import ast
 
 from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import statements
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.solve.atoms import term_text
 from mars_asp.asp.trace import counting_rules, scope

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import clingo
 from clingo import ast
 
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
 from mars_asp.asp.trace.literal_order import in_order, needs, provided

@@ -5,7 +5,7 @@ from functools import partial
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import Term, as_term, text
 from mars_asp.asp.trace.counted import CountedBelow, CountedWithout, Support, support
 from mars_asp.asp.trace.dominators import Needs

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.rulebook import Rule
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, text
 from mars_asp.diagnostic import Span
 

@@ -11,14 +11,15 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.asp.rules.checks import CONSEQUENCE
-from mars_asp.asp.rules.rulebook import Rule, Rulebook, consequence_kinds
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.reasoning.facts.index import KEYS, Lookup
+from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
 
 #: A rule and its outlines.
@@ -121,7 +122,7 @@ def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
 
 def _is_read(rule: Rule, kinds: Set[str]) -> bool:
     """Say whether a rule derives anything besides consequences of other kinds."""
-    named = rule.kinds
+    named = kinds_of(rule)
     return named is None or not named or not named.isdisjoint(kinds)
 
 

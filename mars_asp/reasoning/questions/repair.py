@@ -13,11 +13,13 @@ from itertools import combinations, groupby, pairwise
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.rulebook import Rule, Rulebook, consequence_kinds
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.model.declarations import Configuration, Control, ends_of
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, revised
 from mars_asp.reasoning.questions.edits import (
     ImpossibleEditError,

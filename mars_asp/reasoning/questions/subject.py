@@ -3,9 +3,10 @@
 import re
 from collections.abc import Iterable, Set
 
-from mars_asp.asp.rules.rulebook import Rulebook, consequence_kinds
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
 

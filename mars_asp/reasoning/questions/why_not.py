@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rulebook, consequence_kinds
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constants_of, declared
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.solve.atoms import Fact
@@ -23,6 +23,7 @@ from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explainer_for
 from mars_asp.reasoning.questions.subject import wrong_subject
@@ -146,7 +147,7 @@ def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
     """Leave out rules that could give any kind of consequence where others name the one asked."""
     if pattern.name != "consequence" or not isinstance(trace, Missing):
         return trace
-    named = tuple(a for a in trace.attempts if a.rule.kinds is not None)
+    named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
     return replace(trace, attempts=named or trace.attempts)
 
 
@@ -176,7 +177,7 @@ class _Vocabulary:
         self._path = project.configuration.path
         self._predicates = {head for rule in rulebook.rules for head in rule.heads}
         self._kinds = consequence_kinds(rulebook)
-        self._any_kind = any(rule.kinds is None for rule in rulebook.rules)
+        self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
         self._constants: set[str] = set()
         self._strings: set[str] = {name.text for name in project.configuration.modules}
         for found in constants_of(rule.text for rule in rulebook.rules).values():

@@ -41,7 +41,7 @@ class Stretches:
         for predicate in portion.of_all:
             signature = _signature(predicate)
             stated[signature] = atoms(self._grounding.control, *signature)
-        return Grounding("", stated)
+        return Grounding((), stated)
 
     def _apart(self, signature: Signature, at: int) -> tuple[list[Term], ...]:
         found: tuple[list[Term], ...] = tuple([] for _ in self.relationships)

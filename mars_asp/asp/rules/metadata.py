@@ -1,0 +1,146 @@
+"""What stands above the rules of a file.
+
+Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
+`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits.
+`%*! predicate(Arguments) ... *%` documents a predicate.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import Piece, bound_variables
+from mars_asp.diagnostic import Diagnostic, Span, point
+from mars_asp.spelling import nearest
+
+KEYS = ("id", "because", "help", "fits")
+_METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
+
+
+def rules_of(
+    written: Iterable[Piece],
+    shown: str,
+    stage: str,
+    stem: str,
+    problems: list[Diagnostic],
+) -> Iterator[Rule]:
+    """Yield the rules of a file with what stands above them; note what is wrong with that."""
+    pending: dict[str, tuple[str, Span]] = {}
+    last_line = 0
+    for piece in written:
+        if piece.sort == "comment":
+            match = _METADATA.match(piece.text)
+            if match:
+                _note_metadata(pending, match, point(shown, *piece.begin), problems)
+                last_line = piece.begin[0]
+            continue
+        if piece.sort != "rule":
+            problems += _unbound(pending)
+            pending = {}
+            continue
+        span = Span(shown, *piece.begin, *piece.end)
+        if pending and span.line != last_line + 1:
+            problems += _unbound(pending)
+            pending = {}
+        rule = _rule(pending, span, piece.text, stage, stem)
+        problems += _wrong_id(rule, pending, stem)
+        pending = {}
+        yield rule
+    problems += _unbound(pending)
+
+
+def _note_metadata(
+    pending: dict[str, tuple[str, Span]],
+    match: re.Match[str],
+    span: Span,
+    problems: list[Diagnostic],
+) -> None:
+    key, value = match[1], match[2].strip()
+    if key not in KEYS:
+        near = nearest(key, KEYS)
+        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(KEYS)}"
+        problems.append(
+            Diagnostic(
+                "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
+            )
+        )
+    elif key in pending:
+        problems.append(
+            Diagnostic("rule-metadata", "error", f"`{key}` stands twice above one rule", span)
+        )
+    else:
+        pending[key] = (value, span)
+
+
+def _rule(
+    metadata: dict[str, tuple[str, Span]], span: Span, text: str, stage: str, stem: str
+) -> Rule:
+    given = {key: value for key, (value, _) in metadata.items()}
+    return Rule(
+        given.get("id", f"{stem}:{span.line}"),
+        given.get("because"),
+        given.get("help"),
+        span,
+        text,
+        stage,
+        given.get("fits"),
+    )
+
+
+def _wrong_id(rule: Rule, metadata: dict[str, tuple[str, Span]], stem: str) -> Iterator[Diagnostic]:
+    if "id" in metadata and not rule.id.startswith(f"{stem}/"):
+        yield Diagnostic(
+            "rule-metadata",
+            "error",
+            f"rule id `{rule.id}` does not start with its file's name",
+            metadata["id"][1],
+            help=f"write `{stem}/...`",
+        )
+
+
+def wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
+    """Yield the holes of a rule's messages that no variable of its body fills."""
+    if not rule.holes:
+        return
+    bound = bound_variables(rule.text)
+    for hole in rule.holes:
+        if hole not in bound:
+            near = nearest(hole, bound)
+            yield Diagnostic(
+                "rule-metadata",
+                "error",
+                f"`{{{hole}}}` in the message of `{rule.id}` is no variable of the rule's body",
+                rule.span,
+                help=f"did you mean `{{{near}}}`?" if near else None,
+            )
+
+
+def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
+    return [
+        Diagnostic(
+            "rule-metadata",
+            "error",
+            f"`{key}` does not stand directly above a rule",
+            span,
+            help="put it on the line above the rule it belongs to",
+        )
+        for key, (_, span) in list(metadata.items())[:1]
+    ]
+
+
+def repeated_ids(
+    rules: Iterable[Rule], known: Mapping[str, Span] = MappingProxyType({})
+) -> Iterator[Diagnostic]:
+    """Yield the names that rules have twice; `known` are names of others with their places."""
+    first = dict(known)
+    for rule in rules:
+        earlier = first.setdefault(rule.id, rule.span)
+        if earlier is not rule.span and "/" in rule.id:
+            yield Diagnostic(
+                "rule-metadata",
+                "error",
+                f"rule id `{rule.id}` is used twice",
+                rule.span,
+                ((earlier, "first used here"),),
+            )

@@ -1,0 +1,146 @@
+"""Files of rules and of cases, read with everything that is wrong with them."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.asp.rules.arithmetic import overflows
+from mars_asp.asp.rules.checks import (
+    Contract,
+    Seal,
+    called_functions,
+    misplaced_statements,
+    misused_heads,
+    refused_rules,
+    repeated_constants,
+    reserved_heads,
+    unknown_predicates,
+)
+from mars_asp.asp.rules.gate import gate_text
+from mars_asp.asp.rules.metadata import repeated_ids, rules_of, wrong_holes
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import (
+    Piece,
+    RuleSyntaxError,
+    declared,
+    pieces,
+    statements_of,
+)
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+
+
+class RuleFile(NamedTuple):
+    """A file of rules: its path as it is shown, its stage, text, what that is made of and rules."""
+
+    shown: str
+    stage: str
+    text: str
+    written: tuple[Piece, ...]
+    rules: tuple[Rule, ...]
+
+
+def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
+    """Return the text of a case for the rules, and what it is made of.
+
+    Raises:
+        MarsError: it may not be given to clingo.
+    """
+    text = gate_text(path, str(path))
+    written, problems = _case(text, str(path))
+    if problems:
+        raise MarsError(problems)
+    return text, written
+
+
+@lru_cache(maxsize=1000)
+def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, ...]]:
+    """Return what a case is made of, and all that is wrong with it; many are read again."""
+    problems: list[Diagnostic] = []
+    written = _pieces(text, shown, problems)
+    for piece in written:
+        if piece.sort == "rule":
+            problems += called_functions(piece.text, Span(shown, *piece.begin, *piece.end))
+    if not problems:
+        problems += overflows(text, shown)
+    # Of some numbers that do not fit clingo itself ends the process.
+    if not problems:
+        problems += refused_rules(text, shown)
+    return written, tuple(problems)
+
+
+def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, ...]:
+    """Return what a text is made of; nothing where clingo cannot parse it."""
+    try:
+        return tuple(pieces(text))
+    except RuleSyntaxError as error:
+        problems += (_syntax(note, shown) for note in error.notes[:20])
+    return ()
+
+
+def read_file(
+    path: Path, shown: str, stage: str, problems: list[Diagnostic], strict: bool
+) -> RuleFile | None:
+    """Return a file; `None` where it cannot be read as rules, and `problems` say why."""
+    before = len(problems)
+    try:
+        text = gate_text(path, shown)
+    except MarsError as error:
+        problems += error.diagnostics
+        return None
+    written = _pieces(text, shown, problems)
+    if len(problems) > before:
+        return None
+    if strict:
+        problems += overflows(text, shown)
+    rules = tuple(rules_of(written, shown, stage, path.stem, problems))
+    if strict:
+        problems += [problem for rule in rules for problem in wrong_holes(rule)]
+    return RuleFile(shown, stage, text, written, rules)
+
+
+def wrong_packs(
+    packs: Sequence[RuleFile], sealed: Seal, contract: Contract
+) -> Iterator[Diagnostic]:
+    """Yield all that packs may not do, and what would make nothing of their rules."""
+    rules = [rule for file in packs for rule in file.rules]
+    read = statements_of(rule.text for rule in rules)
+    known = {each for file in packs for each in declared(file.text)} - sealed.later.keys()
+    known |= sealed.early | {signature for rule in rules for signature in rule.heads}
+    for file in packs:
+        yield from misplaced_statements(file.written, sealed, contract, file.shown)
+        overflowing = tuple(overflows(file.text, file.shown))
+        # Of some numbers that do not fit clingo itself ends the process.
+        yield from () if overflowing else refused_rules(file.text, file.shown)
+    yield from repeated_constants((file.shown, piece) for file in packs for piece in file.written)
+    for rule in rules:
+        yield from reserved_heads(read[rule.text], sealed, contract, rule.span)
+        yield from misused_heads(read[rule.text], rule.text, contract, rule.span)
+        yield from called_functions(rule.text, rule.span)
+        yield from unknown_predicates(read[rule.text], known, sealed, contract, rule.span)
+    yield from repeated_ids(rules, sealed.ids)
+
+
+def _syntax(note: str, shown: str) -> Diagnostic:
+    match = re.match(r"<string>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", note, re.DOTALL)
+    line, column, text = (int(match[1]), int(match[2]), match[3]) if match else (1, 1, note)
+    return Diagnostic("rule-syntax", "error", text.strip(), point(shown, line, column))
+
+
+def pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:
+    """Yield the files of packs, of folders those in them; note what is neither."""
+    for path in extra:
+        if path.is_dir():
+            yield from sorted(path.glob("*.lp"))
+        elif path.is_file():
+            yield path
+        else:
+            problems.append(
+                Diagnostic(
+                    "rules-missing",
+                    "error",
+                    f"`{path}` is no file or folder",
+                    point(str(path), 1, 1),
+                )
+            )

@@ -1,0 +1,91 @@
+"""One rule of a file: what stands above it, its text, and what it says."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+from mars_asp.asp.rules.statements import Signature, Statement, Tree, statements, tree, unsigned
+from mars_asp.diagnostic import Span
+
+_HOLE = re.compile(r"\{([^{}]*)\}")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One rule as it is written, with its metadata and what it says."""
+
+    id: str
+    because: str | None
+    help: str | None
+    span: Span
+    text: str
+    stage: str
+    #: Why what the rule computes fits into 32 bits, where that does not show.
+    fits: str | None = None
+
+    @cached_property
+    def ast(self) -> Tree:
+        """Return clingo's syntax tree of the text, for further rules to be made of it."""
+        return tree(self.text)
+
+    @cached_property
+    def written(self) -> tuple[str, str]:
+        """Return the head and the body as clingo writes them."""
+        return str(self.ast.head), "; ".join(map(str, self.ast.body))
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """Return what the rule says, without pools."""
+        return statements(self.text)
+
+    @cached_property
+    def heads(self) -> frozenset[Signature]:
+        """Return the predicates that the head can derive, without signs of classical negation."""
+        return frozenset(unsigned(each) for one in self.statements for each in one.derives)
+
+    def derives(self, signature: Signature) -> bool:
+        """Whether the head can derive a predicate, or its contrary."""
+        # What does not name it need not be read.
+        return signature[0] in self.text and signature in self.heads
+
+    @cached_property
+    def reads(self) -> frozenset[Signature]:
+        """Return the predicates that the rule reads, without signs, and those that it offers."""
+        read = frozenset(unsigned(each) for one in self.statements for each in one.reads)
+        return read | self.heads if self.is_choice else read
+
+    @cached_property
+    def is_choice(self) -> bool:
+        """Whether the rule offers atoms instead of forcing them."""
+        return any(statement.offers for statement in self.statements)
+
+    @cached_property
+    def firsts(self) -> Mapping[Signature, frozenset[str] | None]:
+        """Return, by the predicates of its head, the constants that their first arguments are.
+
+        `None` where one can be anything.
+        """
+        found: dict[Signature, set[str | None]] = {}
+        for statement in self.statements:
+            for head in statement.heads:
+                literal = head.literal
+                first = literal.terms[0].constant if literal.terms else None
+                found.setdefault(literal.signature, set()).add(first)
+        return {
+            signature: None if None in firsts else frozenset(filter(None, firsts))
+            for signature, firsts in found.items()
+        }
+
+    def __getstate__(self) -> dict[str, object]:
+        """Keep what most questions need of what the rule says."""
+        written = {field.name: getattr(self, field.name) for field in fields(self)}
+        names = ["heads", "reads", "is_choice", "firsts"]
+        # Of a rule with a message every question makes another.
+        names += ["written"] if self.because is not None else []
+        return {**written, **{name: getattr(self, name) for name in names}}
+
+    @property
+    def holes(self) -> tuple[str, ...]:
+        """Return the variables that `because` and `help` name, each once."""
+        return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))

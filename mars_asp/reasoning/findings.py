@@ -1,0 +1,92 @@
+"""What rules find: consequences, how severe they are, and what packs may say of them."""
+
+from collections.abc import Iterator, Sequence
+
+import clingo
+
+from mars_asp.asp.rules.checks import Contract, placed
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import Signature, Statement, argument_place
+from mars_asp.asp.solve.term_ids import arguments, as_symbol, atoms
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
+from mars_asp.spelling import nearest
+
+SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
+#: What rules find: kind, severity, subject and case.
+CONSEQUENCE: Signature = ("consequence", 4)
+
+
+def kinds_of(rule: Rule) -> frozenset[str] | None:
+    """Return the kinds of consequence that a rule names; `None` where it can derive any."""
+    return rule.firsts.get(CONSEQUENCE, frozenset())
+
+
+def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
+    """Return the kinds of consequence that rules name in their heads."""
+    return frozenset().union(*(kinds_of(rule) or () for rule in rulebook.rules))
+
+
+def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield the severities in the heads of a rule that are none.
+
+    `text` is that of the rule, `span` where it stands.
+    """
+    for number, statement in enumerate(rule):
+        if statement.derives == {CONSEQUENCE}:
+            term = statement.head.terms[1]
+            if not term.variables and term.text not in SEVERITIES:
+                yield no_severity(term.text, severity_place(text, span, number))
+
+
+#: What a rule pack from elsewhere may do.
+CONTRACT = Contract(
+    frozenset({CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}),
+    CONSEQUENCE,
+    "consequences",
+    wrong_severities,
+)
+
+
+def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+    """Check that how severe a consequence is, is one of the words for that.
+
+    A rule may take the word from its body, and a `#const` of a pack may replace it. The atoms
+    `said` are as in `check_decided`.
+
+    Raises:
+        MarsError: it is another word; the rules with places.
+    """
+    wrong = set()
+    for atom in atoms(control, said, 3, True):
+        number, head, _ = arguments(atom)
+        severity = arguments(head)[1]
+        if str(as_symbol(severity)) not in SEVERITIES:
+            wrong.add((as_symbol(number).number, str(as_symbol(severity))))
+    if wrong:
+        raise MarsError(
+            tuple(
+                no_severity(
+                    word,
+                    severity_place(speakers[number].text, speakers[number].span),
+                    speakers[number].text.partition("\n")[0],
+                )
+                for number, word in sorted(wrong)
+            )
+        )
+
+
+def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
+    """Return what is said of a severity that is none."""
+    near = nearest(written, SEVERITIES)
+    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
+    message = f"`{written}` is no severity"
+    return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
+
+
+def severity_place(rule: str, span: Span, variant: int = 0) -> Span:
+    """Return where the head of a rule that stands at `span` says how severe a consequence is.
+
+    Of a rule with pools, `variant` is the number of the one that is meant.
+    """
+    return placed(span, argument_place(rule, variant, 1))
