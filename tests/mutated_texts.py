@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 from unittest import mock
 
 from mars_asp.asp import cache
-from mars_asp.asp.rules.cases import find_cases
+from mars_asp.asp.cases import find_cases
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.cli.report import diagnostic_text

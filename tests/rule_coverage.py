@@ -12,7 +12,7 @@ from pathlib import Path
 import clingo
 from clingo import ast
 
-from mars_asp.asp.rules.cases import case_facts
+from mars_asp.asp.cases import case_facts
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children

@@ -12,8 +12,8 @@ import clingo
 import pytest
 from clingo import ast
 
+from mars_asp.asp.cases import case_facts, find_cases
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.rules.cases import case_facts, find_cases
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding

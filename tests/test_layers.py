@@ -24,10 +24,10 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments messages solve rules slice trace",
+    "asp": "cache fragments solve rules messages cases slice trace",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule metadata read rulebook cases "
+        "gate statements checks computed symbols arithmetic rule metadata read rulebook "
         "consistency risks"
     ),
     "asp/slice": "magic reach shapes groups portions",

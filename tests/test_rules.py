@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.cases import Outcome, find_cases, shown_by
+from mars_asp.asp.cases import Outcome, find_cases, shown_by
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
 from tests.documents import ROOT

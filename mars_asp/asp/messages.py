@@ -1,14 +1,95 @@
-"""What rules say: the texts above them with holes, filled with values as people read them."""
+"""What rules say: the texts above them, with holes that values fill as people read them."""
 
 import re
-from collections.abc import Callable, Mapping
-from functools import cache
-from typing import TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, lru_cache
+from typing import NamedTuple, TypeVar
 
 import clingo
 
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, labelled
+from mars_asp.diagnostic import Diagnostic, MarsError
+
 _Value = TypeVar("_Value")
 _HOLE = re.compile(r"\{([^{}]*)\}")
+
+
+class Said(NamedTuple):
+    """What an instance of a rule says: the atom of its head, and what its holes stand for.
+
+    `number` is the place of the rule among those that were asked.
+    """
+
+    number: int
+    rule: Rule
+    head: Term
+    values: Term
+
+    @property
+    def message(self) -> str | None:
+        """Return the rule's message; `None` where it has none."""
+        return self._filled(self.rule.because)
+
+    @property
+    def help(self) -> str | None:
+        """Return what the rule says there is to do; `None` where it says nothing."""
+        return self._filled(self.rule.help)
+
+    def _filled(self, text: str | None) -> str | None:
+        return fill(text, dict(zip(self.rule.holes, arguments(self.values), strict=True)), written)
+
+
+def saying(stage: str, rules: Sequence[Rule]) -> list[Fragment]:
+    """Return rules that hold whenever those given do, and keep what `said` reads of a stage.
+
+    They begin with the heads, of which there are few instances.
+    """
+    return [
+        Fragment(_saying(predicate_of(stage), number, rule), "rules", rule.span)
+        for number, rule in enumerate(rules)
+    ]
+
+
+def predicate_of(stage: str) -> str:
+    """Return the name of the predicate that keeps what rules of a stage say."""
+    return f"_said_{stage}"
+
+
+def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator[Said]:
+    """Yield what rules say whose `saying` was grounded with them."""
+    return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
+
+
+def heard(atom: Term, rules: Sequence[Rule]) -> Said:
+    """Return what an atom keeps of what one of some rules says."""
+    place, head, values = arguments(atom)
+    number = as_symbol(place).number
+    return Said(number, rules[number], head, values)
+
+
+def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> None:
+    """Check that grounding alone decided what rules say.
+
+    Raises:
+        MarsError: a choice, or rules that negate each other, would decide; the rules with places.
+    """
+    found = labelled(control, predicate_of(stage), 3, True)
+    undecided = {as_symbol(arguments(atom)[0]).number for atom, _, is_fact in found if not is_fact}
+    if undecided:
+        raise MarsError(
+            Diagnostic(
+                "rule-undecided",
+                "error",
+                "whether this holds depends on a choice",
+                rules[number].span,
+                help="what is found follows from the facts: rest it on no choice, and on no "
+                "predicate that leads through `not` back to itself",
+                excerpt=rules[number].text.partition("\n")[0],
+            )
+            for number in sorted(undecided)
+        )
 
 
 def fill(
@@ -29,6 +110,13 @@ def _form(text: str) -> tuple[str, tuple[str, ...]]:
     return _HOLE.sub("%s", text.replace("%", "%%")), tuple(_HOLE.findall(text))
 
 
+# The same few names stand in very many messages.
+@lru_cache(maxsize=100_000)
+def written(value: Term) -> str:
+    """Return a term as a message shows it."""
+    return shown(as_symbol(value))
+
+
 def shown(symbol: clingo.Symbol) -> str:
     """Return a term as a message shows it: a string without its quotes, a list in words."""
     if symbol.type == clingo.SymbolType.String:
@@ -47,3 +135,11 @@ def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
         first, symbol = symbol.arguments
         names.append(f"`{shown(first)}`")
     return names, symbol.number if symbol.type == clingo.SymbolType.Number else 0
+
+
+def _saying(predicate: str, number: int, rule: Rule) -> str:
+    head, body = rule.written
+    # A choice offers several atoms, or none.
+    term, before = ("none", "") if rule.is_choice else (head, head)
+    premises = "; ".join(filter(None, (before, body))) or "#true"
+    return f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {premises}."

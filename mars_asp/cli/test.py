@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from mars_asp.asp.rules.cases import Outcome, find_cases
+from mars_asp.asp.cases import Outcome, find_cases
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError

@@ -12,9 +12,9 @@ from typing import TypeAlias, TypeVar
 import clingo
 
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.messages import Said, check_decided, said, saying, shown, written
 from mars_asp.asp.rules.arithmetic import telling, wrapped
-from mars_asp.asp.rules.consistency import check_decided, check_packs
+from mars_asp.asp.rules.consistency import check_packs
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
@@ -27,7 +27,7 @@ from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severitie
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[Term, Term, Term]
 _Value = TypeVar("_Value")
-_SAID = "_said"
+_STAGE = "base"
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +92,16 @@ def analyse(
     """
     facts = tuple(facts)
     speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
-    said = [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
     asked = [
         Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
     ]
     text = facts_text(facts)
-    program = [*rulebook.fragments("base"), *said, *asked, Fragment(text, "facts")]
+    program = [
+        *rulebook.fragments("base"),
+        *saying(_STAGE, speakers),
+        *asked,
+        Fragment(text, "facts"),
+    ]
     try:
         grounding = Grounding(program)
     except MarsError as error:
@@ -107,9 +111,9 @@ def analyse(
         raise MarsError(overflowing)
     check_packs(grounding.control, rulebook, text, "consequence/4")
     if rulebook.packs:
-        check_decided(grounding.control, _SAID, speakers)
+        check_decided(grounding.control, _STAGE, speakers)
     # Also where a slice of packs does not count them.
-    check_severities(grounding.control, _SAID, speakers)
+    check_severities(said(grounding.control, _STAGE, speakers))
     return Analysis(grounding, facts, speakers, configuration, subject)
 
 
@@ -131,7 +135,7 @@ def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Co
     Without `participants` nobody reads who takes part in each.
     """
     control, subject = analysis.grounding.control, analysis.subject
-    first = _first_said(control)
+    first = _first_said(analysis)
     if subject is not None:
         first = {head: told for head, told in first.items() if _is_named(head, subject)}
     keys = {head: _key(arguments(head)) for head in first}
@@ -141,23 +145,21 @@ def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Co
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     span_of = _places(analysis.facts, identifiers)
     # Few terms stand in very many consequences.
-    show, write, severity_of = _of_terms(shown), _of_terms(str), _of_terms(_severity)
+    write, severity_of = _of_terms(str), _of_terms(_severity)
     consequences = []
     for head, key in keys.items():
         kind, severity, about, _ = arguments(head)
-        number, values = first[head]
-        rule = analysis.speakers[number]
-        named = dict(zip(rule.holes, arguments(values), strict=True))
+        told = first[head]
         places = (span_of.get(row[0]) for row in concerned.get(key, ()))
         consequences.append(
             Consequence(
                 write(kind),
                 severity_of(severity),
-                show(about),
-                _in_order(part_of.get(key, ()), show),
-                fill(rule.because, named, show) or str(as_symbol(head)),
-                fill(rule.help, named, show),
-                rule,
+                written(about),
+                _in_order(part_of.get(key, ())),
+                told.message or str(as_symbol(head)),
+                told.help,
+                told.rule,
                 tuple(sorted({span for span in places if span})) or (analysis.configuration,),
                 as_symbol(head),
             )
@@ -179,21 +181,13 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
     )
 
 
-def _saying(number: int, rule: Rule) -> str:
-    """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
-    head, body = rule.written
-    return f"{_SAID}({number},{head},v({','.join(rule.holes)})) :- {body}."
-
-
-def _first_said(control: clingo.Control) -> dict[Term, tuple[int, Term]]:
-    """Return for each consequence the first rule that says it, and the values of its holes."""
-    first: dict[Term, tuple[int, Term]] = {}
-    for atom in atoms(control, _SAID, 3, True):
-        speaker, head, values = arguments(atom)
-        told = (as_symbol(speaker).number, values)
-        rival = first.get(head)
-        if rival is None or (told[0], as_symbol(values)) < (rival[0], as_symbol(rival[1])):
-            first[head] = told
+def _first_said(analysis: Analysis) -> dict[Term, Said]:
+    """Return for each consequence what the first rule says of it."""
+    first: dict[Term, Said] = {}
+    for told in said(analysis.grounding.control, _STAGE, analysis.speakers):
+        rival = first.setdefault(told.head, told)
+        if (told.number, as_symbol(told.values)) < (rival.number, as_symbol(rival.values)):
+            first[told.head] = told
     return first
 
 
@@ -229,10 +223,10 @@ def _places(facts: Iterable[Fact], identifiers: Iterable[Term]) -> dict[Term, Sp
     }
 
 
-def _in_order(rows: Sequence[Sequence[Term]], show: Callable[[Term], str]) -> tuple[str, ...]:
+def _in_order(rows: Sequence[Sequence[Term]]) -> tuple[str, ...]:
     if len(rows) > 1:
         rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
-    return tuple(dict.fromkeys(show(row[1]) for row in rows))
+    return tuple(dict.fromkeys(written(row[1]) for row in rows))
 
 
 def _plain(symbol: clingo.Symbol) -> int | str:

@@ -1,14 +1,13 @@
 """What rules find: consequences, how severe they are, and what packs may say of them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-import clingo
-
+from mars_asp.asp.messages import Said
 from mars_asp.asp.rules.checks import Contract, placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Signature, Statement, argument_place
-from mars_asp.asp.solve.term_ids import arguments, as_symbol, atoms
+from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.spelling import nearest
 
@@ -48,31 +47,20 @@ CONTRACT = Contract(
 )
 
 
-def check_severities(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
+def check_severities(said: Iterable[Said]) -> None:
     """Check that how severe a consequence is, is one of the words for that.
 
-    A rule may take the word from its body, and a `#const` of a pack may replace it. The atoms
-    `said` are as in `check_decided`.
+    A rule may take the word from its body, and a `#const` of a pack may replace it.
 
     Raises:
         MarsError: it is another word; the rules with places.
     """
-    wrong = set()
-    for atom in atoms(control, said, 3, True):
-        number, head, _ = arguments(atom)
-        severity = arguments(head)[1]
-        if str(as_symbol(severity)) not in SEVERITIES:
-            wrong.add((as_symbol(number).number, str(as_symbol(severity))))
+    words = {(each.number, each.rule, str(as_symbol(arguments(each.head)[1]))) for each in said}
+    wrong = sorted((number, word, rule) for number, rule, word in words if word not in SEVERITIES)
     if wrong:
         raise MarsError(
-            tuple(
-                no_severity(
-                    word,
-                    severity_place(speakers[number].text, speakers[number].span),
-                    speakers[number].text.partition("\n")[0],
-                )
-                for number, word in sorted(wrong)
-            )
+            no_severity(word, severity_place(rule.text, rule.span), rule.text.partition("\n")[0])
+            for _, word, rule in wrong
         )
 
 

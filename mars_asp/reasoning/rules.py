@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from mars_asp.asp import cases
 from mars_asp.asp.cache import keep, recall, version_of
-from mars_asp.asp.rules import cases, checks
-from mars_asp.asp.rules.cases import Outcome
+from mars_asp.asp.cases import Outcome
+from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.metadata import repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, wrong_packs

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.annotations.representations import canonical_names
-from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.fragments import Fragment, joined
+from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
+from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.facts.compile import (
     WIRING,
@@ -21,6 +22,7 @@ from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
 _VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
+_STAGE = "verify"
 _CONVERTERS = frozenset({"converts"})
 _SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
 
@@ -86,9 +88,8 @@ def judge_specification(
     if rulebook.packs:
         rulebook, grounding = rulebook.built_in, None
     judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
-    said = "\n".join(_saying(number, rule) for number, rule in enumerate(judges))
     facts = facts_text(specification_facts(specification, project))
-    text = f"{rulebook.text('verify')}\n{said}\n{facts}"
+    text = f"{rulebook.text('verify')}\n{joined(saying(_STAGE, judges))}\n{facts}"
     if grounding is None:
         given = Fragment(facts_text(project_facts(project)), "facts")
         grounding = Grounding([*rulebook.fragments("base"), Fragment(text, "rules"), given])
@@ -96,17 +97,14 @@ def judge_specification(
         grounding.derive(text)
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
-    for symbol in grounding.symbols("_judged", 3):
-        number, head, values = symbol.arguments
-        rule = judges[number.number]
-        named = dict(zip(rule.holes, values.arguments, strict=True))
-        message = fill(rule.because, named, shown) or str(head)
-        help_text = fill(rule.help, named, shown)
-        if rule.derives(_CAUTION):
-            cautions[message] = Caution(message, help_text, rule)
+    for told in said(grounding.control, _STAGE, judges):
+        head = as_symbol(told.head)
+        message = told.message or str(head)
+        if told.rule.derives(_CAUTION):
+            cautions[message] = Caution(message, told.help, told.rule)
         else:
             clause = head.arguments[0].number
-            violations[clause, message] = Violation(clause, message, help_text, rule)
+            violations[clause, message] = Violation(clause, message, told.help, told.rule)
     return Verification(
         tuple(violations[key] for key in sorted(violations)),
         tuple(cautions[key] for key in sorted(cautions)),
@@ -153,9 +151,3 @@ def _conversions(specification: Configuration, project: Project) -> Iterator[Fac
         yield Fact(Atom("spec_converts", (node, *ends)), span)
         if conversion.converter is not None:
             yield Fact(Atom("spec_converter", (node, conversion.converter)), span)
-
-
-def _saying(number: int, rule: Rule) -> str:
-    """Return a rule that keeps the values of the holes; it begins with what is rarely there."""
-    head, body = rule.written
-    return f"_judged({number},{head},v({','.join(rule.holes)})) :- {head}; {body}."

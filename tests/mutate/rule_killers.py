@@ -17,7 +17,7 @@ import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.asp.rules.cases import case_facts, find_cases
+from mars_asp.asp.cases import case_facts, find_cases
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function

@@ -1,4 +1,4 @@
-"""Rule packs that leave no answer set, or let a choice decide what is found.
+"""Rule packs that leave no answer set.
 
 Of those that leave none a minimal set is named that does so together. It is found by leaving out
 one rule after the other, as deletion filters do (Chinneck and Dravnieks 1991); every rule that is
@@ -12,7 +12,6 @@ import clingo
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
-from mars_asp.asp.solve.term_ids import arguments, as_symbol, labelled
 from mars_asp.diagnostic import Diagnostic, MarsError
 
 #: The code of what is said of packs that leave no answer.
@@ -52,36 +51,6 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
             ),
         )
     )
-
-
-def check_decided(control: clingo.Control, said: str, speakers: Sequence[Rule]) -> None:
-    """Check that grounding alone decided what the rules of packs find.
-
-    The atoms `said` of `control` have the index of a rule in `speakers` as their first argument.
-
-    Raises:
-        MarsError: a choice, or rules that negate each other, would decide; the rules with places.
-    """
-    open_rules = {
-        as_symbol(arguments(atom)[0]).number
-        for atom, _, is_fact in labelled(control, said, 3, True)
-        if not is_fact
-    }
-    if open_rules:
-        raise MarsError(
-            tuple(
-                Diagnostic(
-                    "rule-undecided",
-                    "error",
-                    "whether this holds depends on a choice",
-                    speakers[number].span,
-                    help="what is found follows from the facts: rest it on no choice, and on no "
-                    "predicate that leads through `not` back to itself",
-                    excerpt=speakers[number].text.partition("\n")[0],
-                )
-                for number in sorted(open_rules)
-            )
-        )
 
 
 def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:

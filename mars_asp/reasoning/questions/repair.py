@@ -12,9 +12,11 @@ from itertools import combinations, groupby, pairwise
 
 import clingo
 
-from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.fragments import joined
+from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.model.declarations import Configuration, Control, ends_of
@@ -42,6 +44,7 @@ MOST_FACTS, FACTS_OF_A_TRY, LEAST_TRIED = 200_000, 500, 10
 ONE_IN_FOR_EACH, ONE_IN_FOR_FURTHER = 4, 10
 #: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
 HEAVIEST = 3
+_STAGE = "repair"
 _EDIT = ("edit", 5)
 
 
@@ -173,32 +176,23 @@ def _proposals(
 ) -> dict[tuple[clingo.Symbol, ...], list[Edit]]:
     """Return the edits that the rules propose for each finding, least first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
-    said = "\n".join(_saying(number, rule) for number, rule in enumerate(speakers))
     grounding = analysis.grounding
-    grounding.derive(f"{rulebook.text('repair')}\n{said}")
+    grounding.derive(f"{rulebook.text('repair')}\n{joined(saying(_STAGE, speakers))}")
     found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
     parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
     for symbol in sorted(grounding.symbols("part", 2)):
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
-    for symbol in sorted(grounding.symbols("_proposed", 3)):
-        number, head, values = symbol.arguments
-        rule = speakers[number.number]
-        *key, term, weight = head.arguments
-        named = dict(zip(rule.holes, values.arguments, strict=True))
-        message = fill(rule.because, named, shown) or str(term)
+    told = said(grounding.control, _STAGE, speakers)
+    for each in sorted(told, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
+        *key, term, weight = as_symbol(each.head).arguments
         consists = tuple(parts.get(term, (term,)))
-        edit = Edit(term, consists, message, weight.number, rule)
+        edit = Edit(term, consists, each.message or str(term), weight.number, each.rule)
         found.setdefault(tuple(key), {}).setdefault(term, edit)
     return {
         key: sorted(edits.values(), key=lambda edit: (edit.weight, edit.rule.span, edit.term))
         for key, edits in found.items()
     }
-
-
-def _saying(number: int, rule: Rule) -> str:
-    head, body = rule.written
-    return f"_proposed({number},{head},v({','.join(rule.holes)})) :- {body}."
 
 
 def _key_of(atom: clingo.Symbol) -> tuple[clingo.Symbol, ...]:

@@ -17,20 +17,22 @@ from pathlib import Path
 import clingo
 
 from mars_asp.asp.fragments import Fragment, joined, refusals
-from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.messages import heard, predicate_of, saying
 from mars_asp.asp.rules.arithmetic import telling, wrapped
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Piece, Signature
 from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 _EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
 _CONTINUED = re.compile(r"\r?\n%\+")
 _COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
-_SAID = "__said"
+#: What is asked to be said here, beside what cases ask of rules themselves.
+_STAGE = "case"
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
@@ -109,7 +111,7 @@ def run_case(path: Path, rulebook: Rulebook, stages: Sequence[str], finding: Sig
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
     program = [Fragment(text, str(path))]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
-    program += [Fragment(_saying(at, rule), "rules", rule.span) for at, rule in enumerate(speakers)]
+    program += saying(_STAGE, speakers)
     asked = rulebook.asked
     program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
     control = _grounded(program)
@@ -123,17 +125,9 @@ def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]
     return bool(rule.because and rule.stage in stages and rule.heads.intersection(wanted))
 
 
-def _saying(number: int, rule: Rule) -> str:
-    """Return a rule that holds whenever `rule` does and keeps the values of its holes."""
-    body = rule.written[1] or "#true"
-    return f"{_SAID}({number},v({','.join(rule.holes)})) :- {body}."
-
-
-def _message(said: clingo.Symbol, speakers: Sequence[Rule]) -> str:
-    number, values = said.arguments
-    rule = speakers[number.number]
-    named = dict(zip(rule.holes, values.arguments, strict=True))
-    return f"%> {rule.id}: {fill(rule.because, named, shown)}"
+def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
+    told = heard(as_term(atom), speakers)
+    return f"%> {told.rule.id}: {told.message}"
 
 
 def shown_by(path: Path) -> tuple[tuple[str, int], ...]:
@@ -195,7 +189,7 @@ def _answers(
             return
         atoms = model.symbols(atoms=True)
         answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}
-        answer |= {_message(a, speakers) for a in atoms if speakers and a.name == _SAID}
+        answer |= {_message(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
         if with_costs:
             answer.add(_cost(model))
         found.add(tuple(sorted(answer)))
