@@ -18,7 +18,7 @@ from mars_asp.asp.rules.checks import (
     reserved_heads,
     unknown_predicates,
 )
-from mars_asp.asp.rules.gate import gate_text
+from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
@@ -82,19 +82,40 @@ def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, .
 def read_file(
     path: Path, shown: str, stage: str, problems: list[Diagnostic], strict: bool
 ) -> RuleFile | None:
-    """Return a file; `None` where it cannot be read as rules, and `problems` say why."""
-    before = len(problems)
+    """Return a file; `None` where it cannot be read as rules, and `problems` say why.
+
+    When `strict`, numbers and the holes of messages are checked, too.
+    """
     try:
         text = gate_text(path, shown)
     except MarsError as error:
         problems += error.diagnostics
         return None
+    return _rule_file(text, shown, stage, path.stem, problems, strict)
+
+
+def read_rules(
+    text: str, shown: str, stage: str, stem: str, problems: list[Diagnostic]
+) -> RuleFile | None:
+    """Return a text as if it were a file of rules, all of it checked."""
+    try:
+        check_text(text, shown)
+    except MarsError as error:
+        problems += error.diagnostics
+        return None
+    return _rule_file(text, shown, stage, stem, problems, True)
+
+
+def _rule_file(
+    text: str, shown: str, stage: str, stem: str, problems: list[Diagnostic], strict: bool
+) -> RuleFile | None:
+    before = len(problems)
     written = _pieces(text, shown, problems)
     if len(problems) > before:
         return None
     if strict:
         problems += overflows(text, shown)
-    rules = tuple(rules_of(written, shown, stage, path.stem, problems))
+    rules = tuple(rules_of(written, shown, stage, stem, problems))
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
     return RuleFile(shown, stage, text, written, rules)

@@ -15,6 +15,7 @@ from mars_asp.asp.fragments import Fragment, joined, refusals
 from mars_asp.asp.solve.components import Component, partition
 from mars_asp.asp.solve.observer import Recorded, record
 from mars_asp.asp.solve.optimum import (
+    COST_LEVEL,
     Optimum,
     UnsatisfiableError,
     check_costs,
@@ -79,6 +80,12 @@ class Answer:
         """Return the true atoms that are no facts, and some that are."""
         return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
+    @property
+    def exists(self) -> bool:
+        """Whether the decisions for the components fit together."""
+        with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
+            return handle.model() is not None
+
     def check(self) -> None:
         """Check that there is this answer.
 
@@ -137,8 +144,11 @@ class Grounding:
         self,
         program: Sequence[Fragment],
         stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({}),
+        options: Sequence[str] = (),
     ) -> None:
         """Ground rules and facts that leave nothing open, and state atoms that others derived.
+
+        `options` are further ones of clingo's command line.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -151,7 +161,9 @@ class Grounding:
         self._names: dict[int, Term] = {}
         self._shown: list[tuple[str, str]] = []
         self._steps = 0
-        self.control = clingo.Control(_OPTIONS, _noting(self._messages), _MOST_MESSAGES)
+        self.control = clingo.Control(
+            [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
+        )
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(stated)
         #: What is a fact, whatever later rules choose.
@@ -237,6 +249,40 @@ class Grounding:
             for name, arity in _PROJECTED.findall(rules)
             for atom, literal, _ in labelled(self.control, name, int(arity), True)
         }
+        try:
+            return self._least(COST_LEVEL, deadline, progress, {} if known is None else known)
+        except UnsatisfiableError:
+            raise self.refused(_UNSATISFIABLE) from None
+
+    def choose(self, program: Sequence[Fragment], deadline: float | None = None) -> Resolution:
+        """Ground a program of any sort, and find its least answer; all that is open tells it apart.
+
+        `deadline` is as in `resolve`.
+
+        Raises:
+            MarsError: clingo refuses a rule.
+            UnsatisfiableError: there is no answer.
+            TooCostlyError: the costs of a component do not fit; nothing is solved then.
+        """
+        self._program = record(self.control)
+        self.add(program)
+        self._names = {
+            literal: atom
+            for signature in self.control.symbolic_atoms.signatures
+            for atom, literal, is_fact in labelled(self.control, *signature)
+            if not is_fact
+        }
+        self._program.projected.update(self._names)
+        return self._least(None, deadline, None, {})
+
+    def _least(
+        self,
+        counted: int | None,
+        deadline: float | None,
+        progress: Callable[[int, int], None] | None,
+        known: dict[Component, Optimum],
+    ) -> Resolution:
+        """Find the least answer; those are counted that cost the same at levels from `counted`."""
         parts = partition(self._program, self._names)
         for component, _ in parts.components:
             check_costs(component)
@@ -244,7 +290,6 @@ class Grounding:
         bound = dict(parts.constant)
         count: int | None = 1
         proven = True
-        known = {} if known is None else known
         decided: list[int] = []
         for done, (component, numbered) in enumerate(parts.components):
             if progress is not None:
@@ -252,7 +297,7 @@ class Grounding:
             # Equal components have equal optima, so each is solved once.
             best = known.get(component)
             if best is None:
-                best = known[component] = self._optimise(component, deadline)
+                best = known[component] = self._optimise(component, deadline, counted)
             part = Part(component, numbered, best)
             self.parts.append(part)
             decided += part.decided(best)
@@ -337,13 +382,12 @@ class Grounding:
         found = (each for _, atoms in self.open_predicates() for each in atoms)
         return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
 
-    def _optimise(self, component: Component, deadline: float | None) -> Optimum:
+    def _optimise(
+        self, component: Component, deadline: float | None, counted: int | None
+    ) -> Optimum:
         if deadline is not None:
             deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
-        try:
-            return optimise(component, deadline)
-        except UnsatisfiableError:
-            raise self.refused(_UNSATISFIABLE) from None
+        return optimise(component, deadline, counted)
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:

@@ -78,11 +78,14 @@ def _totals(component: Component) -> dict[int, int]:
     return totals
 
 
-def optimise(component: Component, deadline: float | None = None) -> Optimum:
+def optimise(
+    component: Component, deadline: float | None = None, counted: int | None = COST_LEVEL
+) -> Optimum:
     """Find the least answer of a component; of equal ones the first in the order of its atoms.
 
     `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
-    the first that satisfies the rules, which is found whatever time that takes.
+    the first that satisfies the rules, which is found whatever time that takes. Answers are counted
+    that cost the same at the levels from `counted`, of `None` at all.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -93,7 +96,9 @@ def optimise(component: Component, deadline: float | None = None) -> Optimum:
         return _first(component, late.bound)
     if not found.proven:
         return found
-    costs = {level: cost for level, cost in found.cost.items() if level >= COST_LEVEL}
+    costs = {
+        level: cost for level, cost in found.cost.items() if counted is None or level >= counted
+    }
     count = _count(component, costs, deadline)
     if count == 1:
         return Optimum(found.true, found.cost, found.bound, True, 1)

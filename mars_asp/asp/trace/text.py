@@ -22,26 +22,30 @@ def traces_text(
     topics: Sequence[tuple[str, Trace]],
     line_at: Callable[[Span], str],
     depth: int | None = DEPTH,
+    width: int = WIDTH,
+    folded: bool = True,
 ) -> Iterator[str]:
     """Yield the lines of several traces, each under its title: messages, rules and places.
 
-    What has no message is folded into what it supports. What is shared stands once; where it is
-    needed again, it is referred to by a number. Several derivations of an atom stand one below
-    the other, each with its number.
+    What has no message is `folded` into what it supports, else told by its atom, as facts are then.
+    What is shared stands once; where it is needed again, it is referred to by a number. Several
+    derivations of an atom stand one below the other, each with its number.
     """
     opened: set[int] = set()
     again: set[int] = set()
     entries = [
-        entry for topic in topics for entry in _entries(*topic, line_at, depth, opened, again)
+        entry
+        for topic in topics
+        for entry in _entries(*topic, line_at, depth, folded, opened, again)
     ]
     numbers: dict[int, int] = {}
     for level, line, step in entries:
         if step is None:
-            yield from wrapped(line, level)
+            yield from wrapped(line, level, width)
             continue
         key, text = id(step), _said(step)
         if key in numbers:
-            yield from wrapped(f"{text}, as in ({numbers[key]})", level)
+            yield from wrapped(f"{text}, as in ({numbers[key]})", level, width)
         else:
             mark = ""
             if key in again:
@@ -49,7 +53,7 @@ def traces_text(
                 mark = f"({numbers[key]}) "
             span = step.rule.span
             place = f"[{step.rule.id}] {span.path}:{span.line}"
-            yield from wrapped(f"{mark}{text}{line}  {place}", level)
+            yield from wrapped(f"{mark}{text}{line}  {place}", level, width)
 
 
 class _Entry(NamedTuple):
@@ -72,6 +76,7 @@ def _entries(
     trace: Trace,
     line_at: Callable[[Span], str],
     depth: int | None,
+    folded: bool,
     opened: set[int],
     again: set[int],
 ) -> Iterator[_Entry]:
@@ -106,15 +111,15 @@ def _entries(
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
                 yield _Entry(level, remark, step)
-                below = _interesting(step.premises, level == 1 or depth is None)
+                below = _interesting(step.premises, level == 1 or depth is None, folded)
                 if depth is not None and level >= depth:
-                    below = _leaves(step) if any(isinstance(p, Derived) for p in below) else below
+                    below = leaves_of(step) if any(isinstance(p, Derived) for p in below) else below
             case Attempt():
                 yield _Entry(level, "", step)
                 below = failure(step, depth is None or level < depth)
-                below = (*below, *_interesting(step.held, absences=False))
+                below = (*below, *_interesting(step.held, False, folded))
             case _:
-                line = step if isinstance(step, str) else _leaf(step, line_at)
+                line = step if isinstance(step, str) else _leaf(step, line_at, folded)
                 said += (set[str]() for _ in range(len(said), level + 1))
                 if line is not None and line not in said[level]:
                     said[level].add(line)
@@ -210,12 +215,15 @@ def _instance_json(step: Derived | Attempt) -> dict[str, object]:
     }
 
 
-def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
+def _interesting(premises: Sequence[Trace], absences: bool, folded: bool) -> list[Trace]:
     """Return the premises that say something of their own.
 
     Those without a message give way to their premises; what another premise leads to as well is
     left to that one. Beside a message an absence says nothing that the message leaves out.
     """
+    if not folded:
+        told_once = {id(each): each for each in premises}.values()
+        return [each for each in told_once if absences or not isinstance(each, Absent)]
     found: list[Trace] = []
     stack = list(reversed(premises))
     seen: set[int] = set()
@@ -247,7 +255,7 @@ def _interesting(premises: Sequence[Trace], absences: bool) -> list[Trace]:
     ]
 
 
-def _below(step: Derived, most: int | None = None) -> list[Trace]:
+def _below(step: Trace, most: int | None = None) -> list[Trace]:
     """Return a step and everything that supports it, the nearest first; so many at most."""
     found: list[Trace] = [step]
     seen = {id(step)}
@@ -262,17 +270,19 @@ def _below(step: Derived, most: int | None = None) -> list[Trace]:
     return found
 
 
-def _leaves(step: Derived) -> Sequence[Given]:
-    """Return the facts below a step, one for each place."""
+def leaves_of(trace: Trace) -> Sequence[Given]:
+    """Return the facts that a trace rests on, one for each place, in their order."""
     found: dict[Span, Given] = {}
-    for part in _below(step):
+    for part in _below(trace):
         if isinstance(part, Given) and part.span is not None:
             found.setdefault(part.span, part)
     return [found[span] for span in sorted(found)]
 
 
-def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
+def _leaf(step: Trace, line_at: Callable[[Span], str], folded: bool) -> str | None:
     match step:
+        case Given(atom, span) if span is not None and not folded:
+            return f"{atom}  {span.path}:{span.line}"
         case Given(_, span) if span is not None:
             return f"{span.path}:{span.line}: {line_at(span)}"
         case Given():
@@ -285,30 +295,30 @@ def _leaf(step: Trace, line_at: Callable[[Span], str]) -> str | None:
             return None
 
 
-def wrapped(text: str, level: int) -> Sequence[str]:
+def wrapped(text: str, level: int, width: int = WIDTH) -> Sequence[str]:
     """Return a text's lines, indented by its level, what goes on further."""
     indent = "  " * min(level, 20)
     if not text.isprintable():
         text = _SPACE.sub(" ", text.expandtabs())
     text = text.strip(" ")
-    if len(indent) + len(text) <= WIDTH:
+    if len(indent) + len(text) <= width:
         return (indent + text,) if text else ()
-    return tuple(_lines(text, indent))
+    return tuple(_lines(text, indent, width))
 
 
-def _lines(text: str, indent: str) -> Iterator[str]:
+def _lines(text: str, indent: str, width: int) -> Iterator[str]:
     """Yield the lines of a text, as `textwrap` does at many times the cost."""
     further = indent + "    "
     while text:
         end = len(text)
-        if len(indent) + end > WIDTH:
-            end = text.rfind(" ", 0, WIDTH - len(indent) + 1)
+        if len(indent) + end > width:
+            end = text.rfind(" ", 0, width - len(indent) + 1)
             if end < 0:
                 # A word that is longer than a line has one of its own.
                 end = len(text.partition(" ")[0])
         line = indent + text[:end].rstrip(" ")
         # An atom has no spaces; it goes on behind one of its commas.
-        while len(line) > WIDTH and (comma := line.rfind(",", len(further), WIDTH) + 1):
+        while len(line) > width and (comma := line.rfind(",", len(further), width) + 1):
             yield line[:comma]
             line = further + line[comma:]
         yield line

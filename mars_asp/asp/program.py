@@ -1,0 +1,339 @@
+"""The face of the engine: a program, its answer, and why an atom is in it or not.
+
+>>> program = Program.from_text("edge(a,b). reach(a). reach(Y) :- reach(X), edge(X,Y).")
+>>> print(program.solve().why("reach(b)").text())
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.messages import said, saying
+from mars_asp.asp.rules.consistency import minimal_conflict
+from mars_asp.asp.rules.read import RuleFile, read_file, read_rules
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import without_rules
+from mars_asp.asp.rules.symbols import symbol_in, term_of
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.grounding import Grounding, Resolution
+from mars_asp.asp.solve.optimum import UnsatisfiableError
+from mars_asp.asp.solve.term_ids import as_symbol, text
+from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.explainer import Explainer
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.patterns import fits, pattern_in
+from mars_asp.asp.trace.text import WIDTH, leaves_of, trace_json, traces_text
+from mars_asp.asp.trace.tree import Derived, Given, Trace
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+
+#: The stage of a program whose rules stand in no folder.
+_STAGE = "base"
+_MOST_TRIED = 100
+
+
+class NotDerived(MarsError):  # noqa: N818 -- what is said of an atom
+    """An atom does not hold in an answer, or is no atom."""
+
+
+class Unsatisfiable(MarsError):  # noqa: N818
+    """A program has no answer."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """Rules and facts of any logic program, checked; solved as often as somebody likes."""
+
+    files: tuple[RuleFile, ...]
+
+    @classmethod
+    def from_files(cls, *paths: str | Path) -> "Program":
+        """Read files of rules.
+
+        Raises:
+            MarsError: everything that is wrong with them, each with its place.
+        """
+        problems: list[Diagnostic] = []
+        found = [read_file(Path(path), str(path), _STAGE, problems, True) for path in paths]
+        if problems:
+            raise MarsError(problems)
+        return cls(tuple(filter(None, found)))
+
+    @classmethod
+    def from_text(cls, text: str, path: str = "program.lp") -> "Program":
+        """Read rules; `path` is the name that places carry.
+
+        Raises:
+            MarsError: everything that is wrong with them, each with its place.
+        """
+        problems: list[Diagnostic] = []
+        found = read_rules(text, path, _STAGE, Path(path).stem, problems)
+        if problems or found is None:
+            raise MarsError(problems)
+        return cls((found,))
+
+    @cached_property
+    def rulebook(self) -> Rulebook:
+        """Return the rules and their texts."""
+        return Rulebook(
+            tuple(rule for file in self.files for rule in file.rules),
+            tuple((file.stage, file.text) for file in self.files),
+            paths=tuple(file.shown for file in self.files),
+        )
+
+    def solve(
+        self, constants: Mapping[str, int | str] | None = None, deadline: float | None = None
+    ) -> "Answer":
+        """Return a least answer: an answer, where nothing is minimised.
+
+        Parts of the program that share nothing are solved one by one. `constants` replace those of
+        `#const`; `deadline` is a time of `time.monotonic`, after which an answer that was found is
+        no longer improved.
+
+        Raises:
+            MarsError: clingo refuses the program.
+            Unsatisfiable: there is no answer.
+        """
+        defined = _definitions(constants or {})
+        grounding = Grounding((), options=defined)
+        stated = [rule for rule in self.rulebook.rules if _states(rule)]
+        program = [*self.rulebook.fragments(_STAGE), *saying(_STAGE, stated)]
+        try:
+            resolution = grounding.choose(program, deadline)
+        except UnsatisfiableError:
+            resolution = None
+        if resolution is None or not resolution.answer.exists:
+            place = point(self.files[0].shown if self.files else "program", 1, 1)
+            message = "the program has no answer"
+            advice = "`why_unsatisfiable` names rules that exclude every answer together"
+            found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
+            raise Unsatisfiable((found,))
+        spans: dict[str, Span] = {}
+        for each in said(grounding.control, _STAGE, stated):
+            spans.setdefault(text(each.head), each.rule.span)
+        return Answer(self, defined, grounding, resolution, spans)
+
+    def why_unsatisfiable(
+        self, constants: Mapping[str, int | str] | None = None
+    ) -> tuple[Rule, ...]:
+        """Return rules and facts that together have no answer, none of which could be left out.
+
+        There are none where the program has an answer.
+        """
+        return self._conflict("", _definitions(constants or {}))
+
+    @contextmanager
+    def session(self) -> Iterator["Session"]:
+        """Keep what was grounded between questions."""
+        yield Session(self)
+
+    def _conflict(self, more: str, defined: Sequence[str]) -> tuple[Rule, ...]:
+        fixed = "\n".join([*(without_rules(file.text) for file in self.files), more])
+        return tuple(minimal_conflict(self.rulebook.rules, fixed, defined))
+
+    def line_at(self, span: Span) -> str:
+        """Return the text of the line where something stands."""
+        text = next((file.text for file in self.files if file.shown == span.path), "")
+        return "".join(text.split("\n")[span.line - 1 : span.line]).strip()
+
+
+@dataclass(frozen=True)
+class Session:
+    """Questions to a program; each answer is found once."""
+
+    program: Program
+    _answers: dict[tuple[tuple[str, int | str], ...], "Answer"] = field(default_factory=dict)
+
+    def solve(self, constants: Mapping[str, int | str] | None = None) -> "Answer":
+        """Return what `Program.solve` does, found once."""
+        key = tuple(sorted((constants or {}).items()))
+        if key not in self._answers:
+            self._answers[key] = self.program.solve(constants)
+        return self._answers[key]
+
+    def why(self, atom: str, every: bool = False) -> "Reason":
+        """Return why an atom holds in the answer, as `Answer.why` does."""
+        return self.solve().why(atom, every)
+
+    def why_not(self, atom: str, depth: int = 8) -> "Reason":
+        """Return why an atom does not hold in the answer, as `Answer.why_not` does."""
+        return self.solve().why_not(atom, depth)
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why an atom holds or not: a trace, and how it is shown.
+
+    Of an absence, `extra` is what the cheapest answer with the atom costs more, by priority, and
+    `against` are rules that together exclude every answer with it; each is `None` where it was not
+    looked for: an atom that no choice could give is in no answer anyhow.
+    """
+
+    title: str
+    trace: Trace
+    line_at: Callable[[Span], str]
+    extra: Mapping[int, int] | None = None
+    against: tuple[Rule, ...] | None = None
+
+    def text(self, width: int = WIDTH, depth: int | None = None) -> str:
+        """Return the trace as text: what rules say, and where they and the facts stand.
+
+        A rule without a message is told by the atom that it gives. Below `depth`, facts follow.
+        """
+        topics = [(self.title, self.trace)]
+        lines = list(traces_text(topics, self.line_at, depth, width, folded=False))
+        if self.extra is not None:
+            costs = [f"{cost} at priority {at}" for at, cost in sorted(self.extra.items())[::-1]]
+            lines.append(f"  with it an answer costs {' and '.join(costs)} more")
+        if self.against:
+            lines.append("  no answer has it:")
+            lines += (
+                f"    {rule.span.path}:{rule.span.line}: {rule.text}" for rule in self.against
+            )
+        return "\n".join(lines)
+
+    def json(self, depth: int | None = None) -> dict[str, object]:
+        """Return the trace as values for JSON."""
+        return trace_json(self.trace, depth)
+
+    def leaves(self) -> Sequence[Given]:
+        """Return the facts that the trace rests on, one for each place, in their order."""
+        return leaves_of(self.trace)
+
+    @property
+    def height(self) -> int:
+        """Return the longest way from the atom to a fact, in steps."""
+        heights: dict[int, int] = {}
+        stack: list[Trace] = [self.trace]
+        while stack:
+            step = stack[-1]
+            below = step.premises if isinstance(step, Derived) else ()
+            new = [each for each in below if id(each) not in heights]
+            if new:
+                stack += new
+                continue
+            stack.pop()
+            heights[id(step)] = 1 + max((heights[id(each)] for each in below), default=-1)
+        return heights[id(self.trace)]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A least answer of a program. It can be asked as often as somebody likes."""
+
+    program: Program
+    constants: Sequence[str]
+    grounding: Grounding
+    resolution: Resolution
+    spans: Mapping[str, Span]
+
+    def __post_init__(self) -> None:
+        """Read what is true while the solver can still be asked."""
+        _ = self.atoms
+
+    @property
+    def cost(self) -> Mapping[int, int]:
+        """Return what the answer costs, by priority."""
+        return self.resolution.cost
+
+    @property
+    def proven(self) -> bool:
+        """Whether no answer costs less."""
+        return self.resolution.proven
+
+    @property
+    def count(self) -> int | None:
+        """Return how many answers cost as little; `None` where nobody counted."""
+        return self.resolution.count
+
+    @cached_property
+    def atoms(self) -> frozenset[clingo.Symbol]:
+        """Return the atoms that hold."""
+        control = self.grounding.control
+        facts = (atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
+        chosen = map(as_symbol, self.resolution.answer.taken)
+        return frozenset(atom for atom in (*facts, *chosen) if not atom.name.startswith("_"))
+
+    def holds(self, atom: str) -> bool:
+        """Whether an atom, as clingo writes it, is in the answer."""
+        return symbol_in(atom) in self.atoms
+
+    def why(self, atom: str, every: bool = False) -> Reason:
+        """Return why an atom holds; with `every`, with all derivations of each step.
+
+        Raises:
+            NotDerived: it does not.
+        """
+        symbol = symbol_in(atom)
+        if symbol not in self.atoms or symbol is None:
+            message = f"`{atom}` does not hold" if symbol else f"`{atom}` is no atom"
+            found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
+            raise NotDerived((found,))
+        return Reason(str(symbol), self._explainer.why([symbol], every)[symbol], self._line_at)
+
+    def why_not(self, atom: str, depth: int = 8) -> Reason:
+        """Return why an atom does not hold; its variables, and `_`, stand for any value.
+
+        Raises:
+            NotDerived: it does, or is no atom.
+        """
+        pattern = pattern_in(atom)
+        matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
+        if pattern is None or matching:
+            message = f"`{atom}` is no atom" if pattern is None else f"`{matching[0]}` holds"
+            found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
+            raise NotDerived((found,))
+        trace = why_not(self._explainer, pattern, depth)
+        extra, against = self._forced(pattern)
+        return Reason(f"no {atom}", trace, self._line_at, extra, against)
+
+    def _forced(
+        self, pattern: clingo.Symbol
+    ) -> tuple[Mapping[int, int] | None, tuple[Rule, ...] | None]:
+        """Return what the cheapest answer with an atom costs more, or what excludes each."""
+        found = self.grounding.symbols(pattern.name, len(pattern.arguments))
+        best: Mapping[int, int] | None = None
+        offered = [each for each in sorted(found) if fits(pattern, each)][:_MOST_TRIED]
+        for each in offered:
+            extra = self.grounding.extra_cost(each)
+            if extra is not None and (best is None or _ranked(extra) < _ranked(best)):
+                best = extra
+        if best is not None or not offered:
+            return best, None
+        return None, self.program._conflict(f":- not {offered[0]}.", self.constants)
+
+    @cached_property
+    def _explainer(self) -> Explainer:
+        facts = [
+            Fact(atom, span)
+            for written, span in self.spans.items()
+            if isinstance(atom := term_of(clingo.parse_term(written)), Atom)
+        ]
+        control, opened = self.grounding.control, self.resolution.answer.true
+        return Explainer(self.program.rulebook, control, GivenFacts(facts), opened)
+
+    @property
+    def _path(self) -> str:
+        return self.program.files[0].shown if self.program.files else "program"
+
+    def _line_at(self, span: Span) -> str:
+        return self.program.line_at(span)
+
+
+def _definitions(constants: Mapping[str, int | str]) -> tuple[str, ...]:
+    return tuple(f"-c{name}={value}" for name, value in constants.items())
+
+
+def _states(rule: Rule) -> bool:
+    """Whether a rule states facts, without a message that would say more."""
+    if rule.because is not None or rule.is_choice:
+        return False
+    return all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
+
+
+def _ranked(extra: Mapping[int, int]) -> list[int]:
+    return [extra[level] for level in sorted(extra, reverse=True)]
