@@ -55,4 +55,8 @@ class MarsError(Exception):
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep the diagnostics for the command line to render."""
         self.diagnostics = by_place(diagnostics)
-        super().__init__(f"{len(self.diagnostics)} problem(s), first: {self.diagnostics[0]}")
+        first = self.diagnostics[0]
+        more = len(self.diagnostics) - 1
+        others = f", and {more} more" if more else ""
+        place = f"{first.span.path}:{first.span.line}:{first.span.column}"
+        super().__init__(f"{place}: {first.message}{others}")

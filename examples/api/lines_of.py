@@ -6,12 +6,7 @@
 import sys
 from collections.abc import Iterator
 
-from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.questions.explain import explain
-from mars_asp.reasoning.project import load_project
-from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.diagnostic import Span
-from mars_asp.asp.trace import Derived, Given, Trace
+from mars_asp import Derived, Given, MarsError, Span, Trace, explain, load_project, load_rulebook
 
 
 def places(trace: Trace) -> Iterator[Span]:

@@ -169,10 +169,11 @@ class Grounding:
         #: What is a fact, whatever later rules choose.
         self._settled = frozenset(self.control.symbolic_atoms.signatures)
 
-    def add(self, program: Sequence[Fragment]) -> None:
+    def add(self, program: Sequence[Fragment], undefined: bool = False) -> None:
         """Ground rules and facts over what is grounded already.
 
-        What is wrong with them is told with its place in their files.
+        What is wrong with them is told with its place in their files. Where operations may be
+        `undefined`, such as `1/0`, instances with such a one are left out, as clingo does.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -186,7 +187,7 @@ class Grounding:
         except RuntimeError as error:
             raise self.refused(str(error)) from None
         worst = clingo.MessageCode.OperationUndefined
-        if any(code == worst for code, _ in self._messages):
+        if not undefined and any(code == worst for code, _ in self._messages):
             raise self.refused("an operation is undefined")
 
     def derive(self, text: str) -> None:
@@ -265,7 +266,7 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
-        self.add(program)
+        self.add(program, undefined=True)
         self._names = {
             literal: atom
             for signature in self.control.symbolic_atoms.signatures

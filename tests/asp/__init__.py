@@ -1,0 +1,1 @@
+"""Tests of the engine; no robot is used here."""
