@@ -33,7 +33,8 @@ from mars_asp.model.declarations import (
     Relationship,
 )
 from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.facts.compile import facts_text, mode_of
+from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.identifiers import mode_of
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise

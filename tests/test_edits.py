@@ -13,7 +13,8 @@ from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.model.declarations import Service, ends_of
-from mars_asp.reasoning.facts.compile import described_modules, numbered_annotations
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.facts.identifiers import numbered_annotations
 from mars_asp.reasoning.project import load_project, revised
 from mars_asp.reasoning.questions.annotation_edits import read
 from mars_asp.reasoning.questions.edits import (

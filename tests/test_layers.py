@@ -2,14 +2,12 @@
 
 import ast
 import re
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from tests.documents import ROOT
+from tests.imports_drawn import HOUSE, drawing, imported, rooms
 
-HOUSE = ROOT / "mars_asp"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
     ("diagnostic", "spelling", "output"),
@@ -35,7 +33,7 @@ FILES = {
         "firings scope tree absence_text counted counting_rules given heights literal_order "
         "others_text patterns dominators firing_rules text near_misses proofs explainer absence"
     ),
-    "model": "cycles declarations ranges modes transformation",
+    "model": "cycles declarations described ranges modes transformation",
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"
@@ -50,7 +48,7 @@ FILES = {
     "reasoning": (
         "facts findings rules analysis project sample synthesis questions verification capability"
     ),
-    "reasoning/facts": "compile index motion",
+    "reasoning/facts": "identifiers compile index motion",
     "reasoning/synthesis": (
         "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
@@ -76,26 +74,15 @@ FILES = {
         "verify diff repair explain"
     ),
 }
+#: The packages whose imports `docs/design.md` draws, in its order.
+DRAWN = (".", "asp", "reasoning", "execution")
 #: Words of robots, which the engine does not know.
 OURS = re.compile(r"robot|sensor|effector|controller|consequence|splitter", re.IGNORECASE)
 
 
-def places(folder: Path) -> set[str]:
-    """Return the files and folders of a package by their names."""
-    found = (path for path in folder.iterdir() if path.suffix == ".py" or path.is_dir())
-    return {path.stem for path in found if not path.name.startswith("__")}
-
-
-def imported(path: Path) -> Iterator[str]:
-    """Yield the modules of ours that a file imports from, with what it takes from them."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp"):
-            yield from (f"{node.module}.{each.name}" for each in node.names)
-
-
 def test_the_house_has_these_rooms() -> None:
     listed = {place for layer in LAYERS for place in layer}
-    assert places(HOUSE) == listed
+    assert rooms(HOUSE) == listed
     folders = [path for path in HOUSE.iterdir() if path.is_dir() and not path.name.startswith("__")]
     assert len(folders) <= 10
     assert len(list(HOUSE.glob("*.py"))) <= 5
@@ -118,7 +105,7 @@ def test_imports_point_one_way() -> None:
 @pytest.mark.parametrize("package", FILES)
 def test_imports_inside_a_package_point_one_way(package: str) -> None:
     files = FILES[package].split()
-    assert places(HOUSE / package) == set(files)
+    assert rooms(HOUSE / package) == set(files)
     prefix = f"mars_asp.{package.replace('/', '.')}."
     wrong = []
     for path in sorted((HOUSE / package).rglob("*.py")):
@@ -128,6 +115,16 @@ def test_imports_inside_a_package_point_one_way(package: str) -> None:
             if other in files and files.index(other) > files.index(room):
                 wrong.append(f"{path.relative_to(ROOT)} imports {name}")
     assert wrong == []
+
+
+def test_the_drawing_shows_the_real_imports(update_golden: bool) -> None:
+    place = ROOT / "docs" / "design.md"
+    text = place.read_text(encoding="utf-8")
+    blocks = iter([drawing(HOUSE / name) for name in DRAWN])
+    drawn = re.sub(r"(?ms)^```mermaid\n.*?^```$", lambda _: f"```mermaid\n{next(blocks)}```", text)
+    if update_golden:
+        place.write_text(drawn, encoding="utf-8")
+    assert drawn == text
 
 
 def test_the_engine_knows_no_robots() -> None:

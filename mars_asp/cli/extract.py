@@ -10,8 +10,8 @@ from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
 from mars_asp.model.declarations import Function, Module, Service
+from mars_asp.model.described import module_classes
 from mars_asp.output import visible
-from mars_asp.reasoning.facts.compile import module_classes
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

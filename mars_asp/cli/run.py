@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
     from mars_asp.execution.trial import stage_trial
-    from mars_asp.reasoning.facts.compile import described_modules
+    from mars_asp.model.described import described_modules
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
     check_packages(arguments)

@@ -23,8 +23,8 @@ from mars_asp.model.declarations import (
     Mount,
     node_kind,
 )
+from mars_asp.model.described import module_classes
 from mars_asp.reasoning.analysis import diagnostic
-from mars_asp.reasoning.facts.compile import module_classes
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.synthesise import (
     CONVERSION,

@@ -16,8 +16,8 @@ from mars_asp.model.declarations import (
     Relationship,
     node_kind,
 )
+from mars_asp.model.described import module_classes
 from mars_asp.output import visible
-from mars_asp.reasoning.facts.compile import module_classes
 
 LineKind: TypeAlias = Literal["mount", "data", "control"]
 

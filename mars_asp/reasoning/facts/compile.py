@@ -1,13 +1,9 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from decimal import Decimal
 from functools import cached_property
-from itertools import groupby
-from operator import attrgetter
 from typing import get_args
-
-from clingo import Symbol
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -30,12 +26,18 @@ from mars_asp.model.declarations import (
     ends_of,
     node_kind,
 )
-from mars_asp.model.modes import parse_mode
+from mars_asp.model.described import CLASSES, described_modules, module_classes
+from mars_asp.reasoning.facts.identifiers import (
+    ANY,
+    NONE,
+    PERIODIC,
+    millihertz,
+    mode_term,
+    numbered,
+    numbered_annotations,
+    plain,
+)
 from mars_asp.spelling import resemblances
-
-ANY = Atom("any")
-NONE = Atom("none")
-PERIODIC = "NotifyAtFrequency"
 
 
 def configuration_facts(
@@ -53,22 +55,6 @@ def configuration_facts(
     return Compiler(configuration, modules or {}, wanted).compile()
 
 
-def described_modules(
-    configuration: Configuration, modules: Mapping[str, Module]
-) -> dict[str, Module]:
-    """Return the modules that rules are told of, by name: those named, and every converter."""
-    every = {**modules, **{module.name: module for module in configuration.declared}}
-    named = {name.text for name in configuration.modules}
-    named |= {
-        name for relationship in configuration.relationships for name in ends_of(relationship)
-    }
-    return {
-        name: every[name]
-        for name in sorted(every)
-        if name in named or any(s.kind == "Converts" for s in every[name].services)
-    }
-
-
 def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
     """Return the representations that rules are told of, in the form in which they are told."""
     return _names(described_modules(configuration, modules))
@@ -76,50 +62,6 @@ def representation_names(configuration: Configuration, modules: Mapping[str, Mod
 
 def _names(described: Mapping[str, Module]) -> Names:
     return canonical_names(sorted(set(_representations(described.values()))))
-
-
-def numbered_annotations(
-    configuration: Configuration, described: Mapping[str, Module]
-) -> Iterator[tuple[int, Module, Service | Function]]:
-    """Yield the annotations of described modules with their identifiers."""
-    number = len(configuration.relationships)
-    for module in described.values():
-        for annotation in annotations_of(module):
-            number += 1
-            yield number, module, annotation
-
-
-def annotations_of(module: Module) -> tuple[Service | Function, ...]:
-    """Return the annotations of a module in the order of their identifiers."""
-    return (*module.services, *module.functions)
-
-
-def mode_term(mode: Mode) -> Atom:
-    """Return mode(Name, Arguments); modes that mean the same give the same term."""
-    inside = [plain(number) for number in mode.arguments]
-    if mode.of is not None:
-        inside.append(f"of={mode.of}")
-    return Atom("mode", (mode.name, ", ".join(inside)))
-
-
-def mode_of(term: Symbol) -> Mode:
-    """Return the mode of a term mode(Name, Arguments)."""
-    name, inside = (argument.string for argument in term.arguments)
-    mode = parse_mode(f"{name}({inside})" if inside else name)
-    if not isinstance(mode, Mode):
-        raise ValueError(f"no delivery mode: {term}")
-    return mode
-
-
-def millihertz(hz: Decimal) -> int:
-    """Return a frequency in whole millihertz, which those that were read are."""
-    return int(hz * 1000)
-
-
-def plain(number: Decimal) -> str:
-    """Return a number without exponent and without trailing zeros."""
-    text = format(number, "f")
-    return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
@@ -140,19 +82,10 @@ FRAMES = frozenset(
 )
 
 
-_CLASSES = (
-    "sensor",
-    "effector",
-    "end_effector",
-    "data_out_algorithm",
-    "control_out_algorithm",
-    "data_sink",
-    "converter",
-)
 _KNOTS = ("data", "control", "mount")
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
-    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *_CLASSES, *_KNOTS}
+    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
     | {ANY.name, NONE.name, "zero", "generic"}
 )
 
@@ -406,59 +339,6 @@ class Compiler:
                     self.add(span, "entangled", Atom(kind), index, name)
                 names = [start for start, _, _ in knot.walk]
                 self.add(span, "spelt", Atom(kind), index, " -> ".join([*names, names[0]]))
-
-
-def numbered(
-    relationships: Sequence[Relationship],
-) -> tuple[tuple[int, Relationship], ...]:
-    """Return relationships with their identifiers, integers from 1.
-
-    They are numbered by what they say, so that the order of the lines of a file, which means
-    nothing, cannot decide anything either.
-    """
-    found: list[Relationship] = []
-    for kind, ends in _ENDS.items():
-        alike = sorted((each for each in relationships if type(each) is kind), key=ends)
-        # Few relate the same two modules, so little else is ever compared.
-        for _, group in groupby(alike, ends):
-            first, *others = group
-            found += sorted((first, *others), key=_content) if others else (first,)
-    return tuple(enumerate(found, 1))
-
-
-#: The two modules of relationships of each kind, the kinds in the order of their identifiers.
-_ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = {
-    Data: attrgetter("client", "source"),
-    Control: attrgetter("controlled", "controller"),
-    Mount: attrgetter("mounting", "mounted"),
-}
-
-
-def _content(relationship: Relationship) -> tuple[object, ...]:
-    """Return what a relationship says of its two modules, and where."""
-    match relationship:
-        case Data(_, _, span, mode, hz):
-            return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
-        case Control(_, _, span, priority, hold, allocation):
-            return (priority or 0, hold or 0, allocation or "", span)
-        case Mount(_, _, span, at, on):
-            return (at or 0, on or 0, span)
-
-
-def module_classes(module: Module) -> Iterator[str]:
-    """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
-    kinds = {service.kind for service in module.services}
-    functions = {function.name for function in module.functions}
-    tests = (
-        "Sense" in kinds,
-        bool(functions - {"Grasp"}),
-        "Grasp" in functions,
-        "DataOut" in kinds,
-        "ControlOut" in kinds,
-        "DataIn" in kinds,
-        "Converts" in kinds,
-    )
-    return (name for name, holds in zip(_CLASSES, tests, strict=True) if holds)
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

@@ -12,13 +12,8 @@ from typing import TypeAlias
 
 from mars_asp.asp.solve.atoms import Fact, Term
 from mars_asp.model.declarations import Configuration, Module, Name, ends_of
-from mars_asp.reasoning.facts.compile import (
-    ANNOTATIONS,
-    FRAMES,
-    RELATIONSHIPS,
-    Compiler,
-    annotations_of,
-)
+from mars_asp.reasoning.facts.compile import ANNOTATIONS, FRAMES, RELATIONSHIPS, Compiler
+from mars_asp.reasoning.facts.identifiers import annotations_of
 
 #: Given predicates, by name and arity, and the positions from 0 of the arguments by which their
 #: facts are found: identifiers, and names of modules.

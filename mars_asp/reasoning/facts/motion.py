@@ -23,8 +23,9 @@ from mars_asp.kinematics.frames import (
 )
 from mars_asp.kinematics.supports import circuits, columns_with_share, fewest_groups, spanned
 from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Control, Module, Mount
+from mars_asp.model.described import described_modules, module_classes
 from mars_asp.model.ranges import MOST
-from mars_asp.reasoning.facts.compile import described_modules, module_classes, numbered
+from mars_asp.reasoning.facts.identifiers import numbered
 
 _SEEDS = (1, 2, 3)
 _ZERO, _GENERIC = Atom("zero"), Atom("generic")

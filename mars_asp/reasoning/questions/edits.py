@@ -30,12 +30,8 @@ from mars_asp.model.declarations import (
     Relationship,
     Service,
 )
-from mars_asp.reasoning.facts.compile import (
-    described_modules,
-    mode_of,
-    numbered,
-    numbered_annotations,
-)
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from clingo import String, Symbol, SymbolType
 
 from mars_asp.model.declarations import Conversion, Data, Mode
-from mars_asp.reasoning.facts.compile import PERIODIC, mode_of
+from mars_asp.reasoning.facts.identifiers import PERIODIC, mode_of
 from mars_asp.reasoning.synthesis.draft import Draft
 
 

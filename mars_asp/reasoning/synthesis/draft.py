@@ -14,7 +14,8 @@ from mars_asp.model.declarations import (
     Relationship,
     Service,
 )
-from mars_asp.reasoning.facts.compile import described_modules, numbered, numbered_annotations
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 
 #: The predicate of `rules/resolve` that has one atom for each node of a kind.
 NODE_PREDICATES: Mapping[NodeKind, tuple[str, int]] = {

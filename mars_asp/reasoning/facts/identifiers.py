@@ -1,0 +1,107 @@
+"""What facts identify things by: numbers of relationships and annotations, and terms of modes."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from decimal import Decimal
+from itertools import groupby
+from operator import attrgetter
+
+from clingo import Symbol
+
+from mars_asp.asp.solve.atoms import Atom
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Function,
+    Mode,
+    Module,
+    Mount,
+    Relationship,
+    Service,
+)
+from mars_asp.model.modes import parse_mode
+
+ANY = Atom("any")
+NONE = Atom("none")
+PERIODIC = "NotifyAtFrequency"
+
+
+def numbered_annotations(
+    configuration: Configuration, described: Mapping[str, Module]
+) -> Iterator[tuple[int, Module, Service | Function]]:
+    """Yield the annotations of described modules with their identifiers."""
+    number = len(configuration.relationships)
+    for module in described.values():
+        for annotation in annotations_of(module):
+            number += 1
+            yield number, module, annotation
+
+
+def annotations_of(module: Module) -> tuple[Service | Function, ...]:
+    """Return the annotations of a module in the order of their identifiers."""
+    return (*module.services, *module.functions)
+
+
+def mode_term(mode: Mode) -> Atom:
+    """Return mode(Name, Arguments); modes that mean the same give the same term."""
+    inside = [plain(number) for number in mode.arguments]
+    if mode.of is not None:
+        inside.append(f"of={mode.of}")
+    return Atom("mode", (mode.name, ", ".join(inside)))
+
+
+def mode_of(term: Symbol) -> Mode:
+    """Return the mode of a term mode(Name, Arguments)."""
+    name, inside = (argument.string for argument in term.arguments)
+    mode = parse_mode(f"{name}({inside})" if inside else name)
+    if not isinstance(mode, Mode):
+        raise ValueError(f"no delivery mode: {term}")
+    return mode
+
+
+def millihertz(hz: Decimal) -> int:
+    """Return a frequency in whole millihertz, which those that were read are."""
+    return int(hz * 1000)
+
+
+def plain(number: Decimal) -> str:
+    """Return a number without exponent and without trailing zeros."""
+    text = format(number, "f")
+    return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
+
+
+def numbered(
+    relationships: Sequence[Relationship],
+) -> tuple[tuple[int, Relationship], ...]:
+    """Return relationships with their identifiers, integers from 1.
+
+    They are numbered by what they say, so that the order of the lines of a file, which means
+    nothing, cannot decide anything either.
+    """
+    found: list[Relationship] = []
+    for kind, ends in _ENDS.items():
+        alike = sorted((each for each in relationships if type(each) is kind), key=ends)
+        # Few relate the same two modules, so little else is ever compared.
+        for _, group in groupby(alike, ends):
+            first, *others = group
+            found += sorted((first, *others), key=_content) if others else (first,)
+    return tuple(enumerate(found, 1))
+
+
+#: The two modules of relationships of each kind, the kinds in the order of their identifiers.
+_ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = {
+    Data: attrgetter("client", "source"),
+    Control: attrgetter("controlled", "controller"),
+    Mount: attrgetter("mounting", "mounted"),
+}
+
+
+def _content(relationship: Relationship) -> tuple[object, ...]:
+    """Return what a relationship says of its two modules, and where."""
+    match relationship:
+        case Data(_, _, span, mode, hz):
+            return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
+        case Control(_, _, span, priority, hold, allocation):
+            return (priority or 0, hold or 0, allocation or "", span)
+        case Mount(_, _, span, at, on):
+            return (at or 0, on or 0, span)
