@@ -181,6 +181,17 @@ class _Tree:
             self.known[key] = cheapest(self.ways(*key))
         return self.known[key]
 
+    def converted(
+        self, representation: str, split: bool, clients: tuple[Client, ...], passed: frozenset[str]
+    ) -> Iterator[tuple[Cost, Hashable]]:
+        for given, result, price, name in self.converters:
+            if given != representation or result in passed or result == representation:
+                continue
+            below = self.link(result, "converted", split, False, clients, passed | {given}, False)
+            if below is not None:
+                for wiring in below[1]:
+                    yield add((1, price, 1), below[0]), ("transformer", name, wiring)
+
     def ways(
         self,
         representation: str | None,
@@ -209,15 +220,7 @@ class _Tree:
                     for wirings in itertools.product(*(part[1] for part in known)):
                         yield cost, ("splitter", frozenset(wirings))
         if made != "abstract" and representation is not None:
-            for given, result, price, name in self.converters:
-                if given != representation or result in passed or result == representation:
-                    continue
-                below = self.link(
-                    result, "converted", split, False, clients, passed | {given}, False
-                )
-                if below is not None:
-                    for wiring in below[1]:
-                        yield add((1, price, 1), below[0]), ("transformer", name, wiring)
+            yield from self.converted(representation, split, clients, passed)
         if made == "own" and all(client.orphan for client in clients):
             for result in sorted(set().union(*(client.accepts or set() for client in clients))):
                 below = self.link(result, "abstract", split, False, clients, passed, False)

@@ -313,21 +313,27 @@ class _DataJudge:
                 refuse(3, f"a condition before {line.client}")
             if offer is not None and need is not None and line is not path[-1] and carried:
                 self.starves(need, carried, offer)
+        self.arrives(path[-1].client, need, offer, carried)
+        if doubt is not None and offer is not None:
+            raise UnsaidError(doubt)
+
+    def arrives(
+        self, client: str, need: Offer | None, offer: Offer | None, carried: Offer | None
+    ) -> None:
+        """Judge the service that a client gets at the end of its path."""
         if offer is None:
             if need is None and carried is not None:
                 raise UnsaidError(f"{carried} of an unknown source")
             if need is not None and carried is not None and not same(need, carried):
-                refuse(3, f"{path[-1].client} gets {carried}, not {need}")
+                refuse(3, f"{client} gets {carried}, not {need}")
             if need is not None and carried is None:
-                raise UnsaidError(f"{path[-1].client} needs {need} of an unknown source")
+                raise UnsaidError(f"{client} needs {need} of an unknown source")
             return
         assert need is not None and carried is not None
         if table(need, offer) is None:
             refuse(3, f"{need} is not made of {offer}")
         if not same(need, carried):
-            refuse(3, f"{path[-1].client} gets {carried}, not {need}")
-        if doubt is not None:
-            raise UnsaidError(doubt)
+            refuse(3, f"{client} gets {carried}, not {need}")
 
     def starves(self, need: Offer, carried: Offer, offer: Offer) -> None:
         """Refuse a rate on the way that is lower than what is needed behind."""

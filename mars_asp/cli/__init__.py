@@ -38,7 +38,7 @@ VERBS = {
 }
 ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
 
-DONE, FOUND, USAGE, LIMIT, CLOSED_PIPE = 0, 1, 2, 3, 141
+DONE, USAGE, CLOSED_PIPE = 0, 2, 141
 
 
 def run_command(words: Sequence[str]) -> int:

@@ -106,6 +106,58 @@ class _Part:
         self.open = open_premises
 
 
+class _Uses:
+    """What waits for which atoms: firings for their premises, elements of groups for theirs."""
+
+    def __init__(self, firings: Sequence[Firing]) -> None:
+        self._heads = {firing.head for firing in firings}
+        self._users: defaultdict[Term, list[_Waiting | _Part]] = defaultdict(list)
+        self._tallies: dict[Counted, _Tally] = {}
+        #: The firings that wait for nothing.
+        self.ready = [firing for firing in firings if not self._waits(firing)]
+
+    def _waits(self, firing: Firing) -> bool:
+        inside = [atom for atom in firing.premises if atom in self._heads]
+        if not inside and not firing.groups:
+            return False
+        waiting = _Waiting(firing, len(inside))
+        for premise in inside:
+            self._users[premise].append(waiting)
+        for group in firing.groups:
+            tally = self._tally(group.counted)
+            if not tally.reaches(group):
+                tally.wait(group, waiting)
+                waiting.open += 1
+        return waiting.open > 0
+
+    def _tally(self, counted: Counted) -> _Tally:
+        if counted not in self._tallies:
+            tally = self._tallies[counted] = _Tally(counted)
+            for element in counted.elements:
+                inside = [atom for atom in element.premises if atom in self._heads]
+                part = _Part(tally, element, len(inside))
+                for premise in inside:
+                    self._users[premise].append(part)
+                if not inside:
+                    tally.add(element)
+        return self._tallies[counted]
+
+    def reached(self, atom: Term) -> Iterator[Firing]:
+        """Yield the firings that waited for nothing more than an atom."""
+        for user in self._users.pop(atom, ()):
+            user.open -= 1
+            if user.open:
+                continue
+            if isinstance(user, _Waiting):
+                yield user.firing
+                continue
+            user.tally.add(user.element)
+            for waiting in user.tally.release():
+                waiting.open -= 1
+                if not waiting.open:
+                    yield waiting.firing
+
+
 def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[Term, int]]:
     """Return for each atom its firing of least height, and the heights.
 
@@ -114,40 +166,10 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
     Ties go to the first rule, then to the first bindings and premises, so that no order of
     grounding shows.
     """
-    heads = {firing.head for firing in firings}
-    users: defaultdict[Term, list[_Waiting | _Part]] = defaultdict(list)
-    tallies: dict[Counted, _Tally] = {}
-    level: list[Firing] = []
-
-    def tally_of(counted: Counted) -> _Tally:
-        if counted not in tallies:
-            tally = tallies[counted] = _Tally(counted)
-            for element in counted.elements:
-                inside = [atom for atom in element.premises if atom in heads]
-                part = _Part(tally, element, len(inside))
-                for premise in inside:
-                    users[premise].append(part)
-                if not inside:
-                    tally.add(element)
-        return tallies[counted]
-
-    for firing in firings:
-        inside = [atom for atom in firing.premises if atom in heads]
-        if not inside and not firing.groups:
-            level.append(firing)
-            continue
-        waiting = _Waiting(firing, len(inside))
-        for premise in inside:
-            users[premise].append(waiting)
-        for group in firing.groups:
-            tally = tally_of(group.counted)
-            if not tally.reaches(group):
-                tally.wait(group, waiting)
-                waiting.open += 1
-        if not waiting.open:
-            level.append(firing)
+    uses = _Uses(firings)
     best: dict[Term, Firing] = {}
     heights: dict[Term, int] = {}
+    level = uses.ready
     height = 0
     while level:
         height += 1
@@ -159,20 +181,7 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
                 best[atom], heights[atom] = firing, height
             elif heights[atom] == height and firing_order(firing) < firing_order(best[atom]):
                 best[atom] = firing
-        level = []
-        for atom in new:
-            for user in users.pop(atom, ()):
-                user.open -= 1
-                if user.open:
-                    continue
-                if isinstance(user, _Waiting):
-                    level.append(user.firing)
-                    continue
-                user.tally.add(user.element)
-                for waiting in user.tally.release():
-                    waiting.open -= 1
-                    if not waiting.open:
-                        level.append(waiting.firing)
+        level = [firing for atom in new for firing in uses.reached(atom)]
     return best, heights
 
 
