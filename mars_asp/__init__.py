@@ -1,7 +1,7 @@
 """Reason about modular robots with the MARS model and answer set programming.
 
->>> from mars_asp import load_project, load_rulebook, explain
->>> for topic in explain(load_project("config.mars"), load_rulebook()).topics:
+>>> from mars_asp import Reasoner, load_project, load_rulebook, explain
+>>> for topic in explain(Reasoner(load_project("config.mars"), load_rulebook())).topics:
 ...     print(topic.title)
 
 What `__all__` names is public: it changes with the first number of `__version__` alone, as Semantic
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis, Consequence
     from mars_asp.reasoning.project import Project, load_project
     from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
+    from mars_asp.reasoning.questions.why_not import WhyNot, why_not
     from mars_asp.reasoning.rules import load_rulebook
+    from mars_asp.reasoning.session import Reasoner
 
 __version__ = "0.1.0"
 
@@ -34,6 +36,7 @@ _PLACES = {
     "MarsError": "mars_asp.diagnostic",
     "Missing": "mars_asp.asp.trace.tree",
     "Project": "mars_asp.reasoning.project",
+    "Reasoner": "mars_asp.reasoning.session",
     "Rulebook": "mars_asp.asp.rules.rulebook",
     "Span": "mars_asp.diagnostic",
     "Topic": "mars_asp.reasoning.questions.explain",
@@ -41,6 +44,8 @@ _PLACES = {
     "explain": "mars_asp.reasoning.questions.explain",
     "load_project": "mars_asp.reasoning.project",
     "load_rulebook": "mars_asp.reasoning.rules",
+    "WhyNot": "mars_asp.reasoning.questions.why_not",
+    "why_not": "mars_asp.reasoning.questions.why_not",
 }
 
 __all__ = [
@@ -54,13 +59,16 @@ __all__ = [
     "MarsError",
     "Missing",
     "Project",
+    "Reasoner",
     "Rulebook",
     "Span",
     "Topic",
     "Trace",
+    "WhyNot",
     "explain",
     "load_project",
     "load_rulebook",
+    "why_not",
 ]
 
 

@@ -11,6 +11,7 @@ from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternatives, alternatives
 from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, RELATIONSHIPS
 from mars_asp.reasoning.verification import verify
 from tests.documents import ROOT, run
@@ -33,7 +34,7 @@ def found(
     text: str, subject: str | None = None, most: int = 4
 ) -> tuple[Project, Alternatives | None]:
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
-    return project, alternatives(project, RULEBOOK, subject, most)
+    return project, alternatives(Reasoner(project, RULEBOOK), subject, most)
 
 
 @pytest.mark.parametrize("seed", range(40))

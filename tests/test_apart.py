@@ -16,6 +16,7 @@ from mars_asp.reasoning.facts.index import CONNECTED
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.stretches import stretches
 from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.random_configurations import random_configuration
@@ -206,14 +207,14 @@ def read(text: str) -> Project:
 @pytest.mark.parametrize("first", range(0, 60, 4))
 def test_a_node_is_explained_as_among_all_others(first: int) -> None:
     project = read(fleet(range(first, first + 4)))
-    whole = explain(project, RULEBOOK)
+    whole = explain(Reasoner(project, RULEBOOK))
     if whole.synthesis is None:
         return
     nodes = whole.synthesis.specification.nodes
     traces = [trace_json(topic.trace) for topic in whole.topics[-len(nodes) :]]
     titles = [topic.title for topic in whole.topics[-len(nodes) :]]
     for number in random.Random(first).sample(range(len(nodes)), min(3, len(nodes))):
-        part = explain(project, RULEBOOK, nodes[number].name)
+        part = explain(Reasoner(project, RULEBOOK), nodes[number].name)
         assert part.synthesis is None, "the whole was resolved"
         assert [topic.title for topic in part.topics] == [titles[number]]
         assert trace_json(part.topics[0].trace) == traces[number]
@@ -227,7 +228,7 @@ def test_nodes_before_are_counted_with_the_names_that_modules_have() -> None:
     names = "A, B, C, D, E, F, G, H, DataSplitter2"
     project = read("\n".join(("@configuration flat", f"@modules {names}", *robots)))
     titles = [
-        explain(project, RULEBOOK, name).topics[0].title
+        explain(Reasoner(project, RULEBOOK), name).topics[0].title
         for name in ("DataSplitter1", "DataSplitter3")
     ]
     assert titles == [
@@ -255,7 +256,7 @@ def test_nothing_is_found_apart_where_nothing_realises_the_whole() -> None:
     block += ["@Signature void f(P &p)", "@module_end"]
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E", *lines, *block))
     project = read(text)
-    whole = explain(project, RULEBOOK)
+    whole = explain(Reasoner(project, RULEBOOK))
     assert whole.synthesis is None
     found = introduced_with("DataSplitter1", project.configuration, {}, whole.analysis, RULEBOOK)
     assert found is None

@@ -11,6 +11,7 @@ from mars_asp.cli import run_here
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.diff import Difference, diff
+from mars_asp.reasoning.session import Reasoner
 from tests.documents import ROOT, run
 from tests.test_properties import RULEBOOK, configurations, few
 
@@ -27,7 +28,7 @@ def test_cases(folder: Path, update_golden: bool) -> None:
 
 
 def _diff(old: Configuration, new: Configuration) -> Difference:
-    return diff(Project(old, {}, ()), Project(new, {}, ()), RULEBOOK)
+    return diff(Reasoner(Project(old, {}, ()), RULEBOOK), Reasoner(Project(new, {}, ()), RULEBOOK))
 
 
 @settings(few, max_examples=8)

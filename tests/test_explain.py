@@ -8,6 +8,7 @@ from mars_asp.asp.trace.text import trace_json
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
 from tests.documents import ROOT, run
 
 LEVEL0 = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
@@ -30,8 +31,11 @@ Image look();
 @pytest.mark.parametrize("subject", [None, "Turn"])
 def test_both_sorts_are_the_whole(subject: str | None) -> None:
     rulebook = load_rulebook()
-    parts = [explain(LEVEL0, rulebook, subject, only=only) for only in ("consequences", "nodes")]
-    whole = explain(LEVEL0, rulebook, subject)
+    parts = [
+        explain(Reasoner(LEVEL0, rulebook), subject, only=only)
+        for only in ("consequences", "nodes")
+    ]
+    whole = explain(Reasoner(LEVEL0, rulebook), subject)
 
     assert parts[0].synthesis is None
     assert all(part.topics for part in parts)

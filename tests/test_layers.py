@@ -46,7 +46,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "facts findings rules analysis project sample synthesis questions verification capability"
+        "facts findings rules analysis project sample synthesis verification session questions "
+        "capability"
     ),
     "reasoning/facts": "identifiers compile index motion",
     "reasoning/synthesis": (

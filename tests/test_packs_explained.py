@@ -22,8 +22,9 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import slice_for
-from mars_asp.reasoning.questions.explain import explain, explainer_for
+from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner, explainer_for
 from tests.random_configurations import random_configuration
 from tests.random_packs import Pack, random_pack
 from tests.trace_checker import faults
@@ -107,7 +108,7 @@ def wrong_explanations(seed: int, folder: Path) -> tuple[list[str], int]:
         slices += asked_of(name, by_name[name], *told_by)
     for atom in rng.sample(sorted(absent(pack, mine, project)), ASKED):
         try:
-            explain(project, rulebook, str(atom))
+            explain(Reasoner(project, rulebook), str(atom))
             wrong.append(f"explained: {atom}")
         except MarsError:
             pass
@@ -139,7 +140,7 @@ def asked_of(
 ) -> bool:
     """Ask for one thing as `explain` does; return whether a slice answered."""
     try:
-        topics = explain(project, rulebook, subject).topics
+        topics = explain(Reasoner(project, rulebook), subject).topics
     except MarsError as error:
         wrong.append(f"refused: {subject}: {error.diagnostics[0].message}")
         return False
@@ -205,9 +206,9 @@ def test_comments_and_strings_hide_nothing(subject: str, line: int | None, tmp_p
     project = load_project("ranked.mars", text=RANKED)
     if line is None:
         with pytest.raises(MarsError):
-            explain(project, load_rulebook([pack]), subject)
+            explain(Reasoner(project, load_rulebook([pack])), subject)
     else:
-        (topic,) = explain(project, load_rulebook([pack]), subject).topics
+        (topic,) = explain(Reasoner(project, load_rulebook([pack])), subject).topics
         assert isinstance(topic.trace, Derived)
         assert topic.trace.rule.span.line == line
 

@@ -16,8 +16,9 @@ from mars_asp.reasoning.facts.index import KEYS
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
-from mars_asp.reasoning.questions.explain import explain, explainer_for
+from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner, explainer_for
 from tests.documents import ROOT
 from tests.random_configurations import random_configuration
 
@@ -38,9 +39,9 @@ def sliced(project: Project, subject: str, rulebook: Rulebook) -> Slice | None:
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=lambda path: path.parent.name)
 def test_a_slice_explains_as_the_whole_does(path: Path) -> None:
     project = load_project(str(path))
-    whole = explain(project, RULEBOOK)
+    whole = explain(Reasoner(project, RULEBOOK))
     for topic in whole.topics[: len(whole.analysis.consequences)]:
-        part = explain(project, RULEBOOK, topic.title)
+        part = explain(Reasoner(project, RULEBOOK), topic.title)
         assert part.synthesis is None
         traces = [trace_json(found.trace) for found in part.topics if found.title == topic.title]
         assert trace_json(topic.trace) in traces
@@ -232,12 +233,12 @@ def test_packs_that_have_one_answer_are_sliced(tmp_path: Path) -> None:
     fewer = 0
     for path in CONFIGURATIONS:
         project = load_project(str(path))
-        whole = explain(project, rulebook)
+        whole = explain(Reasoner(project, rulebook))
         for topic in whole.topics[: len(whole.analysis.consequences)]:
             part = sliced(project, topic.title, rulebook)
             assert part is not None
             fewer += len(part.facts) < len(project_facts(project)) / 2
-            found = explain(project, rulebook, topic.title)
+            found = explain(Reasoner(project, rulebook), topic.title)
             assert found.synthesis is None
             traces = [trace_json(t.trace) for t in found.topics if t.title == topic.title]
             assert trace_json(topic.trace) in traces
@@ -273,5 +274,5 @@ def test_constants_of_packs_are_read_with_all_rules(tmp_path: Path) -> None:
         " N = #count { C : uses_data_from(_, C, S) }, N > most.\n"
     )
     project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
-    topics = explain(project, load_rulebook([pack]), "busy(Runaway)").topics
+    topics = explain(Reasoner(project, load_rulebook([pack])), "busy(Runaway)").topics
     assert [topic.title for topic in topics] == ["busy(Runaway)"]

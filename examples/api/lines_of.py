@@ -6,7 +6,17 @@
 import sys
 from collections.abc import Iterator
 
-from mars_asp import Derived, Given, MarsError, Span, Trace, explain, load_project, load_rulebook
+from mars_asp import (
+    Derived,
+    Given,
+    MarsError,
+    Reasoner,
+    Span,
+    Trace,
+    explain,
+    load_project,
+    load_rulebook,
+)
 
 
 def places(trace: Trace) -> Iterator[Span]:
@@ -25,7 +35,7 @@ def main(path: str) -> int:
     """Print the lines; return 2 where the configuration is wrong."""
     try:
         project = load_project(path)
-        explanation = explain(project, load_rulebook(), only="nodes")
+        explanation = explain(Reasoner(project, load_rulebook()), only="nodes")
     except MarsError as error:
         for problem in error.diagnostics:
             print(f"{problem.span.path}:{problem.span.line}: {problem.message}", file=sys.stderr)

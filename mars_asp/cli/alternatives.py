@@ -10,13 +10,16 @@ from mars_asp.cli.reason import rulebook_for
 from mars_asp.output import visible
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import COSTS
 
 
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
     """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
     most: int = arguments.alternatives
-    found = alternatives(project, rulebook_for(arguments), subject, most, arguments.time_limit)
+    found = alternatives(
+        Reasoner(project, rulebook_for(arguments), arguments.time_limit), subject, most
+    )
     if found is None:
         print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)
         return 1

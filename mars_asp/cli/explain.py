@@ -17,6 +17,7 @@ from mars_asp.cli.style import paint
 from mars_asp.output import visible
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, explain
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS
 
 if TYPE_CHECKING:
@@ -92,9 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
 
         return run_repair(project, arguments, subject)
     rulebook = rulebook_for(arguments)
-    answer = explain(
-        project, rulebook, subject, arguments.time_limit, arguments.every, arguments.only
-    )
+    reasoner = Reasoner(project, rulebook, arguments.time_limit)
+    answer = explain(reasoner, subject, arguments.every, arguments.only)
+    del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
     closing = () if arguments.quiet else tuple(_closing(answer, arguments))
     # The traces stand without what was grounded, which takes as much memory.
@@ -133,8 +134,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
 
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth
-    rulebook = rulebook_for(arguments)
-    answer = why_not(project, rulebook, arguments.why_not, levels, arguments.time_limit)
+    reasoner = Reasoner(project, rulebook_for(arguments), arguments.time_limit)
+    answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
         trace = trace_json(answer.trace)
         extra = None if answer.extra is None else _cost(answer.extra)

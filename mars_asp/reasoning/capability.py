@@ -18,7 +18,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.questions.explain import explainer_for
+from mars_asp.reasoning.session import explainer_for
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 from mars_asp.spelling import nearest
 

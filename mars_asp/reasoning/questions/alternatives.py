@@ -1,6 +1,6 @@
 """What else would realise a configuration, what it costs more, and why nothing costs less.
 
->>> found = alternatives(load_project("config.mars"), load_rulebook())
+>>> found = alternatives(Reasoner(load_project("config.mars"), load_rulebook()))
 >>> [other.extra for other in found.others]
 [{30: 1, 20: 0, 10: 2}]
 """
@@ -22,10 +22,11 @@ from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.print import print_configuration
-from mars_asp.reasoning.analysis import Analysis, analyse
-from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.analysis import Analysis
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Specification, specify
-from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, Synthesis, synthesise
+from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, Synthesis
 from mars_asp.spelling import nearest
 
 _DOCSTRING = re.compile(r"^%\*!\s*(\w+)\(([^)]*)\)\s*\n(.*?)\n\*%", re.MULTILINE | re.DOTALL)
@@ -74,11 +75,7 @@ class Alternatives:
 
 
 def alternatives(
-    project: Project,
-    rulebook: Rulebook,
-    subject: str | None = None,
-    most: int = 5,
-    seconds: float | None = None,
+    reasoner: Reasoner, subject: str | None = None, most: int = 5
 ) -> Alternatives | None:
     """Return other realisations of all, or of the component of a node; `None` where there is none.
 
@@ -87,14 +84,14 @@ def alternatives(
 
     Raises:
         MarsError: the subject is no node of the specification.
-        TimeoutError: the seconds given did not suffice.
+        TimeoutError: the time did not suffice.
     """
+    seconds = reasoner.seconds
     deadline = None if seconds is None else time.monotonic() + seconds
-    analysis = analyse(project_facts(project), rulebook, project.configuration.span)
-    synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+    analysis, synthesis = reasoner.resolved
     if synthesis is None:
         return None
-    search = _Search(project, analysis, synthesis, rulebook, deadline)
+    search = _Search(reasoner.project, analysis, synthesis, reasoner.rulebook, deadline)
     return search.run(subject, most)
 
 

@@ -13,17 +13,15 @@ from typing import Generic, Literal, TypeAlias, TypeVar
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.term_ids import as_term
-from mars_asp.asp.trace import Explainer, Trace
+from mars_asp.asp.trace import Trace
 from mars_asp.asp.trace.tree import Absent, Derived, Given
 from mars_asp.diagnostic import Span
-from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
-from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.questions.explain import explainer_for
+from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
-from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
 Signature: TypeAlias = tuple[str, ...]
@@ -83,16 +81,14 @@ class Difference:
         )
 
 
-def diff(
-    old: Project, new: Project, rulebook: Rulebook, seconds: float | None = None
-) -> Difference:
+def diff(old: Reasoner, new: Reasoner) -> Difference:
     """Compare the consequences and nodes of two projects.
 
     Raises:
         MarsError: rules that clingo refuses.
-        TimeoutError: no specification was found in the seconds given, for each of the two.
+        TimeoutError: no specification was found in time, for each of the two.
     """
-    before, after = _Side(old, rulebook, seconds), _Side(new, rulebook, seconds)
+    before, after = _Side(old), _Side(new)
     before.compare(after)
     after.compare(before)
     both = before.synthesis is not None and after.synthesis is not None
@@ -119,16 +115,11 @@ class _Entry(Generic[Item]):
 class _Side:
     """One of the two configurations, solved."""
 
-    def __init__(self, project: Project, rulebook: Rulebook, seconds: float | None) -> None:
-        self.facts = project_facts(project)
-        self.analysis: Analysis = analyse(self.facts, rulebook, project.configuration.span)
-        self.synthesis = synthesise(
-            project.configuration, project.modules, self.analysis, rulebook, seconds
-        )
-        self.lines = _lines(self.facts)
+    def __init__(self, reasoner: Reasoner) -> None:
+        self.analysis, self.synthesis = reasoner.resolved
+        self.explainer = reasoner.resolution_explainer
+        self.lines = _lines(reasoner.facts)
         self.changed: frozenset[Span] = frozenset()
-        resolution = None if self.synthesis is None else self.synthesis.resolution
-        self.explainer: Explainer = explainer_for(rulebook, self.facts, self.analysis, resolution)
 
     def compare(self, other: "_Side") -> None:
         """Find the lines that the other side does not have, repetitions counted."""

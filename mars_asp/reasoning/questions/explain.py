@@ -1,12 +1,12 @@
 """Explanations of a configuration: which question, which atoms, whose traces.
 
->>> project = load_project("config.mars")
->>> for topic in explain(project, load_rulebook()).topics:
+>>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
+>>> for topic in explain(reasoner).topics:
 ...     print(topic.title)
 """
 
 import contextlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -14,23 +14,20 @@ import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_in
-from mars_asp.asp.solve.atoms import Fact
-from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Explainer, Trace
-from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse, read_consequences
 from mars_asp.reasoning.project import Project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
+from mars_asp.reasoning.session import Reasoner, explainer_for
 from mars_asp.reasoning.synthesis import Introduced, Node
 from mars_asp.reasoning.synthesis.synthesise import (
     Synthesis,
     introduced_with,
     is_resolved,
-    synthesise,
 )
 from mars_asp.spelling import nearest
 
@@ -57,12 +54,7 @@ class Explanation:
 
 
 def explain(
-    project: Project,
-    rulebook: Rulebook,
-    subject: str | None = None,
-    seconds: float | None = None,
-    every: bool = False,
-    only: Sort | None = None,
+    reasoner: Reasoner, subject: str | None = None, every: bool = False, only: Sort | None = None
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
@@ -72,33 +64,46 @@ def explain(
 
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
-        TimeoutError: no specification was found in the seconds given.
+        TimeoutError: no specification was found in time.
     """
     if subject is not None and only is not None:
-        _check_module(subject, project, only)
-    elif subject is not None:
-        # What a part refuses, the whole says with all that is wrong, if it is.
-        with contextlib.suppress(MarsError):
-            part = slice_for(
-                subject,
-                rulebook,
-                lambda names: project_facts(project, wanted=names),
-                lambda names: project_lookup(project, names),
-            )
-            answer = None if part is None else _explain_part(project, part, subject, every)
-            if answer is not None and answer.topics:
-                return answer
-            answer = _explain_node(project, rulebook, subject, seconds, every)
-            if answer is not None:
-                return answer
-    facts = project_facts(project)
-    analysis = analyse(facts, rulebook, project.configuration.span)
+        _check_module(subject, reasoner.project, only)
+    elif subject is not None and not reasoner.is_resolved:
+        answer = _explain_slice(reasoner, subject, every)
+        if answer is not None:
+            return answer
+    return _explain_whole(reasoner, subject, every, only)
+
+
+def _explain_slice(reasoner: Reasoner, subject: str, every: bool) -> Explanation | None:
+    """Explain from what a question needs alone; `None` where that cannot be told apart."""
+    project, rulebook = reasoner.project, reasoner.rulebook
+    # What a part refuses, the whole says with all that is wrong, if it is.
+    with contextlib.suppress(MarsError):
+        part = slice_for(
+            subject,
+            rulebook,
+            lambda names: project_facts(project, wanted=names),
+            lambda names: project_lookup(project, names),
+        )
+        answer = None if part is None else _explain_part(project, part, subject, every)
+        if answer is not None and answer.topics:
+            return answer
+        return _explain_node(project, rulebook, subject, reasoner.seconds, every)
+    return None
+
+
+def _explain_whole(
+    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None
+) -> Explanation:
+    project, rulebook, analysis = reasoner.project, reasoner.rulebook, reasoner.analysis
     # To read the consequences takes longer than to trace a node.
     unread = only == "nodes" if subject is None else _is_node(subject, project)
     chosen = () if unread else _consequences(analysis, project, subject)
     synthesis = None
-    if only != "consequences" and (not chosen or not _is_kind(chosen, subject)):
-        synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+    resolving = only != "consequences" and (not chosen or not _is_kind(chosen, subject))
+    if resolving:
+        analysis, synthesis = reasoner.resolved
     nodes = _nodes(synthesis, subject, chosen)
     asked: list[tuple[str, clingo.Symbol]] = []
     if only != "nodes":
@@ -113,8 +118,7 @@ def explain(
         asked = [_asked_atom(subject, project, analysis, rulebook, synthesis)]
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
-    resolution = None if synthesis is None else synthesis.resolution
-    explainer = explainer_for(rulebook, facts, analysis, resolution)
+    explainer = reasoner.resolution_explainer if resolving else reasoner.explainer
     return Explanation(subject, _topics(explainer, asked, every), analysis, synthesis)
 
 
@@ -157,17 +161,6 @@ def _topics(
 ) -> tuple[Topic, ...]:
     traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
     return tuple(Topic(title, traces[atom]) for title, atom in asked)
-
-
-def explainer_for(
-    rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, resolution: Resolution | None
-) -> Explainer:
-    """Return an explainer of one analysis and of what later stages chose on top of it."""
-    given = GivenFacts(facts)
-    control = analysis.grounding.control
-    if resolution is None:
-        return Explainer(rulebook, control, given)
-    return Explainer(rulebook, control, given, resolution.answer.true)
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

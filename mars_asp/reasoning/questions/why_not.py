@@ -1,6 +1,7 @@
 """Why an atom, node or consequence is not there, and what it would cost to have it.
 
->>> answer = why_not(load_project("config.mars"), load_rulebook(), "DataSplitter(FeelForce)")
+>>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
+>>> answer = why_not(reasoner, "DataSplitter(FeelForce)")
 >>> answer.trace.attempts[0].fails
 "2 <= { at(R,S,T); edge(S,T,T',A) }"
 """
@@ -22,12 +23,12 @@ from mars_asp.asp.trace.patterns import fits, hole, is_hole, pattern_in, shown_p
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import NODE_NAMES, node_kind
-from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
-from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.questions.explain import explainer_for
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.subject import wrong_subject
-from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, Synthesis, is_resolved, synthesise
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, Synthesis, is_resolved
 from mars_asp.spelling import nearest
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
@@ -68,33 +69,26 @@ class WhyNot:
     obstacles: tuple[Trace, ...] = ()
 
 
-def why_not(
-    project: Project,
-    rulebook: Rulebook,
-    subject: str,
-    depth: int = 8,
-    seconds: float | None = None,
-) -> WhyNot:
+def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     """Explain an absence: of an atom, `KIND(NAME)` of a consequence, or `NODE(NAME)` of a node.
 
     Variables of an atom, and `_` for a name, stand for any value. A node may be named as well.
 
     Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
-        TimeoutError: no specification was found in the seconds given.
+        TimeoutError: no specification was found in time.
     """
+    project, rulebook, seconds = reasoner.project, reasoner.rulebook, reasoner.seconds
     deadline = None if seconds is None else time.monotonic() + seconds
-    facts = tuple(project_facts(project))
-    vocabulary = _Vocabulary(project, rulebook, facts)
+    vocabulary = _Vocabulary(project, rulebook, reasoner.facts)
     pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
-    analysis = analyse(facts, rulebook, project.configuration.span)
-    synthesis = None
+    analysis, synthesis = reasoner.analysis, None
     signature = ("", 0) if pattern is None else (pattern.name, len(pattern.arguments))
     choosable = pattern is None or is_resolved(rulebook, *signature)
     if choosable:
-        synthesis = synthesise(project.configuration, project.modules, analysis, rulebook, seconds)
+        analysis, synthesis = reasoner.resolved
         if synthesis is None:
-            explainer = explainer_for(rulebook, facts, analysis, None)
+            explainer = reasoner.resolution_explainer
             against = sorted(analysis.grounding.symbols(*UNRESOLVABLE))
             obstacles = tuple(explainer.why(against).values())
             shown = subject if pattern is None else shown_pattern(pattern)
@@ -105,7 +99,7 @@ def why_not(
         assert synthesis is not None
         pattern = _node_term(subject, project, synthesis)
     resolution = None if synthesis is None else synthesis.resolution
-    explainer = explainer_for(rulebook, facts, analysis, resolution)
+    explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
     taken = frozenset() if resolution is None else resolution.taken

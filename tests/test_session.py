@@ -1,0 +1,95 @@
+"""A session answers many questions, each as a session of its own would."""
+
+from collections.abc import Callable
+
+import pytest
+
+from mars_asp.asp.trace.text import trace_json
+from mars_asp.reasoning import session
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions.alternatives import alternatives
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.why_not import why_not
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.documents import ROOT
+
+PROJECT = load_project(str(ROOT / "examples/level1/config.mars"))
+RULEBOOK = load_rulebook()
+SUBJECTS = (
+    "data_divergence(SonarMap)",
+    "ArbitrationNode",
+    "control_convergence",
+    "MobilePlatform",
+    None,
+)
+
+
+def told(reasoner: Reasoner, subject: str | None) -> list[object]:
+    return [(t.title, trace_json(t.trace)) for t in explain(reasoner, subject).topics]
+
+
+def asked(reasoner: Reasoner, question: int) -> object:
+    if question < len(SUBJECTS):
+        return told(reasoner, SUBJECTS[question])
+    if question == len(SUBJECTS):
+        answer = why_not(reasoner, "DataSplitter(Sonar)")
+        return trace_json(answer.trace), answer.extra, answer.offered
+    found = alternatives(reasoner, None, 2)
+    return None if found is None else (found.forced, len(found.others), found.open)
+
+
+EVERY = range(len(SUBJECTS) + 2)
+
+
+def fresh() -> Reasoner:
+    return Reasoner(PROJECT, RULEBOOK)
+
+
+def of(question: int) -> object:
+    try:
+        return asked(fresh(), question)
+    except Exception as error:  # whatever it is, it is the answer
+        return repr(error)
+
+
+@pytest.mark.parametrize("first", EVERY)
+def test_every_question_is_answered_after_any_other(first: int) -> None:
+    reasoner = fresh()
+    for question in (first, *EVERY, first):
+        try:
+            found = asked(reasoner, question)
+        except Exception as error:
+            found = repr(error)
+        assert found == of(question), (first, question)
+
+
+def counted(monkeypatch: pytest.MonkeyPatch, name: str) -> list[object]:
+    calls: list[object] = []
+    own: Callable[..., object] = getattr(session, name)
+
+    def call(*arguments: object) -> object:
+        calls.append(arguments)
+        return own(*arguments)
+
+    monkeypatch.setattr(session, name, call)
+    return calls
+
+
+def test_a_specification_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    analysed, synthesised = counted(monkeypatch, "analyse"), counted(monkeypatch, "synthesise")
+    reasoner = fresh()
+    for subject in (None, "ArbitrationNode", None, "MobilePlatform"):
+        explain(reasoner, subject)
+    why_not(reasoner, "DataSplitter(Sonar)")
+    assert (len(analysed), len(synthesised)) == (1, 1)
+
+
+def test_what_explained_consequences_is_grounded_anew_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    analysed = counted(monkeypatch, "analyse")
+    reasoner = fresh()
+    explain(reasoner, None, only="consequences")
+    explain(reasoner, None)
+    explain(reasoner, None, only="consequences")
+    assert reasoner.synthesis is not None
+    assert len(analysed) == 2
