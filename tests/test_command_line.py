@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli.limits import run_plain
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 
 def mars(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str]:

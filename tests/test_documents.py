@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.annotations.languages import LANGUAGES
-from tests.documents import ROOT, commands, refresh, run
+from tests.support.documents import ROOT, commands, refresh, run
 
 DOCUMENTS = [
     ROOT / "README.md",

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.documents import ROOT, run
+from tests.support.documents import ROOT, run
 
 FIGURES = {
     "figure04-divergence": """

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from tests.documents import ROOT
-from tests.imports_drawn import HOUSE, drawing, imported, rooms
+from tests.support.documents import ROOT
+from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (

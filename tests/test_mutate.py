@@ -7,11 +7,11 @@ from typing import Any
 import clingo
 import pytest
 
-from tests.documents import ROOT
 from tests.mutate.mutant import Mutant, Verdict, drawn, known_survivors
 from tests.mutate.python_mutants import compiled_mutants, python_mutants
 from tests.mutate.rule_killers import judge_rules
 from tests.mutate.rule_mutants import rule_files, rule_mutants
+from tests.support.documents import ROOT
 
 #: How many mutants are known to be equivalent: lower it when there are fewer.
 MOST_SURVIVORS = 86

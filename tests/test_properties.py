@@ -28,7 +28,7 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import NODES, Synthesis, synthesise
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "C", "D", "Eye", "Wheel")

@@ -12,7 +12,7 @@ from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.questions.why_not import why_not
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 PROJECT = load_project(str(ROOT / "examples/level1/config.mars"))
 RULEBOOK = load_rulebook()

@@ -14,8 +14,8 @@ from mars_asp.cli import run_here
 from mars_asp.language import parse_file
 from mars_asp.language.relocate import relocated, sources_seen_from
 from mars_asp.reasoning.project import load_project
-from tests.documents import ROOT
-from tests.random_configurations import random_configuration
+from tests.support.documents import ROOT
+from tests.support.random_configurations import random_configuration
 
 EXAMPLES = [
     path

@@ -7,7 +7,7 @@ import sys
 import zipfile
 from pathlib import Path
 
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 
 def test_the_wheel_works_outside_the_checkout(tmp_path: Path) -> None:

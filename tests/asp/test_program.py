@@ -11,9 +11,9 @@ import pytest
 
 from mars_asp import MarsError, asp
 from mars_asp.asp.trace.tree import Derived, Missing
-from tests.documents import ROOT
-from tests.random_programs import ATOMS, random_program
-from tests.trace_checker import faults
+from tests.support.documents import ROOT
+from tests.support.random_programs import ATOMS, random_program
+from tests.support.trace_checker import faults
 
 EXAMPLES = ROOT / "examples" / "engine"
 COLOURING = """

@@ -12,7 +12,7 @@ from importlib import import_module
 from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeAlias
 
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 #: The functions that have code of a name and a first line.
 _Functions: TypeAlias = Mapping[tuple[str, int], list[FunctionType]]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 #: What notices a mutant that takes more time or memory than it may.
 RUNS_AWAY = "it runs away"

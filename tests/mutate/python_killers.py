@@ -16,58 +16,69 @@ from types import CodeType
 import pytest
 from _pytest.runner import runtestprotocol
 
-from tests.documents import ROOT
 from tests.mutate.children import ask, limit
 from tests.mutate.exchange import Exchange, exchanges
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.python_mutants import compiled_mutants, noting_module
+from tests.support.documents import ROOT
 
-_REPAIRS = ("test_edits", "test_text_edits", "test_repair")
+_REPAIRS = (
+    "reasoning/questions/test_edits",
+    "language/test_text_edits",
+    "reasoning/questions/test_repair",
+)
 _EXECUTION = (
-    "test_execute_arbitration",
-    "test_execute_delivery",
-    "test_execute_equivalence",
-    "test_execute_modules",
-    "test_execute_priorities",
-    "test_execute_run",
-    "test_commanded_motion",
-    "test_execute_plan",
+    "execution/executor/test_arbitration",
+    "execution/executor/test_delivery",
+    "execution/executor/test_equivalence",
+    "execution/executor/test_modules",
+    "execution/executor/test_priorities",
+    "execution/test_trial",
+    "execution/executor/test_commanded_motion",
+    "execution/executor/test_plan",
 )
 _MOTION = (
-    "test_supports",
-    "test_frames",
-    "test_physical_facts",
-    "test_combinations",
-    "test_physical",
+    "kinematics/test_supports",
+    "kinematics/test_frames",
+    "reasoning/facts/test_motion",
+    "reasoning/test_combinations",
+    "reasoning/test_physical",
     "test_wheel",
-    "test_urdf",
+    "exchange/test_urdf",
 )
 #: The modules that judge, weigh or repair, and the test files that concern them, those first that
 #: pin most for little time.
 TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/reasoning/verification.py": (
-        "test_verify",
-        "test_realises",
+        "reasoning/test_verification",
+        "reasoning/test_realises",
         "test_standalone",
-        "test_exhaustive",
+        "reasoning/synthesis/test_exhaustive",
     ),
-    "mars_asp/reasoning/questions/repair.py": ("test_repair_search", "test_repair"),
+    "mars_asp/reasoning/questions/repair.py": (
+        "reasoning/questions/test_repair_search",
+        "reasoning/questions/test_repair",
+    ),
     "mars_asp/reasoning/questions/edits.py": _REPAIRS,
     "mars_asp/language/text_edits.py": _REPAIRS,
     "mars_asp/reasoning/questions/annotation_edits.py": _REPAIRS,
     "mars_asp/kinematics/frames.py": _MOTION,
-    "mars_asp/kinematics/supports.py": (*_MOTION, "test_sharing"),
+    "mars_asp/kinematics/supports.py": (*_MOTION, "kinematics/test_sharing"),
     "mars_asp/reasoning/facts/motion.py": _MOTION,
     "mars_asp/execution/executor/plan.py": _EXECUTION,
-    "mars_asp/kinematics/sharing.py": ("test_sharing", *_EXECUTION, "test_combinations"),
+    "mars_asp/kinematics/sharing.py": (
+        "kinematics/test_sharing",
+        *_EXECUTION,
+        "reasoning/test_combinations",
+    ),
     "mars_asp/asp/solve/optimum.py": (
-        "test_optimum",
-        "test_costs",
-        "test_counting",
-        "test_apart",
-        "test_alternatives",
-        "test_time_limit",
-        "test_exhaustive",
+        "asp/solve/test_optimum",
+        "asp/solve/test_costs",
+        "asp/trace/test_counting_rules",
+        "reasoning/synthesis/test_stretches",
+        "reasoning/questions/test_alternatives",
+        "reasoning/synthesis/test_time_limit",
+        "reasoning/synthesis/test_exhaustive",
     ),
 }
 #: Tests that take more seconds of the processor than this are not asked.
@@ -158,10 +169,15 @@ def _concerned(mutant: Mutant, runs: Sequence[Run], seconds: float) -> Iterator[
     left = seconds
     names = TESTS[mutant.path]
     ranked = {name: rank for rank, name in enumerate(names)}
-    for run in sorted(tests, key=lambda run: ranked.get(run.item.path.stem, len(names))):
+    for run in sorted(tests, key=lambda run: ranked.get(_name(run.item), len(names))):
         left -= run.seconds
         if left > 0:
             yield run
+
+
+def _name(item: pytest.Item) -> str:
+    """Return the file of a test as it stands in `TESTS`."""
+    return item.path.relative_to(ROOT / "tests").with_suffix("").as_posix()
 
 
 def _failing(runs: Iterable[Run]) -> str | None:

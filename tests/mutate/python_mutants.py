@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import CodeType
 from typing import TypeAlias
 
-from tests.documents import ROOT
 from tests.mutate.mutant import Mutant
+from tests.support.documents import ROOT
 
 _FLIPPED: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),

@@ -23,11 +23,11 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
-from tests.documents import ROOT
 from tests.mutate.children import ask, limit
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.rule_mutants import RuleFile, Statement, is_safe
 from tests.mutate.stronger import CHECKS
+from tests.support.documents import ROOT
 
 CASES = ROOT / "tests" / "rules"
 #: Seconds of the processor that a case may take: a mutant that takes more runs away.

@@ -9,8 +9,8 @@ from typing import TypeAlias
 import clingo
 from clingo import ast
 
-from tests.documents import ROOT
 from tests.mutate.mutant import Mutant
+from tests.support.documents import ROOT
 
 _TYPE = ast.ASTType
 _SIGN = ast.Sign

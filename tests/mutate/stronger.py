@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from tests.test_exhaustive import compare_mounts, compare_wiring
-from tests.test_verify import carried, refuses_every_mutation
+from tests.reasoning.synthesis.test_exhaustive import compare_mounts, compare_wiring
+from tests.reasoning.test_verification import carried, refuses_every_mutation
 
 
 @dataclass(frozen=True, slots=True)

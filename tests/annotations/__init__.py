@@ -1,0 +1,1 @@
+"""Tests of how modules are read from comments in sources."""

@@ -1,0 +1,1 @@
+"""Tests of how rules are read and checked."""

@@ -1,0 +1,1 @@
+"""Tests of what of a program a question needs."""

@@ -1,0 +1,1 @@
+"""Tests of why atoms hold, and why not."""

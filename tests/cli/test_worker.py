@@ -1,0 +1,321 @@
+"""The command and its worker: what ends them, and what is written when something ends them."""
+
+import json
+import os
+import pty
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.support.documents import ROOT
+from tests.support.runaways import PACKS, contained
+from tests.support.signals import end_at_random
+
+LEVEL0 = "examples/level0/config.mars"
+MARS = (sys.executable, "-m", "mars_asp")
+#: A rule that grounds without end: nothing interrupts clingo while it does.
+RUNAWAY = "p(1).\np(X + 1) :- p(X).\n"
+
+
+def start(*words: str, environment: dict[str, str] | None = None) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [*MARS, *words],
+        cwd=ROOT,
+        env={**os.environ, **(environment or {})},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def workers_of(marker: str) -> list[int]:
+    """Return the processes whose command line holds a marker."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                held = marker.encode() in (entry / "cmdline").read_bytes()
+                running = " Z " not in (entry / "stat").read_text()
+            except OSError:
+                continue
+            if held and running:
+                found.append(int(entry.name))
+    return found
+
+
+@pytest.fixture
+def pack(tmp_path: Path) -> Path:
+    path = tmp_path / "runaway.lp"
+    path.write_text(RUNAWAY)
+    return path
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+def test_a_signal_ends_a_command_that_grounds(number: signal.Signals, pack: Path) -> None:
+    command = start("synthesise", LEVEL0, "--rules", str(pack), "-o", str(pack.parent / "out"))
+    time.sleep(1.0)
+    assert len(workers_of(str(pack))) == 2
+    sent = time.monotonic()
+    command.send_signal(number)
+    output, said = command.communicate(timeout=10)
+    assert time.monotonic() - sent < 1
+    assert (command.returncode, output, said) == (128 + number, b"", b"")
+    assert workers_of(str(pack)) == []
+    assert list(pack.parent.iterdir()) == [pack]
+
+
+def test_a_command_that_is_killed_takes_its_worker_along(pack: Path) -> None:
+    command = start("analyse", LEVEL0, "--rules", str(pack))
+    time.sleep(1.0)
+    command.kill()
+    command.wait()
+    time.sleep(0.5)
+    assert workers_of(str(pack)) == []
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_killed_leaves_no_torn_file(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    out = tmp_path / "spec.mars"
+    command = start("synthesise", LEVEL0, "-o", str(out))
+    time.sleep(rng.uniform(0.0, 0.6))
+    command.send_signal(rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGKILL]))
+    command.communicate(timeout=10)
+    time.sleep(0.1)
+    if out.exists():
+        expected = subprocess.run(
+            [*MARS, "synthesise", LEVEL0], cwd=ROOT, capture_output=True, check=True
+        )
+        assert out.read_bytes() == expected.stdout
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("words", [("--version",), ("--help",), ("analyse", LEVEL0)])
+@pytest.mark.parametrize("redirection", [">/dev/full", ">&-"])
+def test_output_that_cannot_be_written_is_an_error(
+    redirection: str, words: Sequence[str], unbuffered: str
+) -> None:
+    command = " ".join([*MARS, *words])
+    done = subprocess.run(
+        ["/bin/sh", "-c", f"{command} {redirection}"],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("mars-asp: standard output: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_nobody_reads_the_output_any_more() -> None:
+    command = start("explain", "examples/level1/config.mars", "--format", "json")
+    assert command.stdout is not None
+    command.stdout.close()
+    assert command.wait(timeout=30) == 141
+    assert command.stderr is not None
+    assert command.stderr.read() == b""
+
+
+def test_all_streams_may_be_closed() -> None:
+    command = " ".join([*MARS, "analyse", LEVEL0])
+    done = subprocess.run(["/bin/sh", "-c", f"{command} <&- >&- 2>&-"], cwd=ROOT, check=False)
+    assert done.returncode == 2
+
+
+SCENARIO = """\
+duration = 1
+up = "y"
+[robot]
+module = "Base"
+radius = 100
+start = [0, 0, 0]
+[bindings]
+Drive = { python = "drive.py:go", period = 100 }
+"""
+ROBOT = "@configuration\n@modules Base, Drive\nBase is_controlled_by Drive\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "mentions"),
+    [
+        ("import os\ndef go(): os._exit(0)\n", 1, "called `exit(0)`"),
+        ("import sys\ndef go(): sys.exit(0)\n", 1, "called `exit(0)`"),
+        ("import sys\ndef go(): sys.stdout.close()\n", 1, "belongs to the command"),
+        ("import os\ndef go(): os.closerange(0, 64)\n", 1, "drive.py"),
+        ("import os\ndef go(): os.kill(os.getpid(), 9)\n", 1, "drive.py"),
+        ("import os\nos.closerange(0, 64)\ndef go(): ...\n", 1, "drive.py"),
+        ("import os\nos._exit(0)\n", 2, "drive.py"),
+        (
+            "import os\ndef go():\n    for n in range(3, 30):\n"
+            "        try: os.write(n, b'x' * 99)\n        except OSError: ...\n",
+            1,
+            "drive.py",
+        ),
+    ],
+)
+def test_a_behaviour_that_ends_the_program_fails_the_run(
+    body: str, status: int, mentions: str, tmp_path: Path
+) -> None:
+    (tmp_path / "drive.py").write_text(body)
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words, "--record", str(tmp_path / "r.jsonl"))
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == status, said
+    assert mentions in (output + said).decode()
+
+
+def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text("p(-2147483647 - 1).\nd(-1).\nq(X / Y) :- p(X), d(Y).\n")
+    command = start("check", "examples/level0/config.mars", "--rules", str(pack))
+    output, said = command.communicate(timeout=60)
+    assert (command.returncode, output) == (2, b"")
+    # Other processors wrap, so that the rule is found as others that compute what does not fit.
+    assert b"(SIGFPE), so there is no result: does a rule divide" in said or b"pack.lp:3" in said
+
+
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="Linux alone tells of an end")
+def test_what_a_behaviour_forks_holds_nothing_up(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import os, signal, time\ndef go():\n    if not os.fork():\n        os.setsid()\n"
+        "        time.sleep(30)\n    os.kill(os.getpid(), signal.SIGSEGV)\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    command = start("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    assert command.wait(timeout=20) == 1
+
+
+def test_what_a_behaviour_forks_may_end(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import os\ndef go():\n    child = os.fork()\n    if not child: os._exit(3)\n"
+        "    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3\n"
+        "    if not os.fork():\n        print('heard by nobody' * 9999, flush=True)\n"
+        "        os._exit(0)\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words)
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == 0, output + said
+
+
+@pytest.mark.parametrize(
+    ("words", "mentions"),
+    [
+        (("--time-limit", "1"), "the time limit of 1 s ended this"),
+        (("--memory-limit", "300"), "the memory limit of 300 MB ended this"),
+    ],
+)
+def test_a_limit_ends_a_runaway(words: tuple[str, ...], mentions: str, pack: Path) -> None:
+    began = time.monotonic()
+    command = start("analyse", LEVEL0, "--rules", str(pack), *words)
+    output, said = command.communicate(timeout=60)
+    assert (command.returncode, output) == (3, b"")
+    assert mentions in said.decode()
+    if words[0] == "--time-limit":
+        assert time.monotonic() - began < 2.5
+
+
+def at_terminal(*words: str) -> tuple[int, int]:
+    """Start a command at a terminal of its own; return its number and the terminal."""
+    number, terminal = pty.fork()
+    if not number:
+        os.chdir(ROOT)
+        os.execv(sys.executable, [*MARS, *words])
+    return number, terminal
+
+
+def said_at(terminal: int) -> str:
+    said = b""
+    try:
+        while more := os.read(terminal, 4096):
+            said += more
+    except OSError:  # nobody has the terminal open any more
+        pass
+    os.close(terminal)
+    return said.decode()
+
+
+def test_a_terminal_is_read_though_the_worker_has_a_group_of_its_own() -> None:
+    number, terminal = at_terminal("analyse", "-")
+    os.write(terminal, b"@configuration\n@modules A, B\nA uses_data_from B\n\x04")
+    said = said_at(terminal)
+    assert "nothing to resolve" in said
+    assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 0
+
+
+def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
+    def states() -> list[str]:
+        return [
+            Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+            for number in workers_of(str(pack))
+        ]
+
+    number, terminal = at_terminal("analyse", LEVEL0, "--rules", str(pack))
+    time.sleep(1.5)
+    os.write(terminal, b"\x1a")
+    time.sleep(0.3)
+    assert states() == ["T", "T"]
+    os.killpg(number, signal.SIGCONT)
+    time.sleep(0.3)
+    assert "T" not in states()
+    os.write(terminal, b"\x03")
+    said_at(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(number, 0)[1]) == 128 + signal.SIGINT
+    assert workers_of(str(pack)) == []
+
+
+def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text("raise SystemExit(7)\n")
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"), "--dry-run")
+    output, said = start(*words, "--format", "json").communicate(timeout=60)
+    found = json.loads(output)
+    file = str(tmp_path / "drive.py")
+    assert found["imports"] == [{"path": file, "functions": {"Drive": "go"}}]
+    (tmp_path / "drive.py").unlink()
+    command = start(*words)
+    output, said = command.communicate(timeout=60)
+    assert command.returncode == 2
+    assert said.decode() == f"mars-asp: `{file}`, which this run imports, is no file\n"
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["import os\ndef go(): os.kill(os.getpid(), 11)\n", "import ctypes\nctypes.string_at(0)\n"],
+)
+def test_a_crash_is_told_apart_from_a_limit(body: str, tmp_path: Path) -> None:
+    (tmp_path / "drive.py").write_text(body)
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    (tmp_path / "c.mars").write_text(ROBOT)
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words)
+    _, said = command.communicate(timeout=60)
+    assert command.returncode == 1
+    assert "drive.py" in said.decode()
+    assert "limit" not in said.decode()
+
+
+@pytest.mark.parametrize("seed", range(1000, 1008))
+def test_a_command_that_is_ended_at_random_leaves_nothing(seed: int) -> None:
+    assert end_at_random(seed) == []
+
+
+@pytest.mark.parametrize("name", sorted(PACKS))
+def test_runaways_are_contained(name: str) -> None:
+    options = ("--time-limit", "1", "--memory-limit", "400")
+    _, wrong = contained(name, options, "the time limit of 1 s ended this", 4.0)
+    assert wrong == ""

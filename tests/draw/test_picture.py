@@ -1,0 +1,251 @@
+"""Pictures: everything is drawn once, names are text and nothing else, bytes are the same."""
+
+import os
+import re
+import struct
+import subprocess
+import sys
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring
+
+import pygraphviz
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mars_asp.draw import Picture, depict
+from mars_asp.draw.dot import dot_text
+from mars_asp.draw.mermaid import mermaid_text
+from mars_asp.draw.picture import Box, Line, LineKind
+from mars_asp.draw.svg import svg_text
+from mars_asp.language.print import print_relationship
+from mars_asp.reasoning.project import load_project
+from tests.support.documents import ROOT
+
+PICTURES = ROOT / "docs" / "pictures"
+#: Pictures that were looked at, with what they show.
+GOLDEN = {
+    "level0": "examples/level0/config.mars",
+    "level0-specification": "tests/specifications/level0.mars",
+    "mobile-camera": "examples/mobile-camera/config.mars",
+    "figure07-specification": "tests/specifications/figure07-representation.mars",
+}
+FILES = sorted(
+    str(path.relative_to(ROOT))
+    for folder in ("examples/*/*.mars", "tests/specifications/*.mars", "tests/*.mars")
+    for path in ROOT.glob(folder)
+)
+KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
+NODES = (None, "data_splitter", "data_transformer", "arbitration_node", "control_splitter")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def picture_of(path: str) -> Picture:
+    project = load_project(str(ROOT / path), ())
+    return depict(project.configuration, project.modules)
+
+
+def titles(root: Element, *classes: str) -> list[str]:
+    picture = next(group for group in root if group.get("class") == "picture")
+    return [group[0].text or "" for group in picture if group.get("class") in classes]
+
+
+@st.composite
+def pictures(draw: st.DrawFn) -> Picture:
+    text = st.text(st.characters(exclude_categories=("Cc", "Cs", "Cf", "Co", "Zl", "Zp")))
+    words = text.map(lambda found: " ".join(found.split()))
+    boxes = draw(
+        st.lists(
+            st.builds(Box, words.map(lambda name: f"A{name}"), words, st.sampled_from(NODES)),
+            min_size=1,
+            max_size=5,
+        )
+    )
+    box = st.integers(0, len(boxes) - 1)
+    lines = st.builds(Line, st.sampled_from(KINDS), box, box, words, words)
+    return Picture(draw(words), tuple(boxes), tuple(draw(st.lists(lines, max_size=6))))
+
+
+@pytest.mark.parametrize("name", GOLDEN)
+def test_picture_is_the_one_that_was_looked_at(name: str, update_golden: bool) -> None:
+    golden = PICTURES / f"{name}.svg"
+    drawn = svg_text(picture_of(GOLDEN[name]))
+    if update_golden:
+        golden.write_text(drawn, encoding="utf-8")
+    assert drawn == golden.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", FILES)
+def test_each_module_and_relationship_is_drawn_once(path: str) -> None:
+    configuration = load_project(str(ROOT / path), ()).configuration
+    picture = picture_of(path)
+    root = fromstring(svg_text(picture))
+    names = {name.text for name in configuration.modules}
+    boxes = [title.partition(":")[0] for title in titles(root, "module", *filter(None, NODES))]
+    boxes += [title.partition(":")[0] for title in titles(root, "inheritance_node")]
+    assert names <= set(boxes)
+    assert max(Counter(boxes).values()) == 1
+    written = sorted(map(print_relationship, configuration.relationships))
+    assert sorted(titles(root, *KINDS)) == written
+    graph = pygraphviz.AGraph(string=dot_text(picture))
+    assert len(graph.nodes()) == len(boxes)
+    assert len(graph.edges()) == len(written)
+    lines = mermaid_text(picture).splitlines()
+    assert sum(bool(re.match(r"  n\d+ (===|-->|-\.->)", line)) for line in lines) == len(written)
+
+
+def test_the_kinds_of_relationship_are_told_apart() -> None:
+    root = fromstring(svg_text(picture_of("examples/level0/config.mars")))
+    looks = {
+        (group.get("class"), group[1].get("stroke"), group[1].get("stroke-dasharray"))
+        for group in root.iter(f"{SVG}g")
+        if group.get("class") in KINDS
+    }
+    assert len(looks) == len({look[0] for look in looks}) == len({look[1:] for look in looks}) == 3
+
+
+def test_lines_lead_where_things_flow_and_say_what_was_asked_for() -> None:
+    project = load_project(
+        "robot.mars",
+        (),
+        "@configuration hierarchical\n@modules A, B, C\nA 1 is_mounted_on B 2 (_,_,_,1,2,3)\n"
+        "B is_controlled_by C 4 hold 250\nC uses_data_from A NotifyOnMin(300, of=nearest)\n"
+        "B uses_data_from A NotifyAtFrequency 12.5\n",
+    )
+    picture = depict(project.configuration, project.modules)
+    assert [box.name for box in picture.boxes] == ["A", "B", "C"]
+    assert [(line.kind, line.tail, line.head, line.label) for line in picture.lines] == [
+        ("mount", 0, 1, "vertex 1 on 2 (_,_,_,1,2,3)"),
+        ("control", 2, 1, "priority 4 hold 250 ms"),
+        ("data", 0, 2, "NotifyOnMin(300, of=nearest)"),
+        ("data", 0, 1, "NotifyAtFrequency 12.5 Hz"),
+    ]
+
+
+def test_a_transformer_says_what_it_converts_and_a_module_may_have_the_name_of_a_node() -> None:
+    boxes = {box.name: box for box in picture_of(GOLDEN["figure07-specification"]).boxes}
+    assert boxes["DataTransformer1"].node == "data_transformer"
+    assert boxes["DataTransformer1"].note == "RawImage → LineDescriptions"
+    text = "@configuration\n@modules DataSplitter1, A\nDataSplitter1 uses_data_from A\n"
+    project = load_project("robot.mars", (), text)
+    assert {box.node for box in depict(project.configuration, project.modules).boxes} == {None}
+
+
+@settings(max_examples=100, deadline=None)
+@given(pictures())
+def test_svg_says_the_text_and_nothing_else(picture: Picture) -> None:
+    root = fromstring(svg_text(picture))
+    inert = {"svg", "title", "defs", "marker", "path", "rect", "g", "text", "circle"}
+    assert {element.tag.removeprefix(SVG) for element in root.iter()} <= inert
+    assert not [name for element in root.iter() for name in element.attrib if "href" in name]
+    kept = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
+    said = [
+        line.text.translate(kept) for kind in KINDS for line in picture.lines if line.kind == kind
+    ]
+    assert titles(root, *KINDS) == said
+    assert root[0].text == (picture.title.translate(kept) or None)
+
+
+@settings(max_examples=100, deadline=None)
+@given(pictures())
+def test_graphviz_reads_the_names(picture: Picture) -> None:
+    graph = pygraphviz.AGraph(string=dot_text(picture))
+    for index, box in enumerate(picture.boxes):
+        words = [text for text in (box.name, box.note) if text]
+        escaped = [text.replace("\\", "\\\\").replace("&", "&amp;") for text in words]
+        assert graph.get_node(f"n{index}").attr["label"] == "\\n".join(escaped)
+    assert len(graph.edges()) == len(picture.lines)
+
+
+def test_graphviz_shows_hostile_names_as_they_are() -> None:
+    names = ['"]; evil [label="', "&quot;", "\\N \\G", "<b>bold</b>", "{a|b}", "#12;"]
+    picture = Picture("", tuple(Box(name, "", None) for name in names), ())
+    shown = pygraphviz.AGraph(string=dot_text(picture)).draw(format="svg", prog="dot")
+    texts = [element.text for element in fromstring(shown).iter(f"{SVG}text")]
+    assert [text.replace("\xa0", " ") for text in texts if text] == names
+
+
+@settings(max_examples=100, deadline=None)
+@given(pictures())
+def test_mermaid_sees_only_letters_digits_and_plain_signs(picture: Picture) -> None:
+    body = mermaid_text(picture).partition("\n")[2]
+    for line in body.splitlines():
+        if not line.startswith(("  style ", "  linkStyle ")):
+            before, _, rest = line.partition('"')
+            text, _, behind = rest.rpartition('"')
+            text = text.replace("<br/>", "")
+            assert not set('"<>`%\\|&$@!?') & set(text)
+            assert set(before + behind) <= set("n0123456789 ()[]|=-.>")
+
+
+def mars(
+    *words: str, seed: str = "0", text: str | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [sys.executable, "-m", "mars_asp", *words],
+        cwd=ROOT,
+        input=None if text is None else text.encode(),
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONHASHSEED": seed},
+    )
+
+
+@pytest.mark.parametrize("kind", ["svg", "dot", "mmd", "png"])
+def test_bytes_do_not_depend_on_hash_seeds(kind: str, tmp_path: Path) -> None:
+    drawn = []
+    for seed in ("0", "1", "2"):
+        target = tmp_path / f"{seed}.{kind}"
+        words = ("draw", "tests/mixed.mars", "-o", str(target))
+        done = mars(*words, seed=seed)
+        assert (done.returncode, done.stdout) == (0, b"")
+        drawn.append(target.read_bytes())
+    assert drawn[0] and drawn[0] == drawn[1] == drawn[2]
+
+
+def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:
+    root = fromstring(svg_text(picture_of("examples/level0/config.mars")))
+    config = (ROOT / "examples/level0/config.mars").read_text()
+    pngs = []
+    for name in ("SonarMap", "SnoarMap"):
+        target = tmp_path / f"{name}.png"
+        text = config.replace("SonarMap", name)
+        assert mars("draw", "-", "-o", str(target), text=text).returncode == 0
+        pngs.append(target.read_bytes())
+    assert pngs[0].startswith(b"\x89PNG\r\n\x1a\n")
+    width, height = struct.unpack(">II", pngs[0][16:24])
+    assert abs(width - 2 * float(root.attrib["width"])) <= 1
+    assert abs(height - 2 * float(root.attrib["height"])) <= 1
+    assert pngs[0] != pngs[1]
+
+
+def test_a_wide_picture_is_a_smaller_png(tmp_path: Path) -> None:
+    names = [f"Module{index}" for index in range(400)]
+    text = f"@configuration\n@modules {', '.join(names)}\n" + "".join(
+        f"{name} uses_data_from Module0\n" for name in names[1:]
+    )
+    target = tmp_path / "wide.png"
+    assert mars("draw", "-", "-o", str(target), text=text).returncode == 0
+    width, height = struct.unpack(">II", target.read_bytes()[16:24])
+    assert width * height <= 41_000_000
+
+
+def test_standard_output_takes_each_format() -> None:
+    path = "examples/level0/config.mars"
+    assert mars("draw", path, "-o", "-").stdout.startswith(b"<svg")
+    assert mars("draw", path, "-o", "-", "--as", "dot").stdout.startswith(b"digraph")
+    assert mars("draw", path, "-o", "-", "--as", "png").stdout.startswith(b"\x89PNG")
+
+
+def test_what_is_too_large_to_draw_is_said(tmp_path: Path) -> None:
+    names = [f"M{index}" for index in range(400)]
+    lines = [f"{b} uses_data_from {a}" for a, b in pairwise(names)]
+    lines += [f"M399 uses_data_from M0 NotifyAtFrequency {hz}" for hz in range(1, 200)]
+    text = "\n".join(["@configuration", f"@modules {', '.join(names)}", *lines, ""])
+    done = mars("draw", "-", "-o", str(tmp_path / "x.svg"), text=text)
+    assert done.returncode == 2
+    assert b"too large" in done.stderr
+    assert not list(tmp_path.iterdir())
+    assert mars("draw", "-", "-o", str(tmp_path / "x.dot"), text=text).returncode == 0

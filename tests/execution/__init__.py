@@ -1,0 +1,1 @@
+"""Tests of specifications that run in a world."""

@@ -1,0 +1,163 @@
+"""What an InheritanceNode commands gives the module the motion that it is commanded.
+
+The joints' rates are turned into the module's velocity by the twists of
+`tests.support.combinations`, which shares nothing with the algebra that made the rates: vertices,
+tuples and joints of every order.
+"""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.language import parse_text
+from mars_asp.model.declarations import Configuration
+from tests.reasoning.test_combinations import expected_target, specifying, standing
+from tests.support.combinations import (
+    FUNCTIONS,
+    UNIT,
+    Column,
+    Motions,
+    Part,
+    Placing,
+    Tree,
+    generic_values,
+    random_tree,
+    twists,
+)
+
+RATE = 7.0
+
+
+def commanded(
+    tree: Tree, configuration: Configuration, function: str, values: dict[Column, float]
+) -> dict[Column, float]:
+    """Return the joints' rates for a command to the camera, in radians and `UNIT` mm a second.
+
+    `values` are where the joints stand, in radians and `UNIT` mm.
+    """
+    got: dict[str, dict[str, float]] = {}
+
+    def obeying(name: str) -> Behaviour:
+        stands = {f: values.get((name, f), 0.0) * measure(f) for f in tree.parts[name].functions}
+        return Behaviour(lambda command: got.update({name: command}), position=lambda: stands)
+
+    declared = parse_text(standing(tree), "c.mars").configuration.declared
+    behaviours = {name: obeying(name) for name in tree.movers("Cam")}
+    behaviours["Pilot"] = Behaviour(lambda: (function, RATE), 100 * MILLISECOND)
+    behaviours["Cam"] = Behaviour(lambda: None, 100 * MILLISECOND)
+    executor = Executor(configuration, {module.name: module for module in declared}, behaviours)
+    executor.step_until(0)
+    assert not executor.failures
+    return {
+        (name, f): rate / measure(f) for name, command in got.items() for f, rate in command.items()
+    }
+
+
+def measure(function: str) -> float:
+    """Return how many degrees are a radian, or how many mm are `UNIT`."""
+    return float(np.degrees(1)) if function.startswith("Rotn") else UNIT
+
+
+def differences(tree: Tree, seed: int, seen: Counter[str]) -> list[str]:
+    told = []
+    camera = Motions(tree, "Cam", seed)
+    for function in FUNCTIONS:
+        fed = expected_target(camera, function)
+        if fed is None:
+            continue
+        alone = len(camera.givers(function)) > 0
+        # What one module gives is so at rest; what several make up together follows the posture.
+        values = {} if alone else generic_values(tree, seed + 1000)
+        rates = commanded(tree, specifying(tree, fed), function, values)
+        there = twists(tree, "Cam", values)
+        moved = sum((rate * there[joint] for joint, rate in rates.items()), np.zeros(6))
+        index = FUNCTIONS.index(function)
+        rows = slice(0, 3) if alone and index < 3 else slice(0, 6)
+        wanted = np.eye(6)[index] * RATE / measure(function)
+        if not np.allclose(moved[rows], wanted[rows], atol=1e-6):
+            told.append(f"{seed}: {function} by {rates} moves {moved.round(4)}")
+        seen["alone" if alone else "together"] += 1
+    return told
+
+
+def test_the_camera_moves_as_it_is_commanded() -> None:
+    seen: Counter[str] = Counter()
+    told = []
+    for seed in range(60):
+        parts = dict(random_tree(seed).parts)
+        parts.pop("Eye", None)
+        told += differences(Tree(parts), seed, seen)
+    assert told == []
+    assert seen["alone"] > 50, seen
+    assert seen["together"] > 50, seen
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_turned_vertices_and_a_turned_tuple_are_taken_in_their_order(function: str) -> None:
+    """Each has two turns that do not commute, so any swapped pair shows."""
+    turned = Placing((("x", 90), ("y", 30)), (10.0, 20.0, 30.0))
+    base = Part("Base", FUNCTIONS, replace(turned, turns=(("z", 90), ("x", 45))))
+    across = Placing((("y", 90), ("z", 20)), (5.0, 0.0, 40.0))
+    tree = Tree({"Base": base, "Cam": Part("Cam", (), turned, "Base", 1, 1, across)})
+    assert differences(tree, 1, Counter()) == []
+    rates = commanded(tree, specifying(tree, frozenset({"Base"})), function, {})
+    assert len(rates) == 3
+
+
+def test_a_stretched_arm_says_that_it_cannot() -> None:
+    """The posture is singular: along the arm no rate of the hinges moves it."""
+    text = "\n".join(
+        [
+            "@specification",
+            "@modules A, B, C, Cam, Pilot, InheritanceNode1",
+            "B is_mounted_on A (_,_,_,_,300,_,_)",
+            "C is_mounted_on B (_,_,_,_,200,_,_)",
+            "Cam is_mounted_on C (_,_,_,_,100,_,_)",
+            "InheritanceNode1 is_controlled_by Pilot",
+            *(f"{name} is_controlled_by InheritanceNode1" for name in "ABC"),
+            *(f"@module_start\n@module_name {n}\n@Rotn_Z\n@module_end" for n in "ABC"),
+        ]
+    )
+    got: list[object] = []
+    behaviours = {name: Behaviour(got.append) for name in "ABC"}
+    behaviours["Pilot"] = Behaviour(lambda: ("Trans_X", 5), 100 * MILLISECOND)
+    executor = Executor(parse_text(text, "s.mars").configuration, {}, behaviours)
+    executor.step_until(0)
+    assert got == []
+    (failures,) = executor.failures.values()
+    assert failures.count == 1
+
+
+def test_where_nobody_says_where_a_joint_is_it_is_reckoned() -> None:
+    """Two slides are parallel until the hinge between them has turned by 90 degrees."""
+    functions = {"Low": "Trans_X", "Hinge": "Rotn_Z", "High": "Trans_X"}
+    text = "\n".join(
+        [
+            "@specification",
+            "@modules Low, Hinge, High, Cam, Pilot, Turner, InheritanceNode1",
+            "Hinge is_mounted_on Low",
+            "High is_mounted_on Hinge",
+            "Cam is_mounted_on High (z,45,_,_,_,_,_)",
+            "Hinge is_controlled_by Turner",
+            "InheritanceNode1 is_controlled_by Pilot",
+            "Low is_controlled_by InheritanceNode1",
+            "High is_controlled_by InheritanceNode1",
+            *(f"@module_start\n@module_name {n}\n@{f}\n@module_end" for n, f in functions.items()),
+        ]
+    )
+    got: dict[str, dict[str, float]] = {}
+    behaviours = {
+        name: Behaviour(lambda command, name=name: got.update({name: command}))
+        for name in functions
+    }
+    behaviours["Turner"] = Behaviour(lambda: ("Rotn_Z", 90), 100 * MILLISECOND)
+    behaviours["Pilot"] = Behaviour(lambda: ("Trans_X", 5), 1000 * MILLISECOND)
+    executor = Executor(parse_text(text, "s.mars").configuration, {}, behaviours)
+    executor.step_until(1000 * MILLISECOND)
+    half = 5 / np.sqrt(2)
+    assert got["High"] == pytest.approx({"Trans_X": half})
+    assert got["Low"] == pytest.approx({"Trans_X": -half})

@@ -1,0 +1,127 @@
+"""Records of a run for Foxglove, read back by the package of the format."""
+
+import io
+import json
+import sys
+from math import atan2, degrees
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+
+from mars_asp.cli import run_here
+from mars_asp.execution.recording.mcap import SCHEMAS, mcap_bytes
+from mars_asp.execution.recording.record import Record
+from tests.execution.recording.test_replay import trial
+from tests.support.documents import ROOT
+
+KINDS: dict[str, Any] = {
+    "object": dict,
+    "array": list,
+    "string": str,
+    "boolean": bool,
+    "integer": int,
+    "number": (int, float),
+}
+
+
+def assert_conforms(value: Any, schema: dict[str, Any]) -> None:
+    """Check kinds, and that a message has every property and no other."""
+    if "type" not in schema:
+        return
+    assert isinstance(value, KINDS[schema["type"]])
+    assert isinstance(value, bool) <= (schema["type"] == "boolean")
+    if "properties" in schema:
+        assert value.keys() == schema["properties"].keys()
+        for name, part in value.items():
+            assert_conforms(part, schema["properties"][name])
+    for item in value if schema["type"] == "array" else ():
+        assert_conforms(item, schema["items"])
+
+
+def recorded() -> tuple[Record, bytes]:
+    record = Record()
+    return record, mcap_bytes(trial(observe=record.observe), record.events)
+
+
+def messages(content: bytes) -> list[tuple[str, str, int, Any]]:
+    """Return topic, schema, time (ns) and message of all that is in a file, in order of time."""
+    found = []
+    for schema, channel, message in make_reader(io.BytesIO(content)).iter_messages():
+        assert schema is not None
+        assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
+        assert json.loads(schema.data) == SCHEMAS[schema.name]
+        found.append((channel.topic, schema.name, message.log_time, json.loads(message.data)))
+    return found
+
+
+def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None:
+    record, content = recorded()
+    found = messages(content)
+    for topic, schema, at, message in found:
+        assert_conforms(message, SCHEMAS[schema])
+        if topic in ("/tf", "/log"):
+            assert message["timestamp"] == {"sec": at // 10**9, "nsec": at % 10**9}
+    assert {schema for _, schema, _, _ in found} == set(SCHEMAS)
+    passed = [(topic, at, m["value"]) for topic, name, at, m in found if "mars_asp" in name]
+    assert passed == [
+        ("/" + e.where.replace(" -> ", "/"), e.at, e.value)
+        for e in record.events
+        if e.what in ("data", "control")
+    ]
+    logs = [(at, m["name"], m["message"]) for topic, _, at, m in found if topic == "/log"]
+    assert logs[1] == (0, "ArbitrationNode", "High holds control: highest priority in force")
+    assert len(logs) == 4
+
+
+def test_the_robot_stands_where_the_run_left_it_in_metres_and_obstacles_where_they_are() -> None:
+    made = trial()
+    found = messages(mcap_bytes(made, []))
+    last = [message for topic, _, _, message in found if topic == "/tf"][-1]
+    x, y = made.body.pose.forward / 1000, made.body.pose.side / 1000
+    assert last["translation"] == pytest.approx({"x": x, "y": y, "z": 0})
+    rotation = last["rotation"]
+    assert (rotation["x"], rotation["y"]) == (0, 0)
+    heading = degrees(2 * atan2(rotation["z"], rotation["w"]))
+    assert heading == pytest.approx(made.body.pose.heading)
+    (world,) = [m["entities"][0] for topic, _, _, m in found if topic == "/world"]
+    assert [c["pose"]["position"]["y"] for c in world["cylinders"]] == [-0.7]
+    ends = [(p["x"], p["y"]) for p in world["lines"][0]["points"]]
+    assert ends == [(2, -0.9), (2, 0.9), (2, 0.9), (-0.9, 0.9)]
+    moving = [m["entities"][0]["cylinders"][0] for topic, _, _, m in found if topic == "/moving"]
+    assert moving[-1]["pose"]["position"]["x"] == pytest.approx(0.5)
+
+
+def test_the_same_run_gives_the_same_bytes() -> None:
+    assert recorded()[1] == recorded()[1]
+
+
+LEVEL0 = ROOT / "examples" / "level0"
+WORDS = ["run", str(LEVEL0 / "config.mars"), "--scenario", str(LEVEL0 / "scenario.toml")]
+
+
+def test_the_command_line_writes_it(tmp_path: Path) -> None:
+    out = tmp_path / "a.mcap"
+    assert run_here([*WORDS, "--duration", "1", "--quiet", "--record", str(out)]) == 0
+    topics = {topic for topic, *_ in messages(out.read_bytes())}
+    assert {"/tf", "/world", "/moving", "/log", "/Sonar/SonarMap"} <= topics
+
+
+def test_a_package_that_is_missing_is_named_before_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "mcap", None)
+    out = tmp_path / "a.mcap"
+    assert run_here([*WORDS, "--record", str(out)]) == 2
+    told = capsys.readouterr()
+    assert "`.mcap` needs the package `mcap`, which is not installed" in told.err
+    assert "pip install 'mars-asp[mcap]'" in told.err
+    assert (told.out, out.exists()) == ("", False)
+
+
+def test_an_ending_that_says_nothing_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as raised:
+        run_here([*WORDS, "--record", "a.txt"])
+    assert raised.value.code == 2
+    assert "end it in .jsonl or .mcap" in capsys.readouterr().err

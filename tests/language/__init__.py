@@ -1,0 +1,1 @@
+"""Tests of how `.mars` text is read, edited and printed."""

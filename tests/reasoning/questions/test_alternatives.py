@@ -1,0 +1,134 @@
+"""Other realisations are realisations, cost what is said, and needs bound the cost from below."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
+from mars_asp.language import parse_text
+from mars_asp.model.declarations import Control, Data
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.alternatives import Alternatives, alternatives
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, RELATIONSHIPS
+from mars_asp.reasoning.verification import verify
+from tests.support.documents import ROOT, run
+from tests.support.random_configurations import random_configuration
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+CASES = sorted((ROOT / "tests" / "alternatives").glob("*/"))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda path: path.name)
+def test_cases(case: Path, update_golden: bool) -> None:
+    shown = run(f"mars-asp explain tests/alternatives/{case.name}/config.mars --alternatives 3")
+    expected = case / "expected.txt"
+    if update_golden:
+        expected.write_text(shown, encoding="utf-8")
+    assert shown == expected.read_text(encoding="utf-8")
+
+
+def found(
+    text: str, subject: str | None = None, most: int = 4
+) -> tuple[Project, Alternatives | None]:
+    project = Project(parse_text(text, "c.mars").configuration, {}, ())
+    return project, alternatives(Reasoner(project, RULEBOOK), subject, most)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_alternatives_realise_and_cost_what_is_said(seed: int) -> None:
+    project, answer = found(random_configuration(seed))
+    if answer is None:
+        return
+    extras = []
+    for other in answer.others:
+        assert verify(other.specification.configuration, project, RULEBOOK) == ()
+        cost = {
+            level: answer.synthesis.cost(level) + other.extra[level] for level in COSTS.values()
+        }
+        lines = other.specification.configuration.relationships
+        assert cost[NODES] == len(other.specification.nodes)
+        assert cost[RELATIONSHIPS] == sum(isinstance(line, Data | Control) for line in lines)
+        assert other.added or other.removed
+        extras.append([other.extra[level] for level in COSTS.values()])
+    assert extras == sorted(extras)
+    assert all(extra >= [0, 0, 0] for extra in extras)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_needs_are_disjoint_and_bound_the_nodes(seed: int) -> None:
+    _, answer = found(random_configuration(seed))
+    if answer is None:
+        return
+    nodes = [words for need in answer.needs for words in need.words]
+    assert all(need.words for need in answer.needs)
+    assert len(nodes) == len(set(nodes))
+    assert len(answer.needs) <= answer.open
+    assert answer.open + len(answer.forced) == answer.synthesis.cost(NODES)
+
+
+def test_as_many_optima_as_are_counted_cost_the_same() -> None:
+    text = (
+        "@configuration\n@modules S, A, B\nA uses_data_from S\nB uses_data_from S\n"
+        "@module_start\n@module_name S\n@Sense NotifyWhenReady\nRaw s();\n@module_end\n"
+        "@module_start\n@module_name A\n@DataIn\nvoid a(X x);\n@module_end\n"
+        "@module_start\n@module_name B\n@DataIn\nvoid b(X x);\n@module_end\n"
+        "@module_start\n@module_name C\n@Converts\nX c(Raw r);\n@module_end\n"
+        "@module_start\n@module_name D\n@Converts\nX d(Raw r);\n@module_end\n"
+    )
+    _, answer = found(text)
+    assert answer is not None
+    same = [other for other in answer.others if not any(other.extra.values())]
+    assert answer.synthesis.resolution.count == 1 + len(same) == 2
+
+
+def _twin(name: str) -> str:
+    """Return lines and blocks of a source with two optima."""
+    return (
+        f"A{name} uses_data_from S{name}\nB{name} uses_data_from S{name}\n"
+        f"@module_start\n@module_name S{name}\n@Sense NotifyWhenReady\nR{name} s();\n@module_end\n"
+        f"@module_start\n@module_name A{name}\n@DataIn\nvoid a(X{name} x);\n@module_end\n"
+        f"@module_start\n@module_name B{name}\n@DataIn\nvoid b(X{name} x);\n@module_end\n"
+        f"@module_start\n@module_name C{name}\n@Converts\nX{name} c(R{name} r);\n@module_end\n"
+        f"@module_start\n@module_name D{name}\n@Converts 3\nX{name} d(R{name} r);\n@module_end\n"
+        f"@module_start\n@module_name E{name}\n@Converts\nX{name} e(R{name} r);\n@module_end\n"
+    )
+
+
+def test_components_vary_on_their_own_and_together() -> None:
+    names = ", ".join(f"{each}{name}" for name in "PQR" for each in "ABS")
+    text = f"@configuration\n@modules {names}\n{''.join(map(_twin, 'PQR'))}"
+    _, answer = found(text, most=7)
+    assert answer is not None
+    assert answer.synthesis.resolution.count == 8
+    assert len({(other.added, other.removed) for other in answer.others}) == 7
+    assert not any(any(other.extra.values()) for other in answer.others)
+    assert [len(other.added) for other in answer.others] == [1, 1, 1, 2, 2, 2, 3]
+    assert not answer.complete
+    _, more = found(text, most=20)
+    assert more is not None
+    assert sum(not any(other.extra.values()) for other in more.others) == 7
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_as_many_cost_the_same_as_are_counted(seed: int) -> None:
+    _, answer = found(random_configuration(seed), most=60)
+    if answer is None or answer.synthesis.resolution.count is None:
+        return
+    same = sum(not any(other.extra.values()) for other in answer.others)
+    assert same == min(answer.synthesis.resolution.count - 1, 60)
+
+
+def test_a_subject_is_a_node() -> None:
+    with pytest.raises(MarsError, match="is no node"):
+        found("@configuration\n@modules A, B\nA uses_data_from B\n", "A")
+
+
+@pytest.mark.parametrize("words", [["--alternatives", "0"], ["--alternatives", "many"]])
+def test_a_wrong_number_is_told(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        run_here(["explain", str(CASES[0] / "config.mars"), *words])
+    assert end.value.code == 2
+    assert "is no number from 1" in capsys.readouterr().err

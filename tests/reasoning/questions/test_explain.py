@@ -1,0 +1,56 @@
+"""Explanations of one sort alone."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.trace.text import trace_json
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.support.documents import ROOT, run
+
+LEVEL0 = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
+#: `A` takes no part in what cannot be resolved.
+IMPOSSIBLE = """\
+@configuration
+@modules A, B, C, D, E, F, G
+A uses_data_from E
+C uses_data_from E
+F uses_data_from G
+D uses_data_from B NotifyWhenReady
+@module_start
+@module_name B
+@Sense RequestWhenReady
+Image look();
+@module_end
+"""
+
+
+@pytest.mark.parametrize("subject", [None, "Turn"])
+def test_both_sorts_are_the_whole(subject: str | None) -> None:
+    rulebook = load_rulebook()
+    parts = [
+        explain(Reasoner(LEVEL0, rulebook), subject, only=only)
+        for only in ("consequences", "nodes")
+    ]
+    whole = explain(Reasoner(LEVEL0, rulebook), subject)
+
+    assert parts[0].synthesis is None
+    assert all(part.topics for part in parts)
+    told = [(t.title, trace_json(t.trace)) for part in parts for t in part.topics]
+    assert told == [(t.title, trace_json(t.trace)) for t in whole.topics]
+
+
+def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
+    (tmp_path / "c.mars").write_text(IMPOSSIBLE)
+
+    assert "data_divergence(E)" in run("mars-asp explain c.mars A --only consequences", tmp_path)
+    assert run("mars-asp explain c.mars --only nodes", tmp_path).split() == (
+        "no specification realises this configuration, so there is no node to explain".split()
+    )
+    refused = run("mars-asp explain c.mars A --only nodes", tmp_path)
+    assert "no node resolves what concerns `A`, for no specification" in refused
+    refused = run("mars-asp explain c.mars F --only consequences", tmp_path)
+    assert "nothing concerns `F`" in refused

@@ -1,0 +1,227 @@
+"""Nothing that analysis does not derive is explained, and nothing that it derives is left out.
+
+python -m tests.reasoning.questions.test_packs_explained HOW_MANY FIRST_SEED
+"""
+
+import random
+import sys
+import time
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import clingo
+import pytest
+
+from mars_asp.asp.messages import shown
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.trace import Derived
+from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
+from mars_asp.reasoning.questions.evidence import slice_for
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner, explainer_for
+from tests.support.random_configurations import random_configuration
+from tests.support.random_packs import Pack, random_pack
+from tests.support.trace_checker import faults
+
+#: Of our own rules these are enough: the others take time and read no pack.
+KEPT = ("rules/vocabulary.lp", "rules/data.lp")
+#: Of the atoms of a pack so many are asked for one by one.
+ASKED = 4
+
+
+@cache
+def projects() -> tuple[Project, ...]:
+    return tuple(load_project("random.mars", text=random_configuration(n)) for n in range(8))
+
+
+def rulebook_with(pack: Path) -> Rulebook:
+    """Return a pack with those of our rules that are kept."""
+    whole = load_rulebook([pack], ())
+    own = [ROOT / name for name in KEPT]
+    rules = [rule for rule in whole.rules if rule.span.path in (*KEPT, str(pack))]
+    texts = [("base", path.read_text(encoding="utf-8")) for path in own]
+    return Rulebook(tuple(rules), (*texts, whole.texts[-1]), 1, whole.pack_rules)
+
+
+def derived(rulebook: Rulebook, facts: str) -> frozenset[clingo.Symbol]:
+    """Return what clingo derives from the texts as they are."""
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], f"{rulebook.text('base')}\n{facts}")
+    control.ground()
+    return frozenset(atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
+
+
+def plain(text: str) -> str:
+    """Return a rule as clingo writes it."""
+    found: list[clingo.ast.AST] = []
+    clingo.ast.parse_string(text, found.append)
+    return next(str(each) for each in found if each.ast_type == clingo.ast.ASTType.Rule)
+
+
+def misplaced(pack: Pack, rulebook: Rulebook, path: Path) -> list[str]:
+    """Return the rules that do not stand where they were written, or say something else."""
+    read = [(r.span.line, plain(r.text)) for r in rulebook.rules if r.span.path == str(path)]
+    return [
+        f"{place}: {rule}"
+        for place, rule in set(read) ^ {(line, plain(rule)) for line, rule in pack.rules}
+    ]
+
+
+def wrong_explanations(seed: int, folder: Path) -> tuple[list[str], int]:
+    """Return what is wrong with the explanations of one pack, and how many came from slices."""
+    rng = random.Random(seed)
+    pack, path = random_pack(seed), folder / "p.lp"
+    path.write_text(pack.text, encoding="utf-8", newline="")
+    project = projects()[seed % len(projects())]
+    rulebook = rulebook_with(path)
+    wrong = misplaced(pack, rulebook, path)
+    facts = tuple(project_facts(project))
+    true = derived(rulebook, facts_text(facts))
+    given = frozenset(symbol_of(fact.atom) for fact in facts)
+    mine = {
+        atom
+        for atom in true - given
+        if (f"{'' if atom.positive else '-'}{atom.name}", len(atom.arguments)) in pack.predicates
+    }
+    said = {atom for atom in true if (atom.name, len(atom.arguments)) == ("consequence", 4)}
+    analysis = analyse(facts, rulebook, project.configuration.span)
+    found = {told.atom for told in analysis.consequences}
+    wrong += [f"analysis: {atom}" for atom in found ^ said]
+    traces = explainer_for(rulebook, facts, analysis, None).why(sorted(mine | said))
+    wrong += faults(traces.values(), given, true, pack.constants)
+    wrong += [f"whole: {a}" for a, trace in traces.items() if not isinstance(trace, Derived)]
+    slices = 0
+    told_by = (project, rulebook, given, true, pack.constants, wrong)
+    for atom in rng.sample(sorted(mine), min(ASKED, len(mine))):
+        slices += asked_of(str(atom), {str(atom)}, *told_by)
+    by_name: dict[str, set[str]] = {}
+    for told in said:
+        name = f"{told.arguments[0]}({shown(told.arguments[2])})"
+        by_name.setdefault(name, set()).add(str(told))
+    for name in rng.sample(sorted(by_name), min(ASKED, len(by_name))):
+        slices += asked_of(name, by_name[name], *told_by)
+    for atom in rng.sample(sorted(absent(pack, mine, project)), ASKED):
+        try:
+            explain(Reasoner(project, rulebook), str(atom))
+            wrong.append(f"explained: {atom}")
+        except MarsError:
+            pass
+    return [f"{seed}: {each}" for each in wrong], slices
+
+
+def absent(pack: Pack, mine: set[clingo.Symbol], project: Project) -> set[clingo.Symbol]:
+    """Return atoms that are not derived: of a pack's predicates, and of their contraries."""
+    names = [clingo.String(name.text) for name in project.configuration.modules]
+    found = {clingo.Function("never", [name]) for name in names}
+    found |= {clingo.Function(a.name, a.arguments, not a.positive) for a in mine}
+    for name, arity in pack.predicates:
+        for first in names:
+            arguments = [first, *names[-1:]][:arity]
+            found.add(clingo.Function(name.removeprefix("-"), arguments, name[0] != "-"))
+    found |= {clingo.Function("never", [clingo.Number(n)]) for n in range(ASKED)}
+    return found - mine
+
+
+def asked_of(
+    subject: str,
+    wanted: set[str],
+    project: Project,
+    rulebook: Rulebook,
+    given: frozenset[clingo.Symbol],
+    true: frozenset[clingo.Symbol],
+    constants: tuple[str, ...],
+    wrong: list[str],
+) -> bool:
+    """Ask for one thing as `explain` does; return whether a slice answered."""
+    try:
+        topics = explain(Reasoner(project, rulebook), subject).topics
+    except MarsError as error:
+        wrong.append(f"refused: {subject}: {error.diagnostics[0].message}")
+        return False
+    wrong += faults([topic.trace for topic in topics], given, true, constants)
+    tops = {str(t.trace.atom) for t in topics if isinstance(t.trace, Derived)}
+    if tops != wanted:
+        wrong.append(f"asked for {subject}: {sorted(tops)} instead of {sorted(wanted)}")
+    return (
+        slice_for(
+            subject,
+            rulebook,
+            lambda names: project_facts(project, wanted=names),
+            lambda names: project_lookup(project, names),
+        )
+        is not None
+    )
+
+
+@pytest.mark.parametrize("first", range(0, 40, 10))
+def test_what_is_derived_is_explained_and_nothing_else(first: int, tmp_path: Path) -> None:
+    results = [wrong_explanations(seed, tmp_path) for seed in range(first, first + 10)]
+    assert [said for wrong, _ in results for said in wrong] == []
+    assert sum(slices for _, slices in results) > 10
+
+
+HIDING = """\
+% "An open string in a comment :- and more
+ranked(M, C) :- %* priority(_, _) counts, not this: *% is_controlled_by(R, M, C), %* and
+   more, *% priority(R, P), P > 1.
+unranked(M, C) :- is_controlled_by(R, M, C), %* x :- *% not priority(R, _).
+unstated(M, C) :- %* a *% is_controlled_by(R, M, C), not priority(R, _).
+phrase("%* no comment :- ").
+odd(M) :- module(M), phrase("%* no comment :- "), not ranked(M, _). % form \x0c feed, größer
+consequence(%* c *% oddity, note, M, "%") :- odd(M).
+marked(M, first; M, second) :- ranked(M, _).
+"""
+RANKED = """\
+@configuration hierarchical
+@modules Base, A, B
+Base is_controlled_by A 1
+Base is_controlled_by B 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("subject", "line"),
+    [
+        ('ranked("Base","B")', 2),
+        ('ranked("Base","A")', None),
+        # The line that states a priority was shown beside the denial of it.
+        ('unranked("Base","A")', None),
+        ('unstated("Base","A")', None),
+        ('odd("A")', 7),
+        ('odd("Base")', None),
+        ("oddity(A)", 8),
+        # No proof was found of what stands second in a pool.
+        ('marked("Base",second)', 9),
+    ],
+)
+def test_comments_and_strings_hide_nothing(subject: str, line: int | None, tmp_path: Path) -> None:
+    pack = tmp_path / "hiding.lp"
+    pack.write_text(HIDING, encoding="utf-8")
+    project = load_project("ranked.mars", text=RANKED)
+    if line is None:
+        with pytest.raises(MarsError):
+            explain(Reasoner(project, load_rulebook([pack])), subject)
+    else:
+        (topic,) = explain(Reasoner(project, load_rulebook([pack])), subject).topics
+        assert isinstance(topic.trace, Derived)
+        assert topic.trace.rule.span.line == line
+
+
+if __name__ == "__main__":
+    how_many, first_seed = map(int, sys.argv[1:])
+    began, faulty, sliced = time.monotonic(), 0, 0
+    with TemporaryDirectory() as temporary:
+        for each in range(first_seed, first_seed + how_many):
+            said, count = wrong_explanations(each, Path(temporary))
+            sliced += count
+            faulty += bool(said)
+            for one in said[:5]:
+                print(one, flush=True)
+    seconds = time.monotonic() - began
+    print(f"{how_many} packs, {sliced} answers from slices, {faulty} with faults, {seconds:.0f} s")

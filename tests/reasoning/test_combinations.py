@@ -1,0 +1,252 @@
+"""Least supports: what rules make of combined motions, against brute force over subsets.
+
+    python -m tests.reasoning.test_combinations HOW_MANY [FIRST_SEED]
+
+does the same for as many random mount trees as wanted.
+"""
+
+import random
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations
+
+import pytest
+
+from mars_asp.language import parse_text
+from mars_asp.model.declarations import Configuration, Control
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.capability import capability
+from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.synthesis.synthesise import synthesise
+from mars_asp.reasoning.verification import verify
+from tests.support.combinations import (
+    FUNCTIONS,
+    Motions,
+    Part,
+    Placing,
+    Tree,
+    able_at_once,
+    random_tree,
+)
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify", "can"))
+CONTROLLER = "@module_start\n@module_name Pilot\n@ControlOut {}\nCommand go();\n@module_end"
+
+
+def read(text: str) -> Project:
+    return Project(parse_text(text, "c.mars").configuration, {}, ())
+
+
+def commanding(tree: Tree, functions: tuple[str, ...]) -> str:
+    """Return a configuration in which a pilot commands functions of the camera."""
+    return "\n".join(
+        [
+            "@configuration",
+            f"@modules {', '.join((*tree.parts, 'Pilot'))}",
+            *tree.lines(),
+            "Cam is_controlled_by Pilot",
+            *tree.blocks(),
+            CONTROLLER.format(", ".join(functions)),
+        ]
+    )
+
+
+def standing(tree: Tree) -> str:
+    """Return a configuration that nobody controls."""
+    heading = ["@configuration", f"@modules {', '.join(tree.parts)}"]
+    return "\n".join([*heading, *tree.lines(), *tree.blocks()])
+
+
+def specifying(tree: Tree, fed: frozenset[str]) -> Configuration:
+    """Return the specification in which an InheritanceNode feeds modules what a pilot commands."""
+    lines = [
+        "@specification",
+        f"@modules {', '.join((*tree.parts, 'Pilot', 'InheritanceNode1'))}",
+        *tree.lines(),
+        "InheritanceNode1 is_controlled_by Pilot",
+        *(f"{name} is_controlled_by InheritanceNode1" for name in sorted(fed)),
+    ]
+    return parse_text("\n".join(lines), "s.mars").configuration
+
+
+def expected_target(motions: Motions, function: str) -> frozenset[str] | None:
+    """Return who carries out an inherited function, none where it is not inherited."""
+    if givers := motions.givers(function):
+        return frozenset(givers[:1])
+    return motions.supports(function)[0] if motions.emergent(function) else None
+
+
+def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
+    """Yield what differs for a random mount tree; count what it shows."""
+    tree, chooser = random_tree(seed), random.Random(f"commands {seed}")
+    motions = {name: Motions(tree, name, seed) for name in tree.parts}
+    camera = motions["Cam"]
+    functions = tuple(chooser.sample(FUNCTIONS, chooser.choice((1, 1, 2, 2, 3))))
+    emergent = [f for f in FUNCTIONS if camera.emergent(f)]
+    if emergent and chooser.random() < 0.7:
+        functions = (chooser.choice(emergent), *functions[1:])
+    functions = tuple(dict.fromkeys(functions))
+    project = read(commanding(tree, functions))
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+
+    # Emergent functionality and who has a part in it.
+    for name in ("Cam", "Eye"):
+        if name in tree.parts:
+            for function in FUNCTIONS:
+                found = {
+                    atom.arguments[4].string
+                    for atom, _ in analysis.grounding.atoms("participant", 5)
+                    if [str(a) for a in atom.arguments[:3]]
+                    == ["emergent_functionality", f'"{name}"', f'"{function}"']
+                } - {function}
+                here = motions[name]
+                wanted = here.supports(function)[0] if here.emergent(function) else frozenset()
+                seen["emergent"] += bool(wanted)
+                if found != wanted:
+                    yield f"{function} of {name} emerges from {sorted(found)}, not {sorted(wanted)}"
+
+    # Whom the InheritanceNode feeds, and what verification accepts.
+    targets = [t for f in functions if (t := expected_target(camera, f)) is not None]
+    fed = frozenset[str]().union(*targets)
+    synthesis = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    if synthesis is not None and fed:
+        lines = synthesis.specification.configuration.relationships
+        found = {
+            line.controlled
+            for line in lines
+            if isinstance(line, Control) and line.controller.startswith("InheritanceNode")
+        }
+        if found != fed:
+            yield f"the node feeds {sorted(found)}, not {sorted(fed)}, for {functions}"
+        seen["node"] += 1
+        yield from _verified(tree, camera, functions, fed, project, chooser, seen)
+    yield from _able(tree, motions, chooser, seen)
+
+
+def _verified(
+    tree: Tree,
+    camera: Motions,
+    functions: tuple[str, ...],
+    fed: frozenset[str],
+    project: Project,
+    chooser: random.Random,
+    seen: Counter[str],
+) -> Iterator[str]:
+    movers = tree.movers("Cam")
+    choices = [
+        camera.supports(f) if camera.emergent(f) else [t]
+        for f in functions
+        if (t := expected_target(camera, f)) is not None
+    ]
+    unions = {frozenset[str]().union(*some) for some in _products(choices)}
+    near = [fed, *(fed ^ {name} for name in movers)]
+    alike = [frozenset(some) for some in combinations(movers, len(fed))]
+    others = chooser.sample(sorted(unions, key=sorted), min(4, len(unions)))
+    chosen = [*near, *others, *chooser.sample(alike, min(2, len(alike)))]
+    for given in dict.fromkeys(chosen):
+        right = given == fed
+        seen["accepted" if right else "refused"] += 1
+        seen["another support"] += given in unions and not right
+        if bool(verify(specifying(tree, given), project, RULEBOOK)) == right:
+            yield f"verify {'refuses' if right else 'accepts'} {sorted(given)} for {functions}"
+
+
+def _products(choices: list[list[frozenset[str]]]) -> Iterator[list[frozenset[str]]]:
+    if not choices:
+        yield []
+        return
+    for rest in _products(choices[1:]):
+        yield from ([one, *rest] for one in choices[0])
+
+
+def _able(
+    tree: Tree, motions: dict[str, Motions], chooser: random.Random, seen: Counter[str]
+) -> Iterator[str]:
+    project = read(standing(tree))
+    possible = [
+        (name, function)
+        for name, here in motions.items()
+        for function in FUNCTIONS
+        if here.able(function, here.columns | {(name, f) for f in tree.parts[name].functions})
+    ]
+    name, function = chooser.choice(list(tree.parts)), chooser.choice(FUNCTIONS)
+    answer = capability(project, RULEBOOK, f"{function} of {name}").able
+    seen[f"single {answer}"] += 1
+    if answer != ((name, function) in possible):
+        yield f"can {function} of {name}: {answer}"
+    for _ in range(3):
+        if len(possible) > 1:
+            (one, f), (two, g) = chooser.sample(possible, 2)
+            answer = capability(project, RULEBOOK, f"{f} of {one} while {g} of {two}").able
+            seen[f"pair {answer}"] += 1
+            if answer != able_at_once(motions[one], motions[two], (f, g)):
+                yield f"can {f} of {one} while {g} of {two}: {answer}"
+
+
+HERE = Placing((), (0.0, 0.0, 0.0))
+#: Three hinges on a lift carry a camera.
+ARM = Tree(
+    {
+        "Lift": Part("Lift", ("Trans_Z",), HERE),
+        "S1": Part("S1", ("Rotn_Z",), HERE, "Lift"),
+        "S2": Part("S2", ("Rotn_Z",), HERE, "S1", placing=Placing((), (300.0, 0.0, 0.0))),
+        "S3": Part("S3", ("Rotn_Z",), HERE, "S2", placing=Placing((), (200.0, 0.0, 0.0))),
+        "Cam": Part("Cam", (), HERE, "S3", placing=Placing((), (100.0, 0.0, 0.0))),
+    }
+)
+#: A platform carries one camera turned by 45 degrees about z, and another straight.
+PLATFORM = Tree(
+    {
+        "Plat": Part("Plat", ("Trans_X", "Trans_Y", "Trans_Z"), HERE),
+        "Cam": Part("Cam", (), HERE, "Plat", placing=Placing((("z", 45.0),), (0.0, 0.0, 0.0))),
+        "Eye": Part("Eye", (), HERE, "Plat"),
+    }
+)
+
+
+def test_a_lift_below_an_arm_has_no_share_in_what_its_hinges_make() -> None:
+    project = read(commanding(ARM, ("Trans_X",)))
+    hinges = frozenset({"S1", "S2", "S3"})
+    assert expected_target(Motions(ARM, "Cam", 0), "Trans_X") == hinges
+    assert verify(specifying(ARM, hinges), project, RULEBOOK) == ()
+    clauses = {v.clause for v in verify(specifying(ARM, hinges | {"Lift"}), project, RULEBOOK)}
+    assert clauses == {5}
+    assert asked(ARM, "Trans_X of Cam while Trans_Y of Cam while Trans_Z of Lift")
+    assert not asked(ARM, "Trans_X of Cam while Rotn_Z of S2")
+
+
+def test_only_motions_with_a_share_are_busy() -> None:
+    assert asked(PLATFORM, "Trans_X of Cam while Trans_Z of Plat")
+    assert asked(PLATFORM, "Trans_X of Cam while Trans_Y of Cam")
+    assert asked(PLATFORM, "Trans_X of Cam while Trans_Z of Eye")
+    assert not asked(PLATFORM, "Trans_X of Cam while Trans_X of Plat")
+    assert not asked(PLATFORM, "Trans_X of Cam while Trans_Y of Eye")
+
+
+def asked(tree: Tree, query: str) -> bool:
+    return capability(read(standing(tree)), RULEBOOK, query).able
+
+
+@pytest.mark.parametrize("first", range(0, 30, 5))
+def test_random_mount_trees(first: int) -> None:
+    seen: Counter[str] = Counter()
+    found = {seed: list(differences(seed, seen)) for seed in range(first, first + 5)}
+    assert {seed: told for seed, told in found.items() if told} == {}
+    assert seen["accepted"] and seen["refused"] and seen["pair True"], seen
+
+
+def main() -> None:
+    many, first = (int(word) for word in (*sys.argv[1:], "0")[:2])
+    wrong, seen = 0, Counter[str]()
+    for seed in range(first, first + many):
+        told = list(differences(seed, seen))
+        wrong += bool(told)
+        for difference in told:
+            print(f"seed {seed}: {difference}", flush=True)
+    print(f"{many} mount trees, {wrong} differ: {dict(seen)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+"""Every built-in rule that speaks is explained in a golden trace.
+
+`tests/traces` has a file for each rule file: every rule with a message, and a trace that ends in
+it, over the facts of the first case in `tests/rules` that has one. Rules without a message are
+folded into those that they support.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import clingo
+import pytest
+from clingo import ast
+
+from mars_asp.asp.cases import case_facts, find_cases
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.solve.term_ids import Signature, Term, as_term
+from mars_asp.asp.trace import Derived, Explainer, Trace
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.text import traces_text
+from mars_asp.diagnostic import MarsError, Span
+from mars_asp.reasoning.rules import STAGES, load_rulebook, stages_of
+from tests.support.documents import ROOT
+from tests.support.programs import atom_of
+
+CASES = find_cases([ROOT / "tests" / "rules"])
+#: Stages that choose; what others derive follows.
+CHOOSING = ("resolve", "can", "cost")
+
+
+def cases_of(stage: str) -> list[Path]:
+    return [p for p in CASES if stage == next(iter(stages_of(p)), "base")]
+
+
+def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
+    """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
+    rulebook = load_rulebook(stages=() if stage == "base" else (stage,))
+    text = case_facts(case)
+    given: list[Fact] = []
+
+    def note(statement: ast.AST) -> None:
+        if statement.ast_type == ast.ASTType.Rule and not statement.body:
+            begin, end = statement.location.begin, statement.location.end
+            path = str(case.relative_to(ROOT))
+            place = Span(path, begin.line, begin.column, end.line, end.column)
+            given.append(Fact(atom_of(clingo.parse_term(str(statement.head))), place))
+
+    ast.parse_string(text, note)
+    base = rulebook.text("base")
+    if stage not in (*CHOOSING, "base"):
+        base += "\n" + rulebook.text(stage)
+    grounding = Grounding([Fragment(f"{base}\n{text}", "rules")])
+    opened: Mapping[Signature, Sequence[Term]] = {}
+    if stage in CHOOSING:
+        try:
+            opened = grounding.resolve(rulebook.text(stage)).answer.true
+        except MarsError:  # a case may ask for what has no answer
+            return None
+    atoms = grounding.control.symbolic_atoms
+    taken = {term for terms in opened.values() for term in terms}
+    true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)
+    return Explainer(rulebook, grounding.control, GivenFacts(given), opened), true
+
+
+def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
+    """Yield each rule of a stage with the text of the first trace that ends in it."""
+    rules = load_rulebook(stages=() if stage == "base" else (stage,)).rules
+    wanted = {r.span: r for r in rules if r.stage == stage and r.because is not None}
+    for case in cases_of(stage):
+        heads = {head for rule in wanted.values() for head in rule.heads}
+        explained = explainer_of(case, stage) if heads else None
+        if explained is None:
+            continue
+        explainer, true = explained
+        asked = sorted(a for a in true if (a.name, len(a.arguments)) in heads)
+        for atom, trace in explainer.why(asked).items():
+            if isinstance(trace, Derived) and trace.rule.span in wanted:
+                yield wanted.pop(trace.rule.span), shown(case, atom, trace)
+    assert not wanted, f"no case has a trace that ends in {[str(r.span) for r in wanted.values()]}"
+
+
+def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
+    lines = case.read_text(encoding="utf-8").splitlines()
+    title = f"{atom}, in {case.relative_to(ROOT)}"
+    said = traces_text([(title, trace)], lambda span: lines[span.line - 1], 2)
+    return "\n".join(said)
+
+
+@pytest.mark.parametrize("stage", ["base", *STAGES])
+def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
+    by_file: dict[str, list[tuple[int, str]]] = {}
+    for rule, text in goldens(stage):
+        by_file.setdefault(rule.span.path, []).append((rule.span.line, text))
+    for path, found in by_file.items():
+        golden = ROOT / "tests" / "traces" / Path(path).relative_to("rules").with_suffix(".txt")
+        text = "\n\n".join(told for _, told in sorted(found)) + "\n"
+        if update_golden:
+            golden.parent.mkdir(parents=True, exist_ok=True)
+            golden.write_text(text, encoding="utf-8")
+        assert text == golden.read_text(encoding="utf-8"), path

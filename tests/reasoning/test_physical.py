@@ -1,0 +1,256 @@
+"""What is inherited: the rules against a numeric rank test written a second time, from scratch."""
+
+import random
+from collections import Counter
+from collections.abc import Iterable
+from typing import TypeAlias
+
+import clingo
+import numpy as np
+import pytest
+
+from mars_asp.kinematics.frames import Matrix
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount, Transformation
+from mars_asp.reasoning.facts.compile import configuration_facts, facts_text
+from mars_asp.reasoning.facts.motion import frame_facts
+from mars_asp.reasoning.rules import load_rulebook
+from tests.support.robots import HERE, module, placed, random_chain, robot
+
+Verdict: TypeAlias = set[tuple[str, str]]
+CHAINS = 1000
+
+
+@pytest.fixture(scope="module")
+def rules() -> str:
+    return load_rulebook().text("base")
+
+
+def verdicts(configuration: Configuration, rules: str, subject: str = "M0") -> Verdict:
+    return all_verdicts(configuration, rules).get(subject, set())
+
+
+def all_verdicts(configuration: Configuration, rules: str) -> dict[str, Verdict]:
+    facts = (*configuration_facts(configuration), *frame_facts(configuration, {}))
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], rules + facts_text(facts))
+    control.ground()
+    found: dict[str, Verdict] = {}
+    for atom in control.symbolic_atoms.by_signature("consequence", 4):
+        kind, _, name, case = atom.symbol.arguments
+        if case.type == clingo.SymbolType.String:
+            found.setdefault(name.string, set()).add((kind.name, case.string))
+    appearances = control.symbolic_atoms.by_signature("appears", 5)
+    aligned = {tuple(atom.symbol.arguments[at] for at in (0, 1, 3)) for atom in appearances}
+    for atom in control.symbolic_atoms.by_signature("on_arc", 4):
+        heir, provider, function, _ = atom.symbol.arguments
+        arc = f"{provider.string} {function.string}"
+        alone = (heir, provider, function) in aligned
+        found.setdefault(heir.string, set()).add(("arc" if alone else "combined arc", arc))
+    return found
+
+
+# ---- the second test: poses by finite products, twists by numeric derivatives, ranks by numpy ----
+
+
+def axis_turn(axis: int, degrees: float) -> Matrix:
+    """Rodrigues' formula, on homogeneous coordinates."""
+    cross = np.zeros((4, 4))
+    cross[(axis + 2) % 3, (axis + 1) % 3], cross[(axis + 1) % 3, (axis + 2) % 3] = 1, -1
+    angle = np.radians(degrees)
+    return np.asarray(np.eye(4) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def pose_of_tuple(transformation: Transformation | None) -> Matrix:
+    pose = np.eye(4)
+    if transformation:
+        for axis, degrees in transformation.rotations:
+            pose = axis_turn("xyz".index(axis), float(degrees)) @ pose
+        pose[:3, 3] = [float(length) for length in transformation.translation]
+    return pose
+
+
+def leaf_pose(chain: Configuration, values: dict[tuple[str, str], float]) -> Matrix:
+    modules = {m.name: m for m in chain.declared}
+    pose = np.eye(4)
+    for mount in chain.relationships:
+        assert isinstance(mount, Mount)
+        carrier = modules[mount.mounted]
+        on = (
+            pose_of_tuple(carrier.vertices[0].transformation) if mount.mounted_vertex else np.eye(4)
+        )
+        moved = np.eye(4)
+        for function in carrier.functions:
+            kind, axis = function.name.split("_")
+            value = values.get((carrier.name, function.name), 0.0)
+            if kind == "Rotn":
+                moved = moved @ axis_turn("XYZ".index(axis), np.degrees(value))
+            else:
+                moved[:3, 3] += moved[:3, :3] @ (value * np.eye(3)["XYZ".index(axis)])
+        pose = moved @ on @ pose_of_tuple(mount.transformation) @ pose
+    return np.asarray(pose)
+
+
+def numeric_twists(
+    chain: Configuration, values: dict[tuple[str, str], float]
+) -> dict[tuple[str, str], Matrix]:
+    """Return for each joint its twist in the leaf's frame, lengths in units of 100 mm."""
+    here = np.linalg.inv(leaf_pose(chain, values))
+    found = {}
+    for carrier in chain.declared[1:]:
+        for function in carrier.functions:
+            joint = (carrier.name, function.name)
+            step = 1e-4 if function.name.startswith("Rotn") else 1.0
+            ahead = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) + step})
+            behind = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) - step})
+            rate = here @ (ahead - behind) / (2 * step)
+            twist = np.array([rate[2, 1], rate[0, 2], rate[1, 0], *(rate[:3, 3] / 100)])
+            if not function.name.startswith("Rotn"):
+                twist *= 100
+            found[joint] = twist
+    return found
+
+
+def reaches(columns: Iterable[Matrix], unit: Matrix) -> bool:
+    """Say whether least squares leaves nothing of the unit vector."""
+    matrix = np.array(list(columns)).T
+    if not matrix.size:
+        return False
+    answer, *_ = np.linalg.lstsq(matrix, unit, rcond=1e-6)
+    return bool(np.abs(matrix @ answer - unit).max() < 1e-5)
+
+
+def shifts(provider: str, twists: dict[tuple[str, str], Matrix], direction: Matrix) -> bool:
+    """Say whether the provider's turns that make up one along a direction also shift the leaf."""
+    turning = [t for joint, t in twists.items() if joint[0] == provider and "Rotn" in joint[1]]
+    matrix = np.array(turning).T
+    shares, *_ = np.linalg.lstsq(matrix[:3], direction, rcond=1e-6)
+    return bool(np.linalg.norm(matrix[3:] @ shares) > 1e-4)
+
+
+def expected(chain: Configuration) -> Verdict:
+    found: Verdict = set()
+    rest = numeric_twists(chain, {})
+    chooser = np.random.default_rng(99)
+    bent = numeric_twists(
+        chain, {joint: chooser.uniform(-2, 2) * (1 if "Rotn" in joint[1] else 90) for joint in rest}
+    )
+    providers = sorted({provider for provider, _ in rest})
+    for index, function in enumerate(MOTION_FUNCTIONS):
+        rows = slice(0, 3) if index < 3 else slice(0, 6)
+        unit = np.eye(6)[index]
+
+        def alone(
+            provider: str,
+            twists: dict[tuple[str, str], Matrix],
+            rows: slice = rows,
+            unit: Matrix = unit,
+        ) -> bool:
+            own = [twist[rows] for joint, twist in twists.items() if joint[0] == provider]
+            return reaches(own, unit[rows])
+
+        at_rest = [p for p in providers if alone(p, rest)]
+        if len(at_rest) == 1:
+            found.add(("simple_inheritance", function))
+        elif at_rest:
+            found.add(("similar_inheritance", function))
+        elif not any(alone(p, bent) for p in providers) and reaches(bent.values(), unit):
+            found.add(("emergent_functionality", function))
+        for provider in at_rest if index < 3 else ():
+            if shifts(provider, rest, unit[:3]):
+                own = [twist for joint, twist in rest.items() if joint[0] == provider]
+                straight = max(abs(float(twist[index])) for twist in own) > 1 - 1e-6
+                found.add(("arc" if straight else "combined arc", f"{provider} {function}"))
+    return found
+
+
+def test_a_thousand_random_chains(rules: str) -> None:
+    """All chains stand in one configuration: they have nothing to do with each other."""
+    chooser = random.Random(2026)
+    chains = [random_chain(chooser, f"C{number}M", 0.7 * (number % 2)) for number in range(CHAINS)]
+    mounts = [r for chain in chains for r in chain.relationships if isinstance(r, Mount)]
+    together = robot(mounts, [m for chain in chains for m in chain.declared])
+    found = all_verdicts(together, rules)
+    seen: Counter[str] = Counter()
+    for number, chain in enumerate(chains):
+        should = expected(chain)
+        does = found.get(f"C{number}M0", set())
+        assert does == should, f"chain {number}"
+        seen.update(kind for kind, _ in does)
+        seen.update(f"oblique {kind}" for kind, _ in does if number % 2)
+    assert min(seen.values()) > 30, seen
+    assert len(seen) == 10, seen
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["similar_inheritance", "emergent_functionality", "module_conflict", "global_functionality"],
+)
+def test_help_says_that_a_definition_is_ours(kind: str) -> None:
+    told = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
+    assert told
+    assert all(help_ and "the definition is ours" in help_ for help_ in told)
+
+
+def test_signs_and_names_through_right_angles() -> None:
+    mount = Mount("M0", "P", HERE, transformation=placed([("y", 90)]))
+    configuration = robot([mount], [module("M0", sensor=True), module("P", "Trans_Z", "Rotn_X")])
+    told = {str(fact.atom) for fact in frame_facts(configuration, {})}
+    assert {
+        'appears("M0","P","Trans_Z","Trans_X",-1)',
+        'appears("M0","P","Rotn_X","Rotn_Z",1)',
+        'rooted("M0","P",1)',
+    } <= told
+
+
+def test_two_oblique_slides_together_give_what_neither_gives(rules: str) -> None:
+    mounts = [Mount("M0", "A", HERE, transformation=placed([("y", 30)])), Mount("A", "B", HERE)]
+    slides = [module("M0", sensor=True), module("A", "Trans_X"), module("B", "Trans_Z")]
+    emergent = {("emergent_functionality", "Trans_X"), ("emergent_functionality", "Trans_Z")}
+    assert verdicts(robot(mounts, slides), rules) == emergent
+    table = [module("M0", sensor=True), module("A", "Trans_X", "Trans_Z")]
+    simple = {("simple_inheritance", "Trans_X"), ("simple_inheritance", "Trans_Z")}
+    assert verdicts(robot(mounts[:1], table), rules) == simple
+
+
+def test_a_lever_arm_alone_lets_nothing_emerge(rules: str) -> None:
+    mount = Mount("M0", "Head", HERE, transformation=placed((), 0, 0, 100))
+    chain = robot([mount], [module("M0", sensor=True), module("Head", "Rotn_Y")])
+    assert verdicts(chain, rules) == {("simple_inheritance", "Rotn_Y"), ("arc", "Head Rotn_Y")}
+
+
+def test_modules_without_description_carry_frames_and_give_nothing(rules: str) -> None:
+    mounts = [
+        Mount("M0", "Plate", HERE, transformation=placed([("z", 90)])),
+        Mount("Plate", "Head", HERE),
+    ]
+    chain = robot(mounts, [module("M0", sensor=True), module("Head", "Rotn_Y")])
+    assert verdicts(chain, rules) == {("simple_inheritance", "Rotn_X")}
+
+
+def test_functions_of_the_module_itself_are_not_inherited(rules: str) -> None:
+    mount = Mount("M0", "Head", HERE)
+    chain = robot([mount], [module("M0", "Rotn_X", sensor=True), module("Head", "Trans_Z")])
+    assert verdicts(chain, rules) == {("simple_inheritance", "Trans_Z")}
+
+
+def test_cycles_and_double_mounts_are_findings(rules: str) -> None:
+    mounts = [
+        Mount("M0", "B", HERE),
+        Mount("B", "C", HERE),
+        Mount("C", "B", HERE),
+        Mount("D", "D", HERE),
+        Mount("E", "P", HERE),
+        Mount("E", "Q", HERE),
+    ]
+    modules = [module("M0", sensor=True), module("C", "Rotn_X"), module("E", sensor=True)]
+    configuration = robot(mounts, modules)
+    control = clingo.Control(["--warn=none"])
+    facts = (*configuration_facts(configuration), *frame_facts(configuration, {}))
+    control.add("base", [], rules + facts_text(facts))
+    control.ground()
+    found = {str(a.symbol) for a in control.symbolic_atoms.by_signature("consequence", 4)}
+    assert {
+        'consequence(module_conflict,error,"B",cycle)',
+        'consequence(module_conflict,error,"D",cycle)',
+        'consequence(module_conflict,error,"E",mounts)',
+    } <= found

@@ -1,0 +1,131 @@
+"""The rule cases of `tests/rules`: facts and expected answer sets in one file."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.cases import Outcome, find_cases, shown_by
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
+from tests.support.documents import ROOT
+from tests.support.rule_coverage import covered, places
+
+CASES = find_cases([ROOT / "tests" / "rules"])
+
+
+@pytest.fixture(scope="module")
+def rulebook() -> Rulebook:
+    return load_rulebook(stages=STAGES, strict=True)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_case(case: Path, rulebook: Rulebook) -> None:
+    outcome = run_case(case, rulebook)
+    assert outcome.passed, "\n".join(outcome.difference())
+
+
+#: What makes a consequence visible: what it is, who takes part, and where it points.
+SHOWN = (("consequence", 4), ("participant", 5), ("concerns", 4))
+
+
+@pytest.mark.parametrize(
+    "case",
+    [case for case in CASES if case.parent.name not in STAGES],
+    ids=lambda path: f"{path.parent.name}/{path.stem}",
+)
+def test_a_case_of_the_base_pins_participants_and_places(case: Path) -> None:
+    """What a case does not show may be wrong without anybody noticing it."""
+    missing = [f"#show {name}/{n}." for name, n in SHOWN if (name, n) not in shown_by(case)]
+    assert not missing, f"{case} lacks {' '.join(missing)}"
+
+
+def test_lines_continue_an_expected_answer_set(tmp_path: Path, rulebook: Rulebook) -> None:
+    case = tmp_path / "case.lp"
+    case.write_text('module("M"). q(1).\n#show module/1.\n#show q/1.\n%= module("M")\n%+ q(1)\n')
+    assert run_case(case, rulebook).passed
+    case.write_text('module("M"). q(1).\n#show module/1.\n#show q/1.\n%= module("M")\n%= q(1)\n')
+    assert not run_case(case, rulebook).passed
+
+
+def test_messages_are_compared_where_a_case_has_one(tmp_path: Path, rulebook: Rulebook) -> None:
+    case = tmp_path / "case.lp"
+    facts = 'module("S"). module("A"). module("B"). uses_data_from(1,"A","S").\n'
+    facts += 'uses_data_from(2,"B","S").\n%= consequence(data_divergence,note,"S",receivers)\n'
+    told = "%> data/divergence: `S` delivers data to 2 receivers, and a source feeds at most one\n"
+    case.write_text(facts + told)
+    assert run_case(case, rulebook).passed
+    case.write_text(facts + told.replace("2", "3"))
+    assert not run_case(case, rulebook).passed
+    case.write_text(facts + told + "%> data/duplicate: `A` uses data from `S` twice\n")
+    assert not run_case(case, rulebook).passed
+
+
+def test_what_an_answer_costs_is_compared_where_a_case_says_it(
+    tmp_path: Path, rulebook: Rulebook
+) -> None:
+    case = tmp_path / "case.lp"
+    facts = "1 { p(1..2) }. #minimize { 3@30, X : p(X) }. #minimize { 0@20 }. "
+    facts += "#minimize { X@10, X : p(X) }.\n#show p/1.\n%= p(1)\n"
+    case.write_text(facts + "%~ 3@30 1@10\n")
+    assert run_case(case, rulebook).passed
+    case.write_text(facts + "%~ 3@30 2@10\n")
+    assert not run_case(case, rulebook).passed
+
+
+def test_a_wrong_case_is_shown_as_a_difference() -> None:
+    outcome = Outcome(Path("x.lp"), (("p(1)", "p(2)"),), (("p(1)", "p(3)"),))
+    assert not outcome.passed
+    assert list(outcome.difference()) == ["  - p(2)", "  + p(3)"]
+
+
+def test_what_the_current_folder_is_called_gives_a_case_no_stage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "verify" / "resolve").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "verify")
+    assert stages_of(Path("case.lp")) == ()
+    assert stages_of(tmp_path / "verify" / "resolve" / "case.lp") == ("resolve",)
+    monkeypatch.chdir(tmp_path)
+    assert stages_of(Path("verify/case.lp")) == ("verify",)
+
+
+#: Heads of rules whose premises hold together or not at all, so that none can fail alone.
+TOGETHER = (
+    "carried(M, N + 1, B', R)",
+    "consequence(data_cycle, warning, M, cycle)",
+    "participant(data_cycle, M, cycle, around(M'), M')",
+    "placed(R, X, P, I, C)",
+    "lifted(X, M, P, C)",
+    "participant(module_conflict, M, cycle, I, M')",
+    "concerns(module_conflict, M, cycle, R)",
+    "element(M, I, L, R)",
+    "leaf(M, R - R', K)",
+    "hears(R, B, inherited(M))",
+    "voice(M, I, L, V)",
+    "offers(S, I, mode(N, X), none)",
+    "says(C, S, D, F, R)",
+    "edit(Kind, M, cycle, drop(R), 3) :- about(mount, W, Kind, M)",
+)
+
+
+def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Rulebook) -> None:
+    """Whoever adds a rule adds two cases in `tests/rules`: see `tests/support/rule_coverage.py`."""
+    found = covered(rulebook, CASES)
+    silent = found.silent
+    never_near = [rule for rule in found.never_near if not rule.text.startswith(TOGETHER)]
+    assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
+    assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
+
+
+#: What several files add to: consequences and their places, verdicts, nodes, costs, edits.
+COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
+
+
+def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
+    """Two files that mean different things by one name would mix them up unnoticed."""
+    files: dict[tuple[str, int], set[str]] = {}
+    for rule in rulebook.rules:
+        for name, arity in rule.heads:
+            if name not in COMMON:
+                files.setdefault((name, arity), set()).add(rule.span.path)
+    assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}

@@ -1,0 +1,244 @@
+"""Rule packs that would lie, hang or end the process: each is refused at its place.
+
+Packs stand in `tests/packs`, what is said of each beside it.
+"""
+
+import ast
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.rules import rulebook
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli import run_here
+from mars_asp.cli.rules import lint
+from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import CONSTANTS
+from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, seal
+from mars_asp.reasoning.sample import samples
+from mars_asp.reasoning.verification import verify
+from tests.support.documents import ROOT
+from tests.support.mutated_texts import faults
+from tests.support.random_configurations import random_configuration
+
+PACKS = sorted((ROOT / "tests/packs").glob("*.lp"))
+ROBOT = "tests/packs/robot.mars"
+
+
+@pytest.mark.parametrize("path", PACKS, ids=lambda path: path.stem)
+def test_packs(
+    path: Path,
+    update_golden: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """`rules lint` says what an analysis says, though it has other robots."""
+    monkeypatch.chdir(ROOT)
+    pack = str(path.relative_to(ROOT))
+    assert run_here(["analyse", ROBOT, "--rules", pack]) == 2
+    printed, told = capsys.readouterr()
+    assert not printed
+    if update_golden:
+        path.with_suffix(".txt").write_text(told, encoding="utf-8")
+    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+    status = run_here(["rules", "lint", pack])
+    linted = capsys.readouterr().err
+    if path.stem == "constraint":
+        # Another robot may meet the demand.
+        told = told.replace("error: ", "warning: ").replace("this configuration", "a sample robot")
+        assert (status, linted) == (0, told)
+    else:
+        assert (status, _plain(linted)) == (2, _plain(told))
+
+
+def _plain(told: str) -> str:
+    """Return what is said without the numbers of a robot."""
+    return re.sub(r"`N` is \d+", "", told)
+
+
+#: Packs that are refused when they are grounded.
+GROUNDED = ("chosen", "constraint", "undefined", "wrapping")
+
+
+def test_what_is_refused_is_so_for_every_verb() -> None:
+    refused = [pack for pack in PACKS if pack.stem not in GROUNDED]
+    for pack in refused:
+        said = []
+        for stages in ((), ("resolve",), STAGES):
+            with pytest.raises(MarsError) as caught:
+                load_rulebook([pack], stages)
+            said.append(caught.value.diagnostics)
+        assert said[0] == said[1] == said[2]
+    with pytest.raises(MarsError) as caught:
+        load_rulebook(refused, STAGES)
+    assert {each.span.path for each in caught.value.diagnostics} == set(map(str, refused))
+
+
+def test_no_stage_shares_a_predicate_with_packs() -> None:
+    """Whatever a built-in rule derives or is given, of whichever stage, a pack may not derive."""
+    whole = load_rulebook(stages=STAGES, strict=True)
+    sealed = seal()
+    assert {head for rule in whole.rules for head in rule.heads} == set(sealed.derived)
+    assert {rule.id for rule in whole.rules} == set(sealed.ids)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "p(X) :- X = " + "1+\n%\n" * 80_000 + "1.\n",
+        "p(X) :- X = " + "1+\n%.\n" * 80_000 + "1.\n",
+        "p(X) :- X = " + "1+ %*.*%\n" * 80_000 + "1.\n",
+        "p(X) :- X = " + "~" * 30_000 + "1.\n",
+        "p(X) :- X = " + "f(\n%.\n" * 5_000 + "1.\n",
+        'p("' + "x" * 100_000 + '").\n',
+        "p(1).\n" * 1_300_000,
+    ],
+    ids=["lines", "dots", "blocks", "signs", "brackets", "string", "facts"],
+)
+def test_what_would_overflow_the_parser_does_not_reach_it(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "deep.lp"
+    path.write_text(text, encoding="utf-8")
+    for read in (lambda: load_rulebook([path]), lambda: run_case(path, load_rulebook())):
+        with pytest.raises(MarsError) as caught:
+            read()
+        (found,) = caught.value.diagnostics
+        assert (found.code, found.span.path) == ("rules-refused", str(path))
+
+
+@pytest.mark.parametrize("verb", [["analyse"], ["explain"], ["explain", "deep(Camera)"]])
+@pytest.mark.parametrize(
+    "term",
+    [
+        "+".join(["X"] * 198),
+        "-" * 190 + "X",
+        "f(" * 190 + "X" + ")" * 190,
+        "f(0+" * 95 + "X" + ")" * 95,
+        "1," * 30_000 + "X",
+        ",".join(["-X"] * 4_000),
+    ],
+    ids=["sum", "signs", "functions", "both", "arguments", "negatives"],
+)
+def test_what_is_deep_or_long_but_allowed_is_read(
+    term: str, verb: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    path = tmp_path / "deep.lp"
+    path.write_text(
+        f"deep(M,({term})) :- module(M), X = 1.\n"
+        f"consequence(deep,note,M,1) :- deep(M,_), not deep(M,({term.replace('X', '2')}),0).\n"
+        "#defined deep/3.\n"
+    )
+    known = "X" in term and not term.startswith("f(0+")
+    assert run_here([verb[0], ROBOT, *verb[1:], "--rules", str(path)]) == (0 if known else 2)
+
+
+def test_a_case_passes_the_gate_and_the_mask(tmp_path: Path) -> None:
+    path = tmp_path / "case.lp"
+    for text, place in [
+        ('% größer\np("größer"). größe(1).\n', (2, 16)),
+        ('p("ü", @f(1)).\n', (1, 8)),
+        ('p("ü", 1/0).\n%=\n', (1, 8)),
+        ("p(3000000000).\n", (1, 3)),
+        ("p(X) :- q(Y).\n", (1, 1)),
+    ]:
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(MarsError) as caught:
+            run_case(path, load_rulebook())
+        (found,) = caught.value.diagnostics
+        assert (found.span.path, found.span.line, found.span.column) == (str(path), *place)
+
+
+def test_a_rule_of_a_pack_that_has_no_value_in_a_case_is_told_where_it_stands(
+    tmp_path: Path,
+) -> None:
+    pack, case = tmp_path / "mine.lp", tmp_path / "case.lp"
+    case.write_text('module("A").\n%=\n')
+    for text, code in [
+        ("\np(M+1) :- module(M).\n", "undefined"),
+        ("\np(X*X) :- X = 65536.\n", "number"),
+    ]:
+        pack.write_text(text)
+        with pytest.raises(MarsError) as caught:
+            run_case(case, load_rulebook([pack]))
+        (found,) = caught.value.diagnostics
+        assert (found.code, found.span[:3]) == (f"rule-{code}", (str(pack), 2, 3))
+
+
+def forged(text: str) -> Rulebook:
+    """Return a rulebook with a pack that passed no gate."""
+    book = load_rulebook(stages=("resolve", "verify"))
+    return Rulebook(book.rules, (*book.texts, ("base", text)), 1, 0, (*book.paths, "forged.lp"))
+
+
+def test_a_synthesis_is_judged_without_packs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A pack that calls the source a splitter made `synthesise` leave one out, and agree to it."""
+    monkeypatch.chdir(ROOT)
+    assert run_here(["synthesise", ROBOT]) == 0
+    assert "DataSplitter1 uses_data_from Camera" in capsys.readouterr().out
+    lying = forged('node("Camera",data_splitter).\n')
+    monkeypatch.setattr(rulebook, "load_rulebook", lambda *_: lying)
+    monkeypatch.setattr("mars_asp.cli.reason.load_rulebook", lambda *_: lying)
+    assert run_here(["synthesise", ROBOT]) == 2
+    printed, told = capsys.readouterr()
+    assert not printed
+    assert "a fault of ours, please report it: " in told
+    project = load_project(ROBOT)
+    analysis = analyse(project_facts(project), lying, project.configuration.span)
+    assert verify(project.configuration, project, lying, analysis.grounding)
+
+
+def test_the_sample_robots_hold_something_of_all_that_is_given() -> None:
+    facts = [fact.atom for project in samples() for fact in project_facts(project)]
+    told = {(atom.name, len(atom.arguments)) for atom in facts}
+    given = {signature for signature, stage in seal().given.items() if stage == "base"}
+    # Findings are derived, and circuits told of what `can` asks for.
+    found = {("consequence", 4), ("participant", 5), ("concerns", 4), ("circuit", 5)}
+    assert given - told == found
+
+
+def test_the_constants_of_facts_are_known() -> None:
+    """Both those that Python writes down and those that facts were seen to hold."""
+    written = set()
+    for path in (ROOT / "mars_asp").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Call(ast.Name("Atom"), [ast.Constant(str(name))]):
+                    written.add(name)
+    assert written
+    assert written <= CONSTANTS
+    projects = [*samples(), *(load_project(str(p)) for p in (ROOT / "examples").rglob("*.mars"))]
+    projects += [load_project("random.mars", text=random_configuration(n)) for n in range(60)]
+    seen = set()
+    for project in projects:
+        rest = [fact.atom for fact in project_facts(project)]
+        for atom in rest:
+            inside = [each for each in atom.arguments if not isinstance(each, int | str)]
+            seen |= {each.name for each in inside if not each.arguments}
+            rest += inside
+    assert {"flat", "sensor", "data", "zero", "none"} <= seen <= CONSTANTS
+
+
+def test_a_clean_pack_is_taken_and_lint_tells_what_else_is_noteworthy(tmp_path: Path) -> None:
+    path = tmp_path / "mine.lp"
+    path.write_text(
+        "% größer\n#const most = 1.\n#defined team/2.\n#show odd/1.\n"
+        'odd(M) :- module(M), not team(M, "größer"), 1 + 1 > most.\n'
+        "-odd(M) :- team(M, _).\n"
+        "consequence(K, note, M, 1..2) :- odd(M), K = (odd; even).\n"
+    )
+    assert lint([path]) == ()
+    path.write_text("square(X * X) :- X = 1..9.\n")
+    assert [each.code for each in lint([path])] == ["rule-arithmetic"]
+
+
+@pytest.mark.parametrize("first", range(1, 20_000, 5_000))
+def test_no_change_of_a_text_ends_the_process(first: int) -> None:
+    seen: Counter[str] = Counter()
+    assert list(faults(first, 5_000, seen)) == []
+    assert seen["taken taken"] > 100

@@ -1,0 +1,1 @@
+"""Builders, oracles, campaigns and readers that tests share; no tests."""

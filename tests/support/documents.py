@@ -1,0 +1,69 @@
+"""Commands in Markdown: what stands behind `$ ` in a `console` block, and what it prints."""
+
+import io
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+_BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def commands(document: Path) -> Iterator[tuple[str, str]]:
+    """Yield each command with the output that the document shows."""
+    for block in _BLOCK.finditer(document.read_text(encoding="utf-8")):
+        for part in re.split(r"^\$ ", block[1], flags=re.MULTILINE)[1:]:
+            command, _, output = part.partition("\n")
+            yield command, output
+
+
+def run(command: str, folder: Path = ROOT) -> str:
+    """Run a `mars-asp`, `python` or `cat` command in a folder; return what it prints."""
+    from mars_asp.cli import run_here
+
+    words = shlex.split(command)
+    if words[0] == "cat":
+        return "".join((folder / name).read_text(encoding="utf-8") for name in words[1:])
+    if words[0] == "python":
+        return _run_script(words[1:], folder)
+    assert words[0] == "mars-asp", command
+    here = Path.cwd()
+    output = io.StringIO()
+    try:
+        os.chdir(folder)
+        with redirect_stdout(output), redirect_stderr(output):
+            run_here(words[1:])
+    finally:
+        os.chdir(here)
+    return output.getvalue()
+
+
+def _run_script(words: list[str], folder: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, *words],
+        check=False,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    return done.stdout + done.stderr
+
+
+def refresh(document: Path) -> None:
+    """Write the real output of every command into a document."""
+
+    def block(match: re.Match[str]) -> str:
+        parts = []
+        for part in re.split(r"^\$ ", match[1], flags=re.MULTILINE)[1:]:
+            command = part.partition("\n")[0]
+            parts.append(f"$ {command}\n{run(command)}")
+        return "```console\n" + "".join(parts) + "```"
+
+    text = document.read_text(encoding="utf-8")
+    document.write_text(_BLOCK.sub(block, text), encoding="utf-8")

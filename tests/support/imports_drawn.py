@@ -1,0 +1,74 @@
+"""The real imports between the rooms of the house, as a drawing: `python -m tests.support.imports_drawn`.
+
+An arrow leads from a room to one that it imports from; where a way over other rooms leads there as
+well, it is left out, so that the drawing shows the layers.
+"""
+
+import ast
+from collections.abc import Iterator, Mapping, Set
+from pathlib import Path
+
+from tests.support.documents import ROOT
+
+HOUSE = ROOT / "mars_asp"
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Yield the modules of ours that a file imports from, with what it takes from them."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp"):
+            yield from (f"{node.module}.{each.name}" for each in node.names)
+
+
+def rooms(folder: Path) -> set[str]:
+    """Return the files and folders of a package by their names."""
+    found = (path for path in folder.iterdir() if path.suffix == ".py" or path.is_dir())
+    return {path.stem for path in found if not path.name.startswith("__")}
+
+
+def imports_between(folder: Path) -> dict[str, set[str]]:
+    """Return which rooms of a package import from which others of it."""
+    names = rooms(folder)
+    prefix = ".".join(folder.relative_to(ROOT).parts)
+    found: dict[str, set[str]] = {name: set() for name in names}
+    for path in folder.rglob("*.py"):
+        room = path.relative_to(folder).with_suffix("").parts[0]
+        for name in imported(path) if room in names else ():
+            other = name.removeprefix(f"{prefix}.").split(".")[0]
+            if name.startswith(prefix) and other in names and other != room:
+                found[room].add(other)
+    return found
+
+
+def drawing(folder: Path) -> str:
+    """Return the rooms of a package and what they import, in the language of Mermaid."""
+    imports = imports_between(folder)
+    lines = [f"  {room} --> {other}" for room, other in sorted(_direct(imports))]
+    drawn = {name for line in lines for name in line.split() if name != "-->"}
+    alone = [f"  {room}" for room in sorted(imports.keys() - drawn)]
+    return "\n".join(("flowchart TD", *lines, *alone, ""))
+
+
+def _direct(imports: Mapping[str, Set[str]]) -> Iterator[tuple[str, str]]:
+    """Yield the imports that no longer way stands for."""
+    below = {room: _reached(room, imports) for room in imports}
+    for room, others in imports.items():
+        for other in others:
+            if not any(other in below[between] for between in others - {other}):
+                yield room, other
+
+
+def _reached(room: str, imports: Mapping[str, Set[str]]) -> set[str]:
+    found: set[str] = set()
+    waiting = list(imports[room])
+    while waiting:
+        other = waiting.pop()
+        if other not in found:
+            found.add(other)
+            waiting += imports[other]
+    return found
+
+
+if __name__ == "__main__":
+    for name in (".", "asp", "reasoning", "execution"):
+        print(drawing(HOUSE / name))

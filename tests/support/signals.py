@@ -1,0 +1,141 @@
+"""Commands that are ended at random moments: `python -m tests.support.signals [NUMBER] [SEED]`.
+
+Each is ended by a signal within a second, leaves no process, no torn file and no late one. A loop
+of a shell stands for what starts command after command.
+"""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.support.documents import ROOT
+
+MARS = (sys.executable, "-m", "mars_asp")
+LEVEL1 = "examples/level1/config.mars"
+RUN = ("run", LEVEL1, "--scenario", "examples/level1/scenario.toml", "--duration", "5")
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
+_MARKER = "MARS_ASP_ENDED_BY_TEST"
+#: Seconds within which everything has ended.
+_SOON = 1.0
+
+
+class Command(NamedTuple):
+    """Words of a command, the option that names its output if it writes one, and its seconds."""
+
+    words: Sequence[str]
+    option: str | None
+    seconds: float
+
+
+COMMANDS = {
+    "analyse": Command(("analyse", LEVEL1), None, 0.6),
+    "synthesise": Command(("synthesise", LEVEL1), "-o", 1.0),
+    "explain": Command(("explain", LEVEL1), None, 1.2),
+    "run": Command(RUN, "--record", 2.0),
+    "loop": Command(("synthesise", LEVEL1), "-o", 3.0),
+}
+
+
+def end_at_random(seed: int) -> list[str]:
+    """Start a command, end it at a moment by chance, and return what is wrong then."""
+    rng = random.Random(seed)
+    name, command = rng.choice(sorted(COMMANDS.items()))
+    number = rng.choice(SIGNALS)
+    after = rng.uniform(0, command.seconds)
+    marker = f"{os.getpid()}-{seed}"
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / f"out{_suffix(command)}"
+        written = [*command.words, command.option, str(out)] if command.option else command.words
+        words: Sequence[str] = [*MARS, *written]
+        if name == "loop":
+            words = ["/bin/sh", "-c", f"while {' '.join(words)}; do :; done"]
+        child = subprocess.Popen(
+            words,
+            cwd=ROOT,
+            env={**os.environ, _MARKER: marker},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+        time.sleep(after)
+        sent = time.monotonic()
+        # What a terminal or a supervisor ends is a group: that of a loop is the shell's.
+        if name == "loop":
+            os.killpg(child.pid, number)
+        else:
+            child.send_signal(number)
+        wrong = []
+        try:
+            _, said = child.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            return [f"seed {seed}: {name} goes on after {number.name}"]
+        if time.monotonic() - sent > _SOON:
+            wrong.append(f"took {time.monotonic() - sent:.1f} s to end")
+        # Until it runs our `main` Python itself tells that it was interrupted.
+        if b"Traceback" in said and b"in main" in said:
+            wrong.append(f"said {said.decode(errors='replace')}")
+        while _left(marker) and time.monotonic() - sent < _SOON:
+            time.sleep(0.02)
+        if _left(marker):
+            wrong.append("left a process")
+        before = out.read_bytes() if out.exists() else None
+        time.sleep(0.3)
+        now = out.read_bytes() if out.exists() else None
+        if now != before:
+            wrong.append("wrote a file late")
+        if now is not None and now != _expected(name):
+            wrong.append("left a torn file")
+        others = [path.name for path in Path(folder).iterdir() if path != out]
+        if others and number != signal.SIGKILL:
+            wrong.append(f"left {others}")
+    return [f"seed {seed}: {name}, {number.name} after {after:.2f} s: {each}" for each in wrong]
+
+
+def _suffix(command: Command) -> str:
+    return {"-o": ".mars", "--record": ".jsonl"}.get(command.option or "", "")
+
+
+@cache
+def _expected(name: str) -> bytes:
+    command = COMMANDS[name]
+    assert command.option is not None
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / f"out{_suffix(command)}"
+        words = [*MARS, *command.words, command.option, str(out)]
+        subprocess.run(words, cwd=ROOT, check=False, capture_output=True)
+        return out.read_bytes()
+
+
+def _left(marker: str) -> bool:
+    """Whether a process still runs that was started with a marker."""
+    wanted = f"{_MARKER}={marker}".encode()
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                if wanted in (entry / "environ").read_bytes().split(b"\0"):
+                    return True
+            except OSError:
+                continue
+    return False
+
+
+def main() -> int:
+    """Run what the command line says."""
+    number, first = [*map(int, sys.argv[1:]), *(200, 0)[len(sys.argv) - 1 :]][:2]
+    wrong = [each for seed in range(first, first + number) for each in end_at_random(seed)]
+    print("\n".join([*wrong, f"{number} commands ended, {len(wrong)} faults"]))
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
