@@ -11,18 +11,7 @@ import pytest
 
 from mars_asp.cli.limits import run_plain
 from tests.support.documents import ROOT
-
-
-def mars(*words: str, text: str | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "mars_asp", *words],
-        cwd=ROOT,
-        input=text,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
+from tests.support.processes import mars
 
 LEVEL0 = "examples/level0/config.mars"
 SCARA = "examples/scara/config.mars"

@@ -1,4 +1,4 @@
-"""The house: which rooms there are, and that imports point one way between and inside them."""
+"""The house: which rooms there are, that imports point one way, and that tests mirror it."""
 
 import ast
 import re
@@ -8,6 +8,7 @@ import pytest
 from tests.support.documents import ROOT
 from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 
+TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
     ("diagnostic", "spelling", "output"),
@@ -137,6 +138,33 @@ def test_the_engine_knows_no_robots() -> None:
         if OURS.search(line)
     ]
     assert told == []
+
+
+def test_tests_stand_as_the_packages_stand() -> None:
+    folders = {path.parent for path in TESTS.rglob("__init__.py")}
+    mirrored = folders - {TESTS, TESTS / "mutate", TESTS / "support"}
+    assert {folder.relative_to(TESTS).as_posix() for folder in mirrored} <= FILES.keys()
+    assert {path.parent for path in TESTS.rglob("test_*.py")} <= {TESTS, *mirrored}
+    files = {path.name for folder in (TESTS, *mirrored) for path in folder.glob("*.py")}
+    others = {name for name in files if not name.startswith("test_")}
+    assert others == {"__init__.py", "conftest.py"}
+
+
+def test_tests_of_the_engine_use_no_robot() -> None:
+    of_mars = re.compile(r"mars_asp\.(?!asp\b|diagnostic\b|MarsError$)")
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for path in sorted((TESTS / "asp").rglob("*.py"))
+        for name in imported(path)
+        if of_mars.match(name)
+    ]
+    told = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in sorted((TESTS / "asp").rglob("*.py"))
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if OURS.search(line)
+    ]
+    assert wrong + told == []
 
 
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.

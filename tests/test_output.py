@@ -1,12 +1,9 @@
-"""Files are written whole, and nothing that a killed command left behind stays for ever."""
+"""Files are written whole, and what a killed command left behind goes."""
 
 import fcntl
 import os
 from pathlib import Path
 
-import pytest
-
-from mars_asp.asp import cache
 from mars_asp.output import write_whole
 
 
@@ -44,31 +41,3 @@ def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> N
     os.mkfifo(tmp_path / ".mars-asp.fifo")
     write_whole(str(tmp_path / "out"), "whole")
     assert (tmp_path / "out").read_text() == "whole"
-
-
-@pytest.fixture
-def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    path = tmp_path / "kept"
-    monkeypatch.setattr(cache, "_place", lambda name: path)
-    monkeypatch.setattr(cache, "_here", {})
-    monkeypatch.setattr("sys.dont_write_bytecode", False)
-    return path
-
-
-def test_a_kept_value_is_recalled_for_its_version(place: Path) -> None:
-    cache.keep("name", "1", {"error": 40})
-    assert cache.recall("name", "1") == {"error": 40}
-    assert cache.recall("name", "2") is None
-
-
-def test_a_kept_value_with_a_flipped_bit_is_made_anew(place: Path) -> None:
-    cache.keep("name", "1", ("error", 40))
-    whole = place.read_bytes()
-    for bit in range(8 * len(whole)):
-        torn = bytearray(whole)
-        torn[bit // 8] ^= 1 << bit % 8
-        place.write_bytes(torn)
-        assert cache.recall("name", "1") is None
-    for size in range(len(whole)):
-        place.write_bytes(whole[:size])
-        assert cache.recall("name", "1") is None

@@ -1,1 +1,1 @@
-"""Tests of the engine; no robot is used here."""
+"""Tests of the engine, on programs about anything but what MARS is about."""

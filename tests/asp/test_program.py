@@ -1,4 +1,4 @@
-"""The engine's face, on programs that know no robots."""
+"""The engine's face, on programs of other fields."""
 
 import random
 import subprocess

@@ -19,8 +19,8 @@ from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
 from mars_asp.reasoning.facts.motion import frames
 from tests.support.documents import ROOT, run
+from tests.support.processes import mars
 from tests.support.robots import HERE, module, placed, robot
-from tests.test_command_line import mars
 
 FOLDER = ROOT / "tests" / "urdf"
 FILES = sorted(FOLDER.glob("*.urdf"))

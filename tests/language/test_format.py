@@ -19,7 +19,7 @@ from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.format import format_text, meaning
 from mars_asp.model.declarations import Configuration
 from tests.support.documents import ROOT
-from tests.test_properties import configurations, few
+from tests.support.strategies import configurations, few
 
 FILES = sorted(
     [*ROOT.glob("examples/*/*.mars"), *ROOT.glob("tests/specifications/*.mars")],

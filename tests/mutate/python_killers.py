@@ -34,6 +34,8 @@ _EXECUTION = (
     "execution/executor/test_modules",
     "execution/executor/test_priorities",
     "execution/test_trial",
+    "execution/test_judgement",
+    "cli/test_run",
     "execution/executor/test_commanded_motion",
     "execution/executor/test_plan",
 )
@@ -74,6 +76,7 @@ TESTS: Mapping[str, tuple[str, ...]] = {
     "mars_asp/asp/solve/optimum.py": (
         "asp/solve/test_optimum",
         "asp/solve/test_costs",
+        "reasoning/synthesis/test_costs",
         "asp/trace/test_counting_rules",
         "reasoning/synthesis/test_stretches",
         "reasoning/questions/test_alternatives",

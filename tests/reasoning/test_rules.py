@@ -129,3 +129,12 @@ def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
             if name not in COMMON:
                 files.setdefault((name, arity), set()).add(rule.span.path)
     assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}
+
+
+def test_recalled_rules_are_those_that_were_read(kept: Path) -> None:
+    read = load_rulebook()
+    assert list(kept.iterdir())
+    recalled = load_rulebook()
+    assert recalled == read
+    assert [rule.heads for rule in recalled.rules] == [rule.heads for rule in read.rules]
+    assert str(recalled.rules[-1].ast) == str(read.rules[-1].ast)

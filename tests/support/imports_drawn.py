@@ -1,4 +1,6 @@
-"""The real imports between the rooms of the house, as a drawing: `python -m tests.support.imports_drawn`.
+"""The real imports between the rooms of the house, as a drawing.
+
+`python -m tests.support.imports_drawn` prints it.
 
 An arrow leads from a room to one that it imports from; where a way over other rooms leads there as
 well, it is left out, so that the drawing shows the layers.

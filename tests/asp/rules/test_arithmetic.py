@@ -2,7 +2,6 @@
 
 import random
 from dataclasses import replace
-from pathlib import Path
 
 import clingo
 import pytest
@@ -12,9 +11,7 @@ from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
-from mars_asp.cli import run_here
 from mars_asp.diagnostic import Span
-from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 
 @pytest.mark.parametrize(
@@ -107,32 +104,6 @@ def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[
     assert not list(risks(replace(rule, fits="it does") for rule in rules))
     assert [written for written, _ in found] == risky
     assert all(text.startswith(written, column - 1) for written, column in found)
-
-
-@pytest.mark.parametrize("words", ["analyse", "check", "synthesise", "explain big(Camera)"])
-def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
-    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    robot, pack = tmp_path / "robot.mars", tmp_path / "big.lp"
-    robot.write_text("@configuration\n@modules Camera\n", encoding="utf-8")
-    pack.write_text('consequence(big, note, "Camera", 2147483647+1).\n', encoding="utf-8")
-    verb, *subject = words.split()
-    assert run_here([verb, str(robot), *subject, "--rules", str(pack)]) == 2
-    assert f"{pack}:1:34: error: `2147483647+1` does not fit" in capsys.readouterr().err
-
-
-def test_lint_tells_risks_and_is_content(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pack = tmp_path / "risk.lp"
-    pack.write_text("late(R, H + 1) :- hold(R, H).\n", encoding="utf-8")
-    assert run_here(["rules", "lint", str(pack)]) == 0
-    assert f"{pack}:1:9: warning: `H + 1` may not fit" in capsys.readouterr().err
-
-
-def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
-    rules = load_rulebook(stages=STAGES, strict=True).rules
-    assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in risks(rules)] == []
 
 
 class _Exact:

@@ -11,10 +11,12 @@ from mars_asp.cli import run_here
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.diff import Difference, diff
+from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT, run
-from tests.test_properties import RULEBOOK, configurations, few
+from tests.support.strategies import configurations, few
 
+RULEBOOK = load_rulebook()
 CASES = sorted((ROOT / "tests/diff").glob("*/"))
 
 

@@ -25,6 +25,7 @@ from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner, explainer_for
+from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration
 from tests.support.random_packs import Pack, random_pack
 from tests.support.trace_checker import faults

@@ -20,7 +20,7 @@ from mars_asp.reasoning.questions.repair import STAGES, Mend, repairs
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.applied_repairs import check_repairs
 from tests.support.documents import ROOT, run
-from tests.test_properties import configurations, few
+from tests.support.strategies import configurations, few
 
 RULEBOOK = load_rulebook(stages=STAGES)
 CASES = sorted((ROOT / "tests/repair").glob("*/"))

@@ -1,0 +1,168 @@
+"""The verb `run`: what it prints and writes, and its status."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_command, run_here
+from tests.support.documents import ROOT
+from tests.support.trials import BASE, DRIVE, HAND
+
+LEVEL0 = ROOT / "examples" / "level0"
+
+
+def test_blocks_of_a_configuration_say_what_its_modules_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blocks = {
+        "Eye": "@Sense NotifyAtFrequency 20, RequestWhenReady\nScan look();",
+        "Log": "@DataIn\nvoid log(Scan scan);",
+        "Hand": "@ControlOut\nCommand lead();",
+        "Base": "@Trans_Z _ _ 800\n@Rotn_Y",
+        "Arm": "@Grasp 0 80",
+    }
+    written = "".join(
+        f"@module_start\n@module_name {name}\n{block}\n@module_end\n"
+        for name, block in blocks.items()
+    )
+    (tmp_path / "robot.mars").write_text(
+        "@configuration flat\n@modules Eye, Log, Screen, Hand, Base, Arm\n"
+        "Arm is_mounted_on Base (y, 90, _, _, 0, 0, 0)\nLog uses_data_from Eye\n"
+        "Screen uses_data_from Eye NotifyAtFrequency 5\n"
+        "Arm is_controlled_by Hand\n" + written.replace("@ControlOut", "@ControlOut Rotn_Y, Grasp"),
+    )
+    (tmp_path / "lead.py").write_text(
+        "count = 0\nprint('read')\ndef lead():\n    global count\n    count += 1\n"
+        "    print('led')\n"
+        "    return ('Rotn_Y', 9) if count % 2 else ('Grasp', 40)\n"
+    )
+    (tmp_path / "s.toml").write_text(
+        "duration = 2\n[robot]\nmodule = 'Base'\n[devices]\nEye.kind = 'sonar'\n"
+        "Arm.kind = 'gripper'\n[bindings]\nHand = { python = 'lead.py:lead', period = 100 }\n"
+    )
+    words = ["run", str(tmp_path / "robot.mars"), "--scenario", str(tmp_path / "s.toml")]
+    assert run_here([*words, "--format", "json"]) == 0
+    printed, told = capsys.readouterr()
+    assert told.startswith("read\nled\n")
+    found = json.loads(printed)
+    asked = {(link["source"], link["client"]): link["asked_hz"] for link in found["links"]}
+    assert asked["Eye", "DataSplitter1"] == 20
+    assert asked["DataSplitter1", "Screen"] == 5
+    assert found["verdict"] == "pass"
+
+
+def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "c.mars").write_text(
+        "@specification\n@modules P, C, D\nP is_controlled_by C\nP is_controlled_by D\n"
+    )
+    hands = "".join(HAND.replace(".C]", f".{name}]") for name in "CD")
+    (tmp_path / "s.toml").write_text(BASE + hands)
+    words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
+    assert run_command(words) == 1
+    assert re.search(r"C -> P +10\.33 +0 +31 overtaken", capfd.readouterr().out)
+    assert run_command([*words, "--format", "json"]) == 1
+    links = json.loads(capfd.readouterr().out)["links"]
+    assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
+
+
+def test_analysis_runs_no_behaviour(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A source is text to analysis; only a run imports it."""
+    ran = tmp_path / "ran"
+    (tmp_path / "b.py").write_text(
+        f"open({str(ran)!r}, 'w')\n# @module_start\n# @module_name C\n# @ControlOut Trans_Z\n"
+        "def go() -> tuple[str, float]:\n    return 'Trans_Z', 100\n# @module_end\n"
+    )
+    config = tmp_path / "c.mars"
+    config.write_text("@configuration\n@sources b.py\n@modules P, C\nP is_controlled_by C\n")
+    (tmp_path / "s.toml").write_text(BASE + "[bindings.C]\nperiod = 100\n")
+    for verb in ("check", "analyse", "synthesise", "explain"):
+        assert run_command([verb, str(config)]) == 0
+        assert not ran.exists()
+    assert run_command(["run", str(config), "--scenario", str(tmp_path / "s.toml")]) == 0
+    assert ran.exists()
+    assert "100.0 %" in capfd.readouterr().out
+
+
+def test_what_failed_first_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "b.py").write_text("def go():\n    raise ValueError('no\\x1b[31m map')\n")
+    text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+    (tmp_path / "s.toml").write_text(text)
+    (tmp_path / "d.mars").write_text(DRIVE)
+    run_here(["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")])
+    told = capsys.readouterr().out
+    assert "failed   C -> P  first by ValueError: no\\x1b[31m map\n" in told
+
+
+def _run(*words: str) -> int:
+    return run_command(
+        ["run", str(LEVEL0 / "config.mars"), "--scenario", str(LEVEL0 / "scenario.toml"), *words]
+    )
+
+
+def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    traces = []
+    for name in ("a", "b"):
+        out, svg = tmp_path / f"{name}.jsonl", tmp_path / f"{name}.svg"
+        words = ["--duration", "5", "--format", "json", "--record", str(out), "--plot", str(svg)]
+        status = _run(*words)
+        result = json.loads(capfd.readouterr().out)
+        assert (status, result["verdict"], result["collisions"]) == (0, "pass", 0)
+        assert set(result["control_time"]) <= {"Turn", "Forward", "Collide"}
+        traces.append(out.read_bytes() + svg.read_bytes())
+    assert traces[0] == traces[1]
+    assert len(traces[0]) > 10_000
+
+
+def test_a_violated_requirement_is_status_1(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = (LEVEL0 / "scenario.toml").read_text() + "clearance = 3000\n"
+    text = text.replace('"sources/', f'"{LEVEL0.as_posix()}/sources/')
+    (tmp_path / "s.toml").write_text(text)
+    words = ["run", str(LEVEL0 / "config.mars"), "--scenario", str(tmp_path / "s.toml")]
+    words += ["--duration", "1", "--explain"]
+    assert run_command(words) == 1
+    out = " ".join(capfd.readouterr().out.split())
+    assert "VIOLATED clearance" in out
+    assert "micrometres, and 3000000 were asked for [run/clearance]" in out
+    assert f"s.toml:{len(text.splitlines())}: clearance = 3000" in out
+    assert run_command([*words, "--format", "json"]) == 1
+    (trace,) = json.loads(capfd.readouterr().out)["traces"]
+    assert trace["rule"]["id"] == "run/clearance"
+    assert [premise["atom"] for premise in trace["premises"]][:1] == ["asked(clearance)"]
+
+
+def test_annotated_functions_run_without_another_line_of_glue(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = (LEVEL0 / "scenario.toml").read_text()
+    bare = text[: text.index("[bindings]")] + text[text.index("[requirements]") :]
+    (tmp_path / "s.toml").write_text(bare)
+    words = ["run", str(LEVEL0 / "config.mars"), "--duration", "3", "--format", "json"]
+    told = []
+    for scenario, sources in (
+        (LEVEL0 / "scenario.toml", []),
+        (tmp_path / "s.toml", ["--sources", str(LEVEL0 / "sources")]),
+    ):
+        assert run_command([*words, "--scenario", str(scenario), *sources]) == 0
+        result = json.loads(capfd.readouterr().out)
+        told.append((result["events"], result["driven_mm"], result["control_time"]))
+    assert told[0] == told[1]
+    assert told[0][0] > 100
+
+
+def test_a_reader_who_leaves_ends_a_run_quietly() -> None:
+    scenario = str(LEVEL0 / "scenario.toml")
+    words = ("run", str(LEVEL0 / "config.mars"), "--scenario", scenario, "--duration", "1")
+    command = [sys.executable, "-m", "mars_asp", *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == b""
+    assert running.returncode == 141

@@ -1,0 +1,1 @@
+"""Tests of scenarios as they are read."""

@@ -1,0 +1,131 @@
+"""What a run is required to do, and why it did not."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.trace import Derived, Given
+from mars_asp.execution.judgement import ALWAYS, ON_REQUEST, judge
+from mars_asp.reasoning.rules import load_rulebook
+from tests.support.trials import BASE, DRIVE, HAND, WALL, trial, verdicts
+
+
+@pytest.mark.parametrize(
+    ("asked", "name", "holds"),
+    [
+        ("no_collision = true", "no_collision", False),
+        ("clearance = 10", "clearance", False),
+        ("reach = { at = [300, 0], radius = 10 }", "reach", True),
+        ("reach = { at = [300, 0], radius = 10, within = 0.5 }", "reach", False),
+        ('exclusive = [["Trans_Z", "Rotn_Y"]]', "exclusive", True),
+        ("coverage = 0.9", "coverage", False),
+    ],
+)
+def test_requirements_on_request(asked: str, name: str, holds: bool) -> None:
+    made = trial(f"{BASE}{HAND}{WALL}[requirements]\n{asked}\n")
+    assert verdicts(made)[name] is holds
+
+
+def test_commands_beyond_a_limit_are_reported_without_being_asked() -> None:
+    made = trial(f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}")
+    assert verdicts(made)["commands within limits"] is False
+    assert made.body.driven == pytest.approx(300)
+
+
+def test_two_controllers_without_an_arbiter_are_reported_without_being_asked() -> None:
+    both = DRIVE.replace("P, C", "P, C, D") + "P is_controlled_by D\n"
+    made = trial(BASE + HAND + HAND.replace(".C]", ".D]"), both)
+    assert verdicts(made)["one controller at a time"] is False
+
+
+def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -> None:
+    text = f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}{WALL}[requirements]\nno_collision = true\n"
+    judgement = judge(trial(text, folder=tmp_path))
+    traces = {c.kind: trace for c, trace in judgement.traces()}
+    limit, collision = traces["limit_breach"], traces["collision"]
+    assert isinstance(limit, Derived)
+    assert isinstance(collision, Derived)
+    assert (
+        limit.message
+        == "`P` was commanded Trans_Z at 200000 thousandths a second, and 100000 is its limit"
+    )
+    assert [p.span.line for p in limit.premises if isinstance(p, Given) and p.span] == [4]
+    asked, contact = collision.premises[0], collision.premises[1]
+    assert isinstance(asked, Given)
+    assert asked.span is not None
+    assert text.splitlines()[asked.span.line - 1] == "no_collision = true"
+    assert isinstance(contact, Derived)
+    assert contact.message is not None
+    assert contact.message.startswith("the robot obeyed `C` in Trans_Z from 0 to ")
+
+
+def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
+    book = load_rulebook(stages=("run",), strict=True)
+    kinds = {
+        str(rule.ast.head.atom.symbol.arguments[0])
+        for rule in book.rules
+        if rule.stage == "run" and rule.text.startswith("consequence(")
+    }
+    assert kinds == {*ALWAYS.values(), *ON_REQUEST.values()}
+
+
+FROM_FILE = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
+DECLARED = "@module_start\n@module_name P\n@Trans_Z\n@module_end\n"
+
+
+@pytest.mark.parametrize(
+    ("device", "declared", "function", "holds"),
+    [
+        ("", DECLARED, "Trans_Z", True),
+        ("", DECLARED, "Rotn_Y", False),
+        ("", "", "Rotn_Y", True),
+        ("", "", "Rotn_X", False),
+        ("", DECLARED.replace("_Z", "_Y"), "Trans_Y", False),
+    ],
+)
+def test_a_command_for_a_function_that_is_not_there_is_a_violation(
+    device: str, declared: str, function: str, holds: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text(f"def go():\n    return '{function}', 5\n")
+    made = trial(BASE + FROM_FILE + device, DRIVE + declared, tmp_path)
+    assert verdicts(made) == {name: name != "commanded functions exist" or holds for name in ALWAYS}
+
+
+def test_a_joint_obeys_its_own_function_alone(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text("def go():\n    return 'Rotn_Z', 5\n")
+    specification = "@specification\n@modules P, J, C\nJ is_controlled_by C\n"
+    for function, holds in (("Rotn_Z", True), ("Rotn_Y", False)):
+        joint = f'[devices.J]\nkind = "joint"\nfunction = "{function}"\n'
+        made = trial(BASE + FROM_FILE + joint, specification, tmp_path)
+        assert verdicts(made)["commanded functions exist"] is holds
+
+
+ODD_ERROR = "class Odd(Exception):\n    def __str__(self):\n        return 1 / 0\n"
+
+
+@pytest.mark.parametrize(
+    ("raised", "first"),
+    [("ValueError('no\\nmap')", r"ValueError: no\nmap"), ("Odd()", "Odd")],
+)
+def test_a_module_that_fails_fails_the_run(raised: str, first: str, tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text(f"{ODD_ERROR}def go():\n    raise {raised}\n")
+    (requirement,) = (
+        r for r in judge(trial(BASE + FROM_FILE, folder=tmp_path)).requirements if not r.holds
+    )
+    assert requirement.name == "no module failed"
+    assert requirement.message == f"`C` failed 31 times, first by {first}"
+
+
+def test_failures_that_are_asked_for_do_not_fail_a_run() -> None:
+    made = trial(f'{BASE}{HAND}[faults]\nC = {{ kind = "throwing", from = 1, until = 2 }}\n')
+    assert made.executor.links[0].dropped["failed"] == 10
+    assert all(verdicts(made).values())
+
+
+def test_a_screen_that_fails_fails_the_run_though_nothing_follows_it(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text("def go(reading):\n    raise ValueError(reading)\n")
+    screen = "@specification\n@modules P, S, A\nA uses_data_from S\n"
+    text = BASE + '[bindings.A]\npython = "b.py:go"\n[devices.S]\nkind = "odometry"\n'
+    made = trial(text, screen, tmp_path)
+    assert verdicts(made)["no module failed"] is False
+    assert made.executor.failures["A"].count == 31

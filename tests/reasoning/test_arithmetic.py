@@ -1,0 +1,35 @@
+"""Numbers in the rules of packs and in our own that do not fit into 32 bits."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.rules.risks import risks
+from mars_asp.cli import run_here
+from mars_asp.reasoning.rules import STAGES, load_rulebook
+
+
+@pytest.mark.parametrize("words", ["analyse", "check", "synthesise", "explain big(Camera)"])
+def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot, pack = tmp_path / "robot.mars", tmp_path / "big.lp"
+    robot.write_text("@configuration\n@modules Camera\n", encoding="utf-8")
+    pack.write_text('consequence(big, note, "Camera", 2147483647+1).\n', encoding="utf-8")
+    verb, *subject = words.split()
+    assert run_here([verb, str(robot), *subject, "--rules", str(pack)]) == 2
+    assert f"{pack}:1:34: error: `2147483647+1` does not fit" in capsys.readouterr().err
+
+
+def test_lint_tells_risks_and_is_content(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "risk.lp"
+    pack.write_text("late(R, H + 1) :- hold(R, H).\n", encoding="utf-8")
+    assert run_here(["rules", "lint", str(pack)]) == 0
+    assert f"{pack}:1:9: warning: `H + 1` may not fit" in capsys.readouterr().err
+
+
+def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
+    rules = load_rulebook(stages=STAGES, strict=True).rules
+    assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in risks(rules)] == []

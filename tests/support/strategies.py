@@ -1,0 +1,60 @@
+"""Any configuration, for hypothesis."""
+
+from decimal import Decimal
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+
+from mars_asp.diagnostic import point
+from mars_asp.model.declarations import Configuration, Control, Data, Mode, Mount, Name
+from mars_asp.model.ranges import MOST
+
+HERE = point("config.mars", 1, 1)
+NAMES = ("A", "B", "C", "D", "Eye", "Wheel")
+few = settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+
+names = st.sampled_from(NAMES)
+modes = st.sampled_from(
+    [
+        (None, None),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("12.5")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("0.001")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("2147483.647")),
+        (Mode("RequestWhenReady", text="RequestWhenReady"), None),
+        (Mode("NotifyOnMax", (Decimal(80),), text="NotifyOnMax(80)"), None),
+    ]
+)
+data = st.builds(
+    lambda client, source, mode: Data(client, source, HERE, *mode), names, names, modes
+)
+control = st.builds(
+    lambda controlled, controller, priority, hold: Control(
+        controlled, controller, HERE, priority, hold
+    ),
+    names,
+    names,
+    st.none() | st.integers(0, 3) | st.sampled_from([50_000, MOST - 1, MOST]),
+    st.none() | st.integers(1, 500) | st.just(MOST),
+)
+mount = st.builds(
+    lambda mounting, mounted, vertex: Mount(mounting, mounted, HERE, vertex, vertex),
+    names,
+    names,
+    st.none() | st.integers(0, 4) | st.just(MOST),
+)
+configurations = st.builds(
+    lambda relationships, architecture, kind: Configuration(
+        "config.mars",
+        HERE,
+        kind,
+        architecture,
+        architecture == "hierarchical",
+        modules=tuple(Name(name, HERE) for name in NAMES),
+        relationships=tuple(relationships),
+    ),
+    st.lists(data | control | mount, max_size=9, unique=True),
+    st.sampled_from(["flat", "hierarchical"]),
+    st.sampled_from(["configuration", "specification"]),
+)
