@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -50,17 +50,27 @@ def workers_of(marker: str) -> list[int]:
 
 
 @pytest.fixture
-def pack(tmp_path: Path) -> Path:
+def pack(tmp_path: Path) -> Iterator[Path]:
     path = tmp_path / "runaway.lp"
     path.write_text(RUNAWAY)
-    return path
+    yield path
+    for left in workers_of(str(path)):
+        os.kill(left, signal.SIGKILL)
+
+
+def wait_for_worker(marker: str) -> None:
+    """Wait until a command has its worker, which grounds by then; a busy machine takes long."""
+    deadline = time.monotonic() + 20
+    while len(workers_of(marker)) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    assert len(workers_of(marker)) == 2
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
 def test_a_signal_ends_a_command_that_grounds(number: signal.Signals, pack: Path) -> None:
     command = start("synthesise", LEVEL0, "--rules", str(pack), "-o", str(pack.parent / "out"))
-    time.sleep(1.0)
-    assert len(workers_of(str(pack))) == 2
+    wait_for_worker(str(pack))
     sent = time.monotonic()
     command.send_signal(number)
     output, said = command.communicate(timeout=10)
@@ -72,7 +82,7 @@ def test_a_signal_ends_a_command_that_grounds(number: signal.Signals, pack: Path
 
 def test_a_command_that_is_killed_takes_its_worker_along(pack: Path) -> None:
     command = start("analyse", LEVEL0, "--rules", str(pack))
-    time.sleep(1.0)
+    wait_for_worker(str(pack))
     command.kill()
     command.wait()
     time.sleep(0.5)
