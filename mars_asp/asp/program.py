@@ -14,7 +14,8 @@ import clingo
 
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.consistency import minimal_conflict
-from mars_asp.asp.rules.read import RuleFile, read_file, read_rules
+from mars_asp.asp.rules.metadata import repeated_ids
+from mars_asp.asp.rules.read import RuleFile, read_file, read_rules, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
@@ -59,9 +60,7 @@ class Program:
         """
         problems: list[Diagnostic] = []
         found = [read_file(Path(path), str(path), _STAGE, problems, True) for path in paths]
-        if problems:
-            raise MarsError(problems)
-        return cls(tuple(filter(None, found)))
+        return cls._checked(tuple(told_apart(filter(None, found))), problems)
 
     @classmethod
     def from_text(cls, text: str, path: str = "program.lp") -> "Program":
@@ -71,10 +70,20 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        found = read_rules(text, path, _STAGE, Path(path).stem, problems)
-        if problems or found is None:
-            raise MarsError(problems)
-        return cls((found,))
+        found = read_rules(text, path, _STAGE, problems)
+        return cls._checked(() if found is None else (found,), problems)
+
+    @classmethod
+    def _checked(cls, files: tuple[RuleFile, ...], problems: Sequence[Diagnostic]) -> "Program":
+        """Return a program of files.
+
+        Raises:
+            MarsError: there are problems, or two rules have one id.
+        """
+        found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
+        if found:
+            raise MarsError(found)
+        return cls(files)
 
     @cached_property
     def rulebook(self) -> Rulebook:

@@ -8,8 +8,8 @@ from mars_asp.asp.cache import keep, recall, version_of
 from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, wrong_packs
+from mars_asp.asp.rules.metadata import file_name, repeated_ids
+from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Signature, constant_names, declared
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
@@ -47,6 +47,8 @@ def load_rulebook(
         if found is not None:
             packs.append(found)
     if packs:
+        taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))
+        packs = list(told_apart(packs, taken))
         problems += wrong_packs(packs, seal(), CONTRACT)
     if strict:
         problems += repeated_ids(own.rules)

@@ -130,11 +130,11 @@ def test_a_violated_requirement_is_status_1(
     assert run_command(words) == 1
     out = " ".join(capfd.readouterr().out.split())
     assert "VIOLATED clearance" in out
-    assert "micrometres, and 3000000 were asked for [run/clearance]" in out
+    assert "micrometres, and 3000000 were asked for [run/run/clearance]" in out
     assert f"s.toml:{len(text.splitlines())}: clearance = 3000" in out
     assert run_command([*words, "--format", "json"]) == 1
     (trace,) = json.loads(capfd.readouterr().out)["traces"]
-    assert trace["rule"]["id"] == "run/clearance"
+    assert trace["rule"]["id"] == "run/run/clearance"
     assert [premise["atom"] for premise in trace["premises"]][:1] == ["asked(clearance)"]
 
 

@@ -361,7 +361,7 @@ def test_a_client_that_its_source_reaches_is_not_fed_through_an_abstract_transfo
     assert verify(specification, project, RULEBOOK) == ()
     (violation,) = verify(parsed(BRIDGED.format(comment=comment)), project, RULEBOOK)
     assert violation.clause == 3
-    assert violation.rule.id == "delivery/abstract"
+    assert violation.rule.id == "verify/delivery/abstract"
 
 
 FLAT = """
@@ -452,7 +452,7 @@ def test_a_comment_is_judged_by_what_its_converter_converts() -> None:
     for names in (("Lines", "Image"), ("Image", "Depth"), ("other::Image", "Lines")):
         violations, _ = judged(CHOSEN.format(comment=right.format(*names)), CHOICE)
         assert any(
-            said.startswith("conversion/misnamed 3: `DataTransformer1` is to apply `Cheap`")
+            said.startswith("verify/conversion/misnamed 3: `DataTransformer1` is to apply `Cheap`")
             for said in violations
         ), names
 
@@ -491,8 +491,8 @@ def test_a_comment_that_names_another_module_than_the_node_stands_for_is_refused
     assert judged(specification.format("Arm"), configuration) == ([], [])
     violations, _ = judged(specification.format("Lamp"), configuration)
     assert (
-        "inheritance/misnamed 5: the comment of `InheritanceNode1` names `Lamp`, which has other "
-        "controllers or providers than `InheritanceNode1`"
+        "verify/inheritance/misnamed 5: the comment of `InheritanceNode1` names `Lamp`, which has "
+        "other controllers or providers than `InheritanceNode1`"
     ) in violations
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +20,7 @@ from mars_asp.asp.rules.checks import (
     unknown_predicates,
 )
 from mars_asp.asp.rules.gate import check_text, gate_text
-from mars_asp.asp.rules.metadata import repeated_ids, rules_of, wrong_holes
+from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
     Piece,
@@ -39,6 +40,11 @@ class RuleFile(NamedTuple):
     text: str
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
+
+    @property
+    def name(self) -> str:
+        """Return what the ids of its rules begin with."""
+        return file_name(self.shown, self.stage)
 
 
 def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
@@ -91,23 +97,21 @@ def read_file(
     except MarsError as error:
         problems += error.diagnostics
         return None
-    return _rule_file(text, shown, stage, path.stem, problems, strict)
+    return _rule_file(text, shown, stage, problems, strict)
 
 
-def read_rules(
-    text: str, shown: str, stage: str, stem: str, problems: list[Diagnostic]
-) -> RuleFile | None:
+def read_rules(text: str, shown: str, stage: str, problems: list[Diagnostic]) -> RuleFile | None:
     """Return a text as if it were a file of rules, all of it checked."""
     try:
         check_text(text, shown)
     except MarsError as error:
         problems += error.diagnostics
         return None
-    return _rule_file(text, shown, stage, stem, problems, True)
+    return _rule_file(text, shown, stage, problems, True)
 
 
 def _rule_file(
-    text: str, shown: str, stage: str, stem: str, problems: list[Diagnostic], strict: bool
+    text: str, shown: str, stage: str, problems: list[Diagnostic], strict: bool
 ) -> RuleFile | None:
     before = len(problems)
     written = _pieces(text, shown, problems)
@@ -115,7 +119,7 @@ def _rule_file(
         return None
     if strict:
         problems += overflows(text, shown)
-    rules = tuple(rules_of(written, shown, stage, stem, problems))
+    rules = tuple(rules_of(written, shown, stage, problems))
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
     return RuleFile(shown, stage, text, written, rules)
@@ -149,13 +153,38 @@ def _syntax(note: str, shown: str) -> Diagnostic:
     return Diagnostic("rule-syntax", "error", text.strip(), point(shown, line, column))
 
 
+def told_apart(files: Iterable[RuleFile], taken: Iterable[str] = ()) -> Iterator[RuleFile]:
+    """Yield files of which no two name a rule without an id alike.
+
+    Where the name of one is `taken`, or another's, its path stands before the lines of such rules:
+    `mine/data.lp:17`.
+    """
+    names = set(taken)
+    for file in files:
+        if file.name in names:
+            rules = tuple(_named_by_path(rule, file) for rule in file.rules)
+            yield file._replace(rules=rules)
+        else:
+            yield file
+        names.add(file.name)
+
+
+def _named_by_path(rule: Rule, file: RuleFile) -> Rule:
+    name = f"{file.name}:"
+    if not rule.id.startswith(name):
+        return rule
+    return replace(rule, id=f"{file.shown}:{rule.id.removeprefix(name)}")
+
+
 def pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:
-    """Yield the files of packs, of folders those in them; note what is neither."""
+    """Yield the files of packs, each once, of folders those in them; note what is neither."""
+    seen: set[Path] = set()
     for path in extra:
-        if path.is_dir():
-            yield from sorted(path.glob("*.lp"))
-        elif path.is_file():
-            yield path
+        if path.is_dir() or path.is_file():
+            for file in sorted(path.glob("*.lp")) if path.is_dir() else [path]:
+                if file.resolve() not in seen:
+                    seen.add(file.resolve())
+                    yield file
         else:
             problems.append(
                 Diagnostic(

@@ -67,7 +67,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     assert kinds == {"simple_inheritance", "similar_inheritance", "emergent_functionality"}
     assert len(part.facts) < len(project_facts(project)) * 0.7
     # A rule that reads consequences of any kind needs all of them.
-    reader = RULEBOOK.by_id["data/splitter-copies"]
+    reader = RULEBOOK.by_id["resolve/data/splitter-copies"]
     text = "splitter(S, origin) :- consequence(K, _, S, _), data_kind(K)."
     rules = (*RULEBOOK.rules, replace(reader, text=text))
     part = slice_for_resolution(Rulebook(rules, RULEBOOK.texts), lambda _: ())

@@ -206,7 +206,7 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(capsys.readouterr().out)["repairs"]
     assert [repair["consequence"]["kind"] for repair in found] == ["service_infeasible"]
     first = found[0]["repairs"][0]
-    assert [edit["rule"]["id"] for edit in first["edits"]] == ["require/offered"]
+    assert [edit["rule"]["id"] for edit in first["edits"]] == ["repair/require/offered"]
     assert first["lines"][0]["new"] == "Screen uses_data_from Camera RequestWhenReady"
     assert first["cost"] == {"nodes": 0, "conversion": 0, "relationships": 1}
 
