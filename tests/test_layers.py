@@ -26,7 +26,7 @@ FILES = {
     "asp": "cache fragments solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule metadata read rulebook "
+        "gate statements checks computed symbols arithmetic rule outline metadata read rulebook "
         "consistency risks"
     ),
     "asp/slice": "magic reach shapes groups portions",

@@ -10,7 +10,7 @@ derive what it shows.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,7 +81,7 @@ def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path,
     return tuple(found)
 
 
-def stages_of(path: Path, stages: Sequence[str]) -> tuple[str, ...]:
+def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
     """Return the stages, of those there are, that the folders of a case are named after.
 
     Where a case lies in the current folder, what that folder is called says nothing.
@@ -91,7 +91,9 @@ def stages_of(path: Path, stages: Sequence[str]) -> tuple[str, ...]:
     return tuple(stage for stage in stages if stage in parts)
 
 
-def run_case(path: Path, rulebook: Rulebook, stages: Sequence[str], finding: Signature) -> Outcome:
+def run_case(
+    path: Path, rulebook: Rulebook, stages: Collection[str], finding: Signature
+) -> Outcome:
     """Run one case with the rules of the base and of those `stages` that its folders name.
 
     `finding` is the predicate that is compared where the case shows none.

@@ -1,7 +1,7 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Collection
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -71,7 +71,7 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     return project
 
 
-def rulebook_for(arguments: argparse.Namespace, stages: Sequence[str] = ("resolve",)) -> Rulebook:
+def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
     """Load the built-in rules and those of `--rules`.
 
     Raises:

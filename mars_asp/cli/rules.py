@@ -1,58 +1,72 @@
-"""List, show or check the rule base."""
+"""List, show or check the rules of every stage."""
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
+from mars_asp.asp.rules.metadata import file_name
+from mars_asp.asp.rules.outline import Outline
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import Signature
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import project_facts
-from mars_asp.reasoning.rules import STAGES, load_rulebook
+from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from mars_asp.reasoning.sample import samples
 from mars_asp.spelling import nearest
+
+_PURPOSES = {"base": BASE, **STAGES}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument("action", choices=("list", "show", "lint", "doc"))
-    parser.add_argument("what", nargs="?", metavar="ID|PATH", help="a rule's id, or files to lint")
+    parser.add_argument(
+        "what",
+        nargs="?",
+        metavar="ID|PATH",
+        help="of `show`: a rule's id, or a file of rules; of `lint`: files to check",
+    )
+    parser.add_argument(
+        "--stage", choices=tuple(_PURPOSES), help="list or document the rules of one stage alone"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
-    if arguments.action == "lint":
-        packs = [*arguments.rules, *([arguments.what] if arguments.what else [])]
+    action, what = arguments.action, arguments.what
+    wrong = _misused(action, what, arguments.stage)
+    if wrong:
+        print(f"mars-asp rules: {wrong}", file=sys.stderr)
+        return 2
+    if action == "lint":
+        packs = [*arguments.rules, *([what] if what else [])]
         found = lint([Path(path) for path in packs])
         report(found, arguments)
         if not found:
             print("nothing wrong")
         return 0
-    if arguments.action == "show" and not arguments.what:
-        print("mars-asp rules: `show` needs the ID of a rule; `list` names them", file=sys.stderr)
-        return 2
-    rulebook = rulebook_for(arguments)
-    messages = [rule for rule in rulebook.rules if rule.because is not None]
-    if arguments.action == "show":
-        rule = _named(rulebook, arguments.what)
-        print(encoded(_json(rule)) if arguments.format == "json" else _document(rule).rstrip("\n"))
-    elif arguments.action == "doc":
+    rulebook = rulebook_for(arguments, STAGES)
+    as_json = arguments.format == "json"
+    stages = (arguments.stage,) if arguments.stage else tuple(_PURPOSES)
+    if action == "show":
+        print(encoded(shown_json(rulebook, what)) if as_json else shown(rulebook, what))
+    elif action == "doc":
         print("# Rules\n")
-        for rule in messages:
-            print(_document(rule))
-    elif arguments.format == "json":
-        print(encoded([_json(rule) for rule in messages]))
+        print("\n".join(_documents(rulebook, stages)))
+    elif as_json:
+        found_rules = (rule for stage in stages for rule in _speaking(rulebook, stage))
+        print(encoded([_rule_json(rule) for rule in found_rules]))
     else:
-        for rule in messages:
-            print(f"{rule.id:<32} {rule.span.path}:{rule.span.line}  {rule.because}")
+        print("\n\n".join(_listed(rulebook, stage) for stage in stages))
     return 0
 
 
@@ -78,6 +92,50 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     return (*risks(rulebook.rules), *tried.values())
 
 
+def shown(rulebook: Rulebook, name: str) -> str:
+    """Return what there is to say of the rule of an id, or of a file of rules.
+
+    Raises:
+        MarsError: there is neither.
+    """
+    found = _named(rulebook, name)
+    if isinstance(found, Rule):
+        return _document(found, "##")
+    stage, outline = rulebook.outlines[found]
+    rules = [rule for rule in _speaking(rulebook, stage) if rule.span.path == found]
+    listed = "\n".join(f"- `{rule.id}`: {rule.because}" for rule in rules)
+    return "\n\n".join(filter(None, (_file_document(found, stage, outline), listed)))
+
+
+def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
+    """Return what `shown` tells, for programs.
+
+    Raises:
+        MarsError: there is no such rule or file.
+    """
+    found = _named(rulebook, name)
+    if isinstance(found, Rule):
+        return _rule_json(found)
+    stage, outline = rulebook.outlines[found]
+    return {
+        "path": found,
+        "stage": stage,
+        "title": outline.title,
+        "purpose": outline.purpose,
+        **{name: list(map(_written, predicates)) for name, predicates in _predicates(outline)},
+        "rules": [rule.id for rule in rulebook.rules if rule.span.path == found],
+    }
+
+
+def _misused(action: str, what: str | None, stage: str | None) -> str | None:
+    """Return what is wrong with a call, if anything is."""
+    if action == "show" and not what:
+        return "`show` needs the ID of a rule; `list` names them"
+    if stage and action in ("show", "lint"):
+        return f"--stage says nothing beside `{action}`"
+    return None
+
+
 def _of_sample(found: Diagnostic) -> Diagnostic:
     """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
     if found.code != INCONSISTENT:
@@ -86,29 +144,83 @@ def _of_sample(found: Diagnostic) -> Diagnostic:
     return replace(found, severity="warning", message=message)
 
 
-def _named(rulebook: Rulebook, name: str) -> Rule:
+def _named(rulebook: Rulebook, name: str) -> Rule | str:
+    """Return the rule of an id, or the path of a file by that or by what its ids begin with."""
     rule = rulebook.by_id.get(name)
-    if rule is None:
-        near = nearest(name, rulebook.by_id)
-        hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
-        where = point("rules", 1, 1)
-        raise MarsError(
-            (Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),)
-        )
-    return rule
+    if rule is not None:
+        return rule
+    files = {file_name(path, stage): path for path, (stage, _) in rulebook.outlines.items()}
+    if name in rulebook.outlines:
+        return name
+    if name in files:
+        return files[name]
+    near = _near(name, (*rulebook.by_id, *files))
+    hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
+    where = point("rules", 1, 1)
+    raise MarsError((Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),))
 
 
-def _document(rule: Rule) -> str:
-    parts = [f"## {rule.id}\n", f"{rule.because or 'no message'}\n"]
+def _near(name: str, known: Collection[str]) -> str | None:
+    """Return the id that is meant by one that leaves out the stage, or is misspelt."""
+    behind = (each for each in known if each.endswith(f"/{name}"))
+    return next(behind, None) or nearest(name, known)
+
+
+def _speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
+    return (rule for rule in rulebook.rules if rule.stage == stage and rule.because is not None)
+
+
+def _listed(rulebook: Rulebook, stage: str) -> str:
+    rules = tuple(_speaking(rulebook, stage))
+    width = max((len(rule.id) for rule in rules), default=0)
+    lines = [f"{r.id:<{width}}  {r.span.path}:{r.span.line}  {r.because}" for r in rules]
+    return "\n".join([f"{stage}: {_PURPOSES[stage]}", *lines])
+
+
+def _documents(rulebook: Rulebook, stages: Iterable[str]) -> Iterator[str]:
+    for stage in stages:
+        for path, (at, outline) in rulebook.outlines.items():
+            if at == stage:
+                yield f"{_file_document(path, stage, outline)}\n"
+                of_file = (r for r in _speaking(rulebook, stage) if r.span.path == path)
+                yield from (f"{_document(rule, '###')}\n" for rule in of_file)
+
+
+def _file_document(path: str, stage: str, outline: Outline) -> str:
+    parts = [f"## {file_name(path, stage)}", outline.title, path]
+    lines = [f"Purpose: {outline.purpose}"] if outline.purpose else []
+    for name, predicates in _predicates(outline):
+        if predicates:
+            lines.append(
+                f"{name.capitalize()}: {', '.join(f'`{_written(p)}`' for p in predicates)}"
+            )
+    return "\n\n".join(filter(None, [*parts, *lines]))
+
+
+def _predicates(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]:
+    yield "given", outline.given
+    yield "derives", outline.derives
+    yield "decides", outline.decides
+    yield "shows", outline.shows
+
+
+def _written(signature: Signature) -> str:
+    name, arity = signature
+    return f"{name}/{arity}"
+
+
+def _document(rule: Rule, heading: str) -> str:
+    parts = [f"{heading} {rule.id}", rule.because or "no message"]
     if rule.help:
-        parts.append(f"Help: {rule.help}\n")
-    parts.append(f"{rule.span.path}:{rule.span.line}\n")
-    return "\n".join([*parts, f"```clingo\n{rule.text}\n```\n"])
+        parts.append(f"Help: {rule.help}")
+    parts.append(f"{rule.span.path}:{rule.span.line}")
+    return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
 
 
-def _json(rule: Rule) -> dict[str, object]:
+def _rule_json(rule: Rule) -> dict[str, object]:
     return {
         "id": rule.id,
+        "stage": rule.stage,
         "because": rule.because,
         "help": rule.help,
         "path": rule.span.path,

@@ -1,6 +1,6 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from mars_asp.asp import cases
@@ -17,8 +17,17 @@ from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONSEQUENCE, CONTRACT
 
-#: The stages of rules besides the consequences, by the names of their folders.
-STAGES = ("resolve", "verify", "cost", "run", "can", "repair")
+#: What the rules of the base, in `rules/*.lp`, are for.
+BASE = "what follows from a configuration: its consequences, each with its reason"
+#: The stages behind the base by the names of their folders, and what each is for.
+STAGES: Mapping[str, str] = {
+    "resolve": "which nodes and lines the cheapest specification has, and what each is there for",
+    "verify": "whether a specification realises its configuration, clause by clause",
+    "cost": "what a specification costs as it is written",
+    "run": "what must hold while a specification runs, and what a scenario asks for",
+    "can": "what a robot is able to do at one time",
+    "repair": "which edits of a configuration remove what is wrong with it",
+}
 
 
 def rules_directory() -> Path:
@@ -29,7 +38,7 @@ def rules_directory() -> Path:
 
 
 def load_rulebook(
-    extra: Sequence[Path] = (), stages: Sequence[str] = ("resolve",), strict: bool = False
+    extra: Sequence[Path] = (), stages: Collection[str] = ("resolve",), strict: bool = False
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
@@ -80,7 +89,7 @@ def stages_of(path: Path) -> tuple[str, ...]:
     return cases.stages_of(path, STAGES)
 
 
-def _built_in(stages: Sequence[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
+def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
     """Return the built-in rules, as they were kept while no file has changed."""
     found = _files(stages)
     name = "-".join(("rules", *stages))

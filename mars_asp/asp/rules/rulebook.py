@@ -1,5 +1,6 @@
 """The rules of a program, and the texts that clingo is given of them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import repeat
@@ -8,6 +9,7 @@ from typing import TypeAlias
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import replaced
 
@@ -39,6 +41,17 @@ class Rulebook:
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
         return tuple(Fragment(text, path) for (at, text), path in found if at == stage)
+
+    @cached_property
+    def outlines(self) -> Mapping[str, tuple[str, Outline]]:
+        """Return the stage and the outline of each file, by its path."""
+        rules: dict[str, list[Rule]] = {}
+        for rule in self.rules:
+            rules.setdefault(rule.span.path, []).append(rule)
+        return {
+            path: (stage, outline(text, rules.get(path, ())))
+            for path, (stage, text) in zip(self.paths, self.texts, strict=True)
+        }
 
     @cached_property
     def built_in(self) -> "Rulebook":

@@ -427,6 +427,15 @@ def shown(text: str) -> tuple[Signature, ...]:
     return tuple((node.name if node.positive else f"-{node.name}", node.arity) for node in nodes)
 
 
+def read_by_costs(text: str) -> frozenset[Signature]:
+    """Return the predicates, without signs, on which what a text minimises or maximises rests."""
+    if "#m" not in text:
+        return frozenset()
+    costs = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
+    read = (_statement(each, lambda _: _NO_PLACE) for node in costs for each in node.unpool())
+    return frozenset(unsigned(signature) for statement in read for signature in statement.reads)
+
+
 def constant_names(text: str) -> frozenset[str]:
     """Return the names in a text that stand for themselves, and which `#const` would replace."""
     return frozenset(

@@ -1,0 +1,152 @@
+"""`mars-asp rules` on the rules of every stage."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import declared
+from mars_asp.cli import run_here
+from mars_asp.cli.rules import shown, shown_json
+from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
+from tests.documents import ROOT
+
+#: An id behind what a rule says, in a trace or in the list of a repair.
+CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\]")
+
+
+@pytest.fixture(scope="module")
+def rulebook() -> Rulebook:
+    return load_rulebook([ROOT / "examples" / "own-rules" / "rules"], STAGES)
+
+
+def cited() -> Iterator[tuple[str, str]]:
+    """Yield each id that a golden trace, an expected output or a document cites, with its file."""
+    paths = [*ROOT.glob("tests/traces/**/*.txt"), *ROOT.glob("tests/**/expected.txt")]
+    paths += [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/README.md")]
+    for path in paths:
+        # The engine's programs have rules of their own.
+        if path.parent.name != "engine":
+            for found in CITED.finditer(path.read_text(encoding="utf-8")):
+                yield found[1], str(path.relative_to(ROOT))
+
+
+def test_whatever_a_trace_cites_can_be_shown(rulebook: Rulebook) -> None:
+    found = dict(cited())
+    spoken = {rule.id for rule in rulebook.built_in.rules if rule.because is not None}
+    assert spoken <= found.keys()
+    for name, path in found.items():
+        assert shown(rulebook, name).startswith(f"## {name}\n"), path
+
+
+@pytest.mark.parametrize("speaks", [True, False])
+@pytest.mark.parametrize("stage", ["base", *STAGES])
+def test_a_rule_of_any_stage_is_shown(
+    stage: str, speaks: bool, rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules = [r for r in rulebook.rules if r.stage == stage and (r.because is not None) == speaks]
+    assert bool(rules) == ((stage, speaks) != ("cost", True))
+    for rule in rules[:1]:
+        assert run_here(["rules", "show", rule.id]) == 0
+        told = capsys.readouterr().out
+        assert f"## {rule.id}\n" in told
+        assert f"{rule.span.path}:{rule.span.line}\n" in told
+        assert rule.text in told
+        assert run_here(["rules", "show", rule.id, "--format", "json"]) == 0
+        assert json.loads(capsys.readouterr().out)["stage"] == stage
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("data/edge", "resolve/data/edge"),
+        ("repair/names/spell", "repair/names/spelt"),
+        ("verify/delivry", "verify/delivery"),
+        ("DATA/DIVERGENCE", "data/divergence"),
+    ],
+)
+def test_a_misspelt_id_is_told_with_what_it_was_meant_to_be(
+    name: str, meant: str, rulebook: Rulebook
+) -> None:
+    with pytest.raises(MarsError) as caught:
+        shown(rulebook, name)
+    assert caught.value.diagnostics[0].help == f"did you mean `{meant}`?"
+
+
+def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "list"]) == 0
+    whole = capsys.readouterr().out
+    sections = {part.partition(":")[0]: part.split("\n") for part in whole.split("\n\n")}
+    assert list(sections) == ["base", *STAGES]
+    speaking = [rule for rule in rulebook.built_in.rules if rule.because is not None]
+    for stage, (heading, *lines) in sections.items():
+        assert heading == f"{stage}: {STAGES.get(stage, BASE)}"
+        listed = [line.split()[0] for line in lines if line]
+        assert listed == [rule.id for rule in speaking if rule.stage == stage]
+    assert run_here(["rules", "list", "--stage", "can", "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [each["id"] for each in found] == [r.id for r in speaking if r.stage == "can"]
+    assert {each["stage"] for each in found} == {"can"}
+
+
+def test_rules_of_a_pack_are_listed_with_those_of_the_base(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    packs = ["--rules", str(ROOT / "examples" / "own-rules" / "rules")]
+    assert run_here(["rules", "list", "--stage", "base", *packs]) == 0
+    assert capsys.readouterr().out.split("\n")[-2].startswith("safety/blind-controller ")
+
+
+@pytest.mark.parametrize("action", ["show", "lint"])
+def test_a_stage_that_says_nothing_is_refused(
+    action: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["rules", action, "data/link", "--stage", "can"]) == 2
+    assert f"--stage says nothing beside `{action}`" in capsys.readouterr().err
+
+
+def test_the_document_has_each_file_and_each_rule_that_speaks(
+    rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["rules", "doc"]) == 0
+    told = capsys.readouterr().out
+    rules = [line[4:] for line in told.split("\n") if line.startswith("### ")]
+    assert sorted(rules) == sorted(r.id for r in rulebook.built_in.rules if r.because is not None)
+    files = [line[3:] for line in told.split("\n") if line.startswith("## ")]
+    written = [path.relative_to(ROOT / "rules") for path in ROOT.glob("rules/**/*.lp")]
+    assert sorted(files) == sorted(path.with_suffix("").as_posix() for path in written)
+
+
+@pytest.mark.parametrize("name", ["resolve/rates", "rules/resolve/rates.lp"])
+def test_a_file_of_rules_is_shown(name: str, rulebook: Rulebook) -> None:
+    """Read from the file by hand."""
+    found = shown_json(rulebook, name)
+    rules = found.pop("rules")
+    assert isinstance(rules, list)
+    assert {"resolve/rates/lowers", "resolve/rates/makes"} <= set(rules)
+    assert (found["path"], found["stage"]) == ("rules/resolve/rates.lp", "resolve")
+    assert found["shows"] == ["lowers/3", "makes_for/4", "states_need/3"]
+    assert found["decides"] == []
+    told = shown(rulebook, name)
+    assert "Shows: `lowers/3`, `makes_for/4`, `states_need/3`" in told
+    assert "Decides" not in told
+    assert "- `resolve/rates/lowers`: " in told
+
+
+def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
+    rulebook: Rulebook,
+) -> None:
+    known = {head for rule in rulebook.rules for head in rule.heads}
+    known |= {each for _, text in rulebook.texts for each in declared(text)}
+    for path, (_, outline) in rulebook.outlines.items():
+        assert outline.title, path
+        assert outline.purpose.endswith("."), path
+        assert known.issuperset(outline.given), path
+        assert known.issuperset(outline.shows), path
+    for file in ROOT.glob("rules/**/*.lp"):
+        header = file.read_text(encoding="utf-8").partition("\n\n")[0]
+        assert not re.search(r"^% (Given|Derives|Decides|Shows):", header, re.MULTILINE), file
