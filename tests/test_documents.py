@@ -13,6 +13,7 @@ DOCUMENTS = [
     *sorted(ROOT.glob("docs/*.md")),
     *sorted(ROOT.glob("examples/*/README.md")),
     ROOT / "mars_asp" / "asp" / "README.md",
+    ROOT / "rules" / "README.md",
 ]
 
 

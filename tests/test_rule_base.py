@@ -150,3 +150,27 @@ def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
     for file in ROOT.glob("rules/**/*.lp"):
         header = file.read_text(encoding="utf-8").partition("\n\n")[0]
         assert not re.search(r"^% (Given|Derives|Decides|Shows):", header, re.MULTILINE), file
+
+
+def test_the_door_to_the_rules_names_each_stage() -> None:
+    text = (ROOT / "rules" / "README.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `rules/(\w+)/` \| (.*?) \|", text, re.MULTILINE))
+    assert rows == dict(STAGES)
+    assert list(rows) == list(STAGES)
+    folders = {path.name for path in Path(ROOT / "rules").iterdir() if path.is_dir()}
+    assert folders == set(STAGES)
+
+
+def test_cost_alone_reads_what_another_stage_derives(rulebook: Rulebook) -> None:
+    derived = {(each, rule.stage) for rule in rulebook.rules for each in rule.heads}
+    given = {
+        (each, stage) for stage, outline in rulebook.outlines.values() for each in outline.given
+    }
+    of_base = {each for each, stage in derived if stage == "base"}
+    read = {
+        (stage, other)
+        for each, stage in given
+        for found, other in derived
+        if found == each and other not in ("base", stage) and each not in of_base
+    }
+    assert read == {("cost", "verify")}
