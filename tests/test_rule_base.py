@@ -174,3 +174,18 @@ def test_cost_alone_reads_what_another_stage_derives(rulebook: Rulebook) -> None
         if found == each and other not in ("base", stage) and each not in of_base
     }
     assert read == {("cost", "verify")}
+
+
+@pytest.mark.parametrize("words", [["list"], ["show", "e/x"], ["show", "e"], ["doc"]])
+def test_what_a_pack_says_reaches_no_terminal_as_it_is(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "e.lp"
+    pack.write_text(
+        "%# T\x1b[31m\n% Purpose: x\x1b[31m.\n\n%! id: e/x\n%! because: \x1b[31m\nq(\t1).\n"
+    )
+    assert run_here(["rules", *words, "--rules", str(pack)]) == 0
+    told = capsys.readouterr().out
+    assert "\x1b" not in told
+    assert "\\x1b[31m" in told
+    assert ("q(\t1)." in told) == (words in (["show", "e/x"], ["doc"]))

@@ -17,6 +17,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.output import visible
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
@@ -58,10 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
     as_json = arguments.format == "json"
     stages = (arguments.stage,) if arguments.stage else tuple(_PURPOSES)
     if action == "show":
-        print(encoded(shown_json(rulebook, what)) if as_json else shown(rulebook, what))
+        print(encoded(shown_json(rulebook, what)) if as_json else _safe(shown(rulebook, what)))
     elif action == "doc":
         print("# Rules\n")
-        print("\n".join(_documents(rulebook, stages)))
+        print(_safe("\n".join(_documents(rulebook, stages))))
     elif as_json:
         found_rules = (rule for stage in stages for rule in _speaking(rulebook, stage))
         print(encoded([_rule_json(rule) for rule in found_rules]))
@@ -173,7 +174,10 @@ def _speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
 def _listed(rulebook: Rulebook, stage: str) -> str:
     rules = tuple(_speaking(rulebook, stage))
     width = max((len(rule.id) for rule in rules), default=0)
-    lines = [f"{r.id:<{width}}  {r.span.path}:{r.span.line}  {r.because}" for r in rules]
+    lines = [
+        visible(f"{rule.id:<{width}}  {rule.span.path}:{rule.span.line}  {rule.because}")
+        for rule in rules
+    ]
     return "\n".join([f"{stage}: {_PURPOSES[stage]}", *lines])
 
 
@@ -207,6 +211,12 @@ def _predicates(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]
 def _written(signature: Signature) -> str:
     name, arity = signature
     return f"{name}/{arity}"
+
+
+def _safe(text: str) -> str:
+    """Return what packs wrote with control characters escaped, but for tabs and line feeds."""
+    lines = (map(visible, line.split("\t")) for line in text.split("\n"))
+    return "\n".join(map("\t".join, lines))
 
 
 def _document(rule: Rule, heading: str) -> str:
