@@ -13,7 +13,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
-from tests.documents import ROOT
+from tests.support.documents import ROOT
 
 #: An id behind what a rule says, in a trace or in the list of a repair.
 CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\]")

@@ -26,5 +26,5 @@ def test_the_wheel_works_outside_the_checkout(tmp_path: Path) -> None:
         text=True,
     )
     assert done.stdout == (ROOT / "tests" / "specifications" / "level0.mars").read_text()
-    for carried in ("rules/vocabulary.lp", "replay.html", "replay.js"):
+    for carried in ("rules/vocabulary.lp", "py.typed", "execution/recording/replay.html"):
         assert (site / "mars_asp" / carried).is_file()
