@@ -47,8 +47,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "facts findings rules analysis project sample synthesis verification session questions "
-        "capability"
+        "facts findings rules cases analysis project sample synthesis verification session "
+        "questions capability"
     ),
     "reasoning/facts": "identifiers compile index motion",
     "reasoning/synthesis": (

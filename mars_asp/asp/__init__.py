@@ -7,6 +7,18 @@
 It knows nothing of what rules are about; MARS uses it like anyone else. See its README.
 """
 
-from mars_asp.asp.program import Answer, NotDerived, Program, Reason, Session, Unsatisfiable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mars_asp.asp.program import Answer, NotDerived, Program, Reason, Session, Unsatisfiable
 
 __all__ = ["Answer", "NotDerived", "Program", "Reason", "Session", "Unsatisfiable"]
+
+
+def __getattr__(name: str) -> object:
+    """Load the face when somebody asks for it: what uses a part of the engine loads that alone."""
+    if name not in __all__:
+        raise AttributeError(f"module `mars_asp.asp` has no attribute `{name}`")
+    from mars_asp.asp import program  # noqa: PLC0415
+
+    return getattr(program, name)

@@ -38,6 +38,9 @@ class Said(NamedTuple):
         return self._filled(self.rule.help)
 
     def _filled(self, text: str | None) -> str | None:
+        # Most advice is the same for everybody.
+        if text is None or "{" not in text:
+            return text
         return fill(text, dict(zip(self.rule.holes, arguments(self.values), strict=True)), written)
 
 

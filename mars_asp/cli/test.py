@@ -9,7 +9,8 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.output import visible
-from mars_asp.reasoning.rules import STAGES, run_case
+from mars_asp.reasoning.cases import run_case
+from mars_asp.reasoning.rules import STAGES
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

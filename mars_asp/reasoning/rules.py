@@ -3,9 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from mars_asp.asp import cases
 from mars_asp.asp.cache import keep, recall, version_of
-from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
@@ -15,7 +13,7 @@ from mars_asp.asp.rules.statements import Signature, constant_names, declared
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS
-from mars_asp.reasoning.findings import CONSEQUENCE, CONTRACT
+from mars_asp.reasoning.findings import CONTRACT
 
 #: What the rules of the base, in `rules/*.lp`, are for.
 BASE = "what follows from a configuration: its consequences, each with its reason"
@@ -73,20 +71,6 @@ def load_rulebook(
         len(rules),
         (*own.paths, *(pack.shown for pack in packs)),
     )
-
-
-def run_case(path: Path, rulebook: Rulebook) -> Outcome:
-    """Run a case; what it does not show is compared by its consequences.
-
-    Raises:
-        MarsError: the case may not be given to clingo.
-    """
-    return cases.run_case(path, rulebook, STAGES, CONSEQUENCE)
-
-
-def stages_of(path: Path) -> tuple[str, ...]:
-    """Return the stages that the folders of a case are named after."""
-    return cases.stages_of(path, STAGES)
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:

@@ -22,7 +22,8 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function
 from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
+from mars_asp.reasoning.cases import run_case, stages_of
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.mutate.children import ask, limit
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.rule_mutants import RuleFile, Statement, is_safe

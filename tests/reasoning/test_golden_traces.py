@@ -22,7 +22,8 @@ from mars_asp.asp.trace import Derived, Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.diagnostic import MarsError, Span
-from mars_asp.reasoning.rules import STAGES, load_rulebook, stages_of
+from mars_asp.reasoning.cases import stages_of
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
 from tests.support.programs import atom_of
 

@@ -6,7 +6,8 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.rules import load_rulebook, run_case
+from mars_asp.reasoning.cases import run_case
+from mars_asp.reasoning.rules import load_rulebook
 
 
 def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:

@@ -6,7 +6,8 @@ import pytest
 
 from mars_asp.asp.cases import Outcome, find_cases, shown_by
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, stages_of
+from mars_asp.reasoning.cases import run_case, stages_of
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
 from tests.support.rule_coverage import covered, places
 

@@ -15,9 +15,10 @@ from mars_asp.cli import run_here
 from mars_asp.cli.rules import lint
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.cases import run_case
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.project import load_project, project_facts
-from mars_asp.reasoning.rules import STAGES, load_rulebook, run_case, seal
+from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
 from mars_asp.reasoning.sample import samples
 from mars_asp.reasoning.verification import verify
 from tests.support.documents import ROOT

@@ -28,7 +28,8 @@ from mars_asp.cli.report import diagnostic_text
 from mars_asp.diagnostic import MarsError, point
 from mars_asp.reasoning import rules as built_in
 from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.rules import load_rulebook, run_case
+from mars_asp.reasoning.cases import run_case
+from mars_asp.reasoning.rules import load_rulebook
 from tests.support.documents import ROOT
 from tests.support.random_packs import random_pack
 

@@ -16,7 +16,7 @@ from mars_asp.asp.cases import case_facts
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children
-from mars_asp.reasoning.rules import stages_of
+from mars_asp.reasoning.cases import stages_of
 
 _TYPE = ast.ASTType
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mars_asp.asp.rules.symbols import symbol_of
-from mars_asp.asp.slice import Portion
+from mars_asp.asp.slice.portions import Portion
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.grounding import Grounding

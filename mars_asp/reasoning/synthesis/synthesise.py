@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.slice import kept_apart
+from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
 from mars_asp.asp.solve.grounding import Resolution

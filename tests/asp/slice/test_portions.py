@@ -7,7 +7,7 @@ from itertools import product
 import clingo
 import pytest
 
-from mars_asp.asp.slice import kept_apart
+from mars_asp.asp.slice.portions import kept_apart
 
 #: `e(R,A,B)` connects A and B by R; what `p` and `c` say of anything connects nothing.
 GIVEN = {("e", 3): (0, 1, 2), ("p", 2): (0,), ("c", 1): ()}

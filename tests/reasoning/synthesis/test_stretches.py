@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from mars_asp.asp.slice import kept_apart
+from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.language import parse_text
