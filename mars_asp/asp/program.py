@@ -6,7 +6,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -94,6 +94,18 @@ class Program:
             paths=tuple(file.shown for file in self.files),
         )
 
+    @cached_property
+    def _stated(self) -> tuple[Rule, ...]:
+        """Return the rules that state facts and say nothing of them."""
+        return tuple(rule for rule in self.rulebook.rules if _states(rule))
+
+    @cached_property
+    def explained(self) -> Rulebook:
+        """Return the rules by which atoms are explained: facts are leaves."""
+        stated = {id(rule) for rule in self._stated}
+        rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in stated)
+        return replace(self.rulebook, rules=rules)
+
     def solve(
         self, constants: Mapping[str, int | str] | None = None, deadline: float | None = None
     ) -> "Answer":
@@ -109,7 +121,7 @@ class Program:
         """
         defined = _definitions(constants or {})
         grounding = Grounding((), options=defined)
-        stated = [rule for rule in self.rulebook.rules if _states(rule)]
+        stated = self._stated
         program = [*self.rulebook.fragments(_STAGE), *saying(_STAGE, stated)]
         try:
             resolution = grounding.choose(program, deadline)
@@ -323,7 +335,7 @@ class Answer:
             if isinstance(atom := term_of(clingo.parse_term(written)), Atom)
         ]
         control, opened = self.grounding.control, self.resolution.answer.true
-        return Explainer(self.program.rulebook, control, GivenFacts(facts), opened)
+        return Explainer(self.program.explained, control, GivenFacts(facts), opened)
 
     @property
     def _path(self) -> str:
