@@ -64,7 +64,8 @@ def grid(size: int) -> Iterator[str]:
 
 def last(kind: str, size: int) -> int:
     """Return the place that is asked about: the last, or the end of the first chain."""
-    return {"chain": size, "chains": 10, "grid": max(2, round(size**0.5)) ** 2 - 1}[kind]
+    side = max(2, round(size**0.5))
+    return {"chain": size, "chains": 10, "grid": side * side - 1}[kind]
 
 
 KINDS = {"chain": chain, "chains": chains, "grid": grid}
