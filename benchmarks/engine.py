@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from math import isqrt
 from pathlib import Path
 
 MOST_SECONDS = 60
@@ -51,7 +52,7 @@ def chains(size: int) -> Iterator[str]:
 
 def grid(size: int) -> Iterator[str]:
     """Yield those of a grid of about `size` places; edges lead right and down."""
-    side = max(2, round(size**0.5))
+    side = max(2, isqrt(size))
     yield "start(0)."
     for row in range(side):
         for column in range(side):
@@ -64,7 +65,7 @@ def grid(size: int) -> Iterator[str]:
 
 def last(kind: str, size: int) -> int:
     """Return the place that is asked about: the last, or the end of the first chain."""
-    side = max(2, round(size**0.5))
+    side = max(2, isqrt(size))
     return {"chain": size, "chains": 10, "grid": side * side - 1}[kind]
 
 
