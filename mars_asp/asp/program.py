@@ -12,7 +12,7 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.messages import said, saying
+from mars_asp.asp.messages import predicate_of, said, saying
 from mars_asp.asp.rules.consistency import minimal_conflict
 from mars_asp.asp.rules.metadata import repeated_ids
 from mars_asp.asp.rules.read import RuleFile, read_file, read_rules, told_apart
@@ -274,10 +274,10 @@ class Answer:
     @cached_property
     def atoms(self) -> frozenset[clingo.Symbol]:
         """Return the atoms that hold."""
-        control = self.grounding.control
+        control, own = self.grounding.control, predicate_of(_STAGE)
         facts = (atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
         chosen = map(as_symbol, self.resolution.answer.taken)
-        return frozenset(atom for atom in (*facts, *chosen) if not atom.name.startswith("_"))
+        return frozenset(atom for atom in (*facts, *chosen) if atom.name != own)
 
     def holds(self, atom: str) -> bool:
         """Whether an atom, as clingo writes it, is in the answer."""
@@ -329,11 +329,8 @@ class Answer:
 
     @cached_property
     def _explainer(self) -> Explainer:
-        facts = [
-            Fact(atom, span)
-            for written, span in self.spans.items()
-            if isinstance(atom := term_of(clingo.parse_term(written)), Atom)
-        ]
+        symbols = ((clingo.parse_term(text), span) for text, span in self.spans.items())
+        facts = [Fact(_atom_of(symbol), span) for symbol, span in symbols]
         control, opened = self.grounding.control, self.resolution.answer.true
         return Explainer(self.program.explained, control, GivenFacts(facts), opened)
 
@@ -345,7 +342,24 @@ class Answer:
         return self.program.line_at(span)
 
 
+def _atom_of(symbol: clingo.Symbol) -> Atom:
+    """Return an atom of clingo's; what is classically negated has the sign in its name."""
+    sign = "" if symbol.positive else "-"
+    return Atom(f"{sign}{symbol.name}", tuple(map(term_of, symbol.arguments)))
+
+
 def _definitions(constants: Mapping[str, int | str]) -> tuple[str, ...]:
+    """Return constants as options of clingo.
+
+    Raises:
+        MarsError: a value is no term.
+    """
+    for name, value in constants.items():
+        if symbol_in(str(value)) is None:
+            message = f"`{value}` is no value for the constant `{name}`"
+            advice = "give a number, a constant or a string in quotes"
+            place = point("program", 1, 1)
+            raise MarsError((Diagnostic("constant", "error", message, place, help=advice),))
     return tuple(f"-c{name}={value}" for name, value in constants.items())
 
 

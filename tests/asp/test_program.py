@@ -127,6 +127,17 @@ def test_constants_replace_those_of_the_program() -> None:
     assert named.solve({"who": "me"}).holds("p(me)")
 
 
+def test_what_is_no_value_of_a_constant_is_refused() -> None:
+    with pytest.raises(MarsError, match="is no value for the constant `n`"):
+        asp.Program.from_text("p(n).").solve({"n": "x) q(1"})
+
+
+def test_facts_with_signs_and_underscores_are_leaves_like_others() -> None:
+    answer = asp.Program.from_text("-p(1). _r(2). q :- -p(1), _r(2).").solve()
+    assert answer.holds("_r(2)")
+    assert [leaf.atom for leaf in answer.why("q").leaves()] == ["-p(1)", "_r(2)"]
+
+
 def test_a_conflict_holds_no_rule_too_many() -> None:
     conflict = asp.Program.from_text(COLOURING).why_unsatisfiable({"n": 2})
     assert [rule.text for rule in conflict] == [
