@@ -22,7 +22,7 @@ from mars_asp.asp.rules.statements import without_rules
 from mars_asp.asp.rules.symbols import symbol_in, term_of
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
-from mars_asp.asp.solve.optimum import UnsatisfiableError
+from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
 from mars_asp.asp.trace.absence import why_not
 from mars_asp.asp.trace.explainer import Explainer
@@ -127,6 +127,11 @@ class Program:
             resolution = grounding.choose(program, deadline)
         except UnsatisfiableError:
             resolution = None
+        except TooCostlyError as error:
+            place = point(self.files[0].shown, 1, 1)
+            advice = "clingo adds up costs in 32 bits: make the weights smaller"
+            found = Diagnostic("costs", "error", str(error), place, help=advice)
+            raise MarsError((found,)) from None
         if resolution is None or not resolution.answer.exists:
             place = point(self.files[0].shown if self.files else "program", 1, 1)
             message = "the program has no answer"

@@ -132,6 +132,12 @@ def test_what_is_no_value_of_a_constant_is_refused() -> None:
         asp.Program.from_text("p(n).").solve({"n": "x) q(1"})
 
 
+def test_costs_that_do_not_fit_are_refused() -> None:
+    text = "{ a; b }. c :- a, b. #minimize { 2147483647,1 : a; 2147483647,2 : b; 1,3 : c }."
+    with pytest.raises(MarsError, match="add up to 4294967295"):
+        asp.Program.from_text(text).solve()
+
+
 def test_facts_with_signs_and_underscores_are_leaves_like_others() -> None:
     answer = asp.Program.from_text("-p(1). _r(2). q :- -p(1), _r(2).").solve()
     assert answer.holds("_r(2)")
