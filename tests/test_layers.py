@@ -26,8 +26,8 @@ FILES = {
     "asp": "cache fragments solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule outline metadata read rulebook "
-        "consistency risks"
+        "gate statements checks computed symbols arithmetic rule outline declarations "
+        "metadata read rulebook consistency risks sorts"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (
@@ -50,7 +50,7 @@ FILES = {
         "facts findings rules cases analysis project sample synthesis verification session "
         "questions capability"
     ),
-    "reasoning/facts": "identifiers compile index motion",
+    "reasoning/facts": "identifiers compile vocabulary index motion",
     "reasoning/synthesis": (
         "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"

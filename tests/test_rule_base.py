@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import declared
+from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
@@ -141,7 +141,7 @@ def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
     rulebook: Rulebook,
 ) -> None:
     known = {head for rule in rulebook.rules for head in rule.heads}
-    known |= {each for _, text in rulebook.texts for each in declared(text)}
+    known |= {each for _, text in rulebook.texts for each in defined(text)}
     for path, (_, outline) in rulebook.outlines.items():
         assert outline.title, path
         assert outline.purpose.endswith("."), path

@@ -77,7 +77,8 @@ class Judgement:
 
         What was observed has no line: rules put it in words.
         """
-        given = GivenFacts(fact for fact in self.facts if fact.span != OBSERVED)
+        placed = (fact for fact in self.facts if fact.span != OBSERVED)
+        given = GivenFacts(placed, self.rulebook.declarations)
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
         traces = explainer.why(dict.fromkeys(c.atom for c in found))
@@ -88,7 +89,8 @@ def run_rulebook() -> Rulebook:
     """Return the rules that judge a run, and no others."""
     every = load_rulebook(stages=("run",))
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
-    return Rulebook(rules, tuple(("base", text) for stage, text in every.texts if stage == "run"))
+    texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
+    return Rulebook(rules, texts, declared=(every.declared_in("run"),))
 
 
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:

@@ -39,12 +39,7 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
 
 
 #: What a rule pack from elsewhere may do.
-CONTRACT = Contract(
-    frozenset({CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}),
-    CONSEQUENCE,
-    "consequences",
-    wrong_severities,
-)
+CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities)
 
 
 def check_severities(said: Iterable[Said]) -> None:

@@ -9,7 +9,7 @@ from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, constant_names, declared
+from mars_asp.asp.rules.statements import Signature, constant_names, defined
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS
@@ -70,6 +70,7 @@ def load_rulebook(
         len(packs),
         len(rules),
         (*own.paths, *(pack.shown for pack in packs)),
+        (*own.declared, *(pack.declared for pack in packs)),
     )
 
 
@@ -88,7 +89,8 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
             files.append(file)
     rules = tuple(rule for file in files for rule in file.rules)
     texts = tuple((file.stage, file.text) for file in files)
-    made = Rulebook(rules, texts, paths=tuple(file.shown for file in files))
+    paths, declared = tuple(f.shown for f in files), tuple(f.declared for f in files)
+    made = Rulebook(rules, texts, paths=paths, declared=declared)
     if not problems:
         keep(name, version, made)
     return made
@@ -107,16 +109,17 @@ def seal() -> Seal:
     derived: dict[Signature, str] = {}
     given: dict[Signature, str] = {}
     ids: dict[str, Span] = {}
-    constants = set(CONSTANTS)
+    constants, extensible = set(CONSTANTS), set[Signature]()
     for path, shown, stage in found:
         file = read_file(path, shown, stage, problems, False)
         if file is not None:
             for rule in file.rules:
                 derived.update((head, stage) for head in rule.heads if head not in derived)
                 ids[rule.id] = rule.span
-            given.update((each, stage) for each in declared(file.text) if each not in given)
+            given.update((each, stage) for each in defined(file.text) if each not in given)
             constants |= constant_names(file.text)
-    made = Seal(derived, given, frozenset(constants), ids)
+            extensible |= {each.signature for each in file.declared if each.extensible}
+    made = Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
     if not problems:
         keep("seal", version, made)
     return made

@@ -109,4 +109,5 @@ def explainer_for(
 ) -> Explainer:
     """Return an explainer of one analysis and of what later stages chose on top of it."""
     opened = {} if resolution is None else resolution.answer.true
-    return Explainer(rulebook, analysis.grounding.control, GivenFacts(facts), opened)
+    given = GivenFacts(facts, rulebook.declarations)
+    return Explainer(rulebook, analysis.grounding.control, given, opened)

@@ -1,6 +1,6 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 
 from mars_asp.annotations.representations import canonical_names
@@ -13,7 +13,6 @@ from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.facts.compile import (
-    WIRING,
     configuration_facts,
     facts_text,
     representation_names,
@@ -24,7 +23,8 @@ from mars_asp.reasoning.synthesis.synthesise import costs_of
 _VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
 _STAGE = "verify"
 _CONVERTERS = frozenset({"converts"})
-_SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
+#: What the predicates that facts of a specification give begin with.
+_OF_SPECIFICATION = "spec_"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def judge_specification(
     if rulebook.packs:
         rulebook, grounding = rulebook.built_in, None
     judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
-    facts = facts_text(specification_facts(specification, project))
+    facts = facts_text(specification_facts(specification, project, _judged(rulebook)))
     text = f"{rulebook.text('verify')}\n{joined(saying(_STAGE, judges))}\n{facts}"
     if grounding is None:
         given = Fragment(facts_text(project_facts(project)), "facts")
@@ -130,10 +130,24 @@ def written_cost(
         return verification.grounding.resolve(rulebook.text("cost"), deadline)
 
 
-def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
-    """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
-    for fact in configuration_facts(specification, wanted=_SPECIFIED):
-        yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
+def _judged(rulebook: Rulebook) -> frozenset[str]:
+    """Return the predicates of a configuration of which a specification gives facts, too."""
+    base = {each.signature for each in rulebook.declared_in("base")}
+    judged = (each.signature for each in rulebook.declared_in("verify"))
+    names = ((name.removeprefix(_OF_SPECIFICATION), arity) for name, arity in judged)
+    return frozenset(name for name, arity in names if (name, arity) in base)
+
+
+def specification_facts(
+    specification: Configuration, project: Project, judged: Set[str]
+) -> Iterator[Fact]:
+    """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
+
+    Of what configurations give, too, they are those of the predicates that are `judged`.
+    """
+    for fact in configuration_facts(specification, wanted=judged):
+        name = f"{_OF_SPECIFICATION}{fact.atom.name}"
+        yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)

@@ -171,7 +171,9 @@ def test_a_rule_of_a_pack_that_has_no_value_in_a_case_is_told_where_it_stands(
 def forged(text: str) -> Rulebook:
     """Return a rulebook with a pack that passed no gate."""
     book = load_rulebook(stages=("resolve", "verify"))
-    return Rulebook(book.rules, (*book.texts, ("base", text)), 1, 0, (*book.paths, "forged.lp"))
+    return Rulebook(
+        book.rules, (*book.texts, ("base", text)), 1, 0, (*book.paths, "forged.lp"), book.declared
+    )
 
 
 def test_a_synthesis_is_judged_without_packs(
@@ -242,3 +244,15 @@ def test_no_change_of_a_text_ends_the_process(first: int) -> None:
     seen: Counter[str] = Counter()
     assert list(faults(first, 5_000, seen)) == []
     assert seen["taken taken"] > 100
+
+
+def test_a_pack_declares_nothing_of_what_is_not_its_own(tmp_path: Path) -> None:
+    pack = tmp_path / "own.lp"
+    pack.write_text("%*! module(M: city)\nM is.\npacks: extend\n*%\nmodule(a).\n")
+    with pytest.raises(MarsError) as caught:
+        load_rulebook([pack])
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.span[:3]) == ("rule-reserved", (str(pack), 5, 1))
+    pack.write_text("%*! module(M: city)\nM is.\n*%\nmine(M) :- module(M).\n")
+    (argument,) = load_rulebook([pack]).declarations["module", 1].arguments
+    assert argument.sorts == {"module"}

@@ -16,7 +16,7 @@ from mars_asp.asp.rules.statements import (
     Signature,
     Statement,
     calls,
-    declared,
+    defined,
     head_pool,
     masked,
     replaced,
@@ -40,20 +40,14 @@ Judge: TypeAlias = Callable[[Sequence[Statement], str, Span], Iterator[Diagnosti
 class Contract:
     """What packs may do beside the built-in rules of a program.
 
-    They derive what is `extensible`, and predicates of their own. What they find they tell by
-    `finding`, of which `findings` is the word for several. `judge` says what is wrong with a head
-    that tells of one.
+    They derive what is declared extensible, and predicates of their own. What they find they tell
+    by `finding`, of which `findings` is the word for several. `judge` says what is wrong with a
+    head that tells of one.
     """
 
-    extensible: frozenset[Signature]
     finding: Signature
     findings: str
     judge: Judge
-
-    @cached_property
-    def arities(self) -> Mapping[str, int]:
-        """Return how many arguments what is extensible has, by its names."""
-        return dict(self.extensible)
 
 
 @dataclass(frozen=True)
@@ -68,6 +62,13 @@ class Seal:
     constants: frozenset[str]
     #: Where the rules stand that have names.
     ids: Mapping[str, Span]
+    #: What packs may derive, too.
+    extensible: frozenset[Signature]
+
+    @cached_property
+    def arities(self) -> Mapping[str, int]:
+        """Return how many arguments what is extensible has, by its names."""
+        return dict(self.extensible)
 
     @cached_property
     def early(self) -> frozenset[Signature]:
@@ -117,7 +118,7 @@ def unknown_predicates(
     for place, (name, arity) in sorted(literals):
         if (name, arity) in seal.later:
             # Of what packs derive, too, the head has been told.
-            if (name, arity) not in known or (name, arity) in contract.extensible:
+            if (name, arity) not in known or (name, arity) in seal.extensible:
                 yield _too_early((name, arity), seal, contract, placed(span, place))
         elif (name, arity) not in known:
             near = nearest(name, sorted({other for other, _ in known}))
@@ -135,7 +136,7 @@ def unknown_predicates(
 
 
 def misused_heads(
-    rule: Sequence[Statement], text: str, contract: Contract, span: Span
+    rule: Sequence[Statement], text: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
     """Yield what is wrong with a head that tells of a finding, such as a choice or a pool.
 
@@ -144,7 +145,7 @@ def misused_heads(
     """
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:
-        told = sorted({unsigned(each) for each in statement.derives} & contract.extensible)
+        told = sorted({unsigned(each) for each in statement.derives} & seal.extensible)
         if told and not statement.forces:
             name, arity = told[0]
             negated = len(statement.heads) == 1 and not statement.head.binds
@@ -207,7 +208,7 @@ def misplaced_statements(
                     yield Diagnostic("rule-constant", "error", message, place, help=advice)
             case "shown" | "declaration":
                 for name, arity in sorted(
-                    {*map(unsigned, shows(piece.text)), *declared(piece.text)}
+                    {*map(unsigned, shows(piece.text)), *defined(piece.text)}
                 ):
                     if (name, arity) in seal.later:
                         yield _too_early((name, arity), seal, contract, place)
@@ -253,7 +254,7 @@ def _reserved(
 ) -> Iterator[Diagnostic]:
     name, arity = signature
     advice = f"derive a predicate of your own, or `{_written(contract.finding)}`"
-    if signature in contract.extensible:
+    if signature in seal.extensible:
         return
     if signature in seal.derived:
         message = f"`{name}/{arity}` is derived by the built-in rules alone"
@@ -261,8 +262,8 @@ def _reserved(
         message = f"`{name}/{arity}` is given, and nothing derives it"
     elif name.startswith("_"):
         message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
-    elif name in contract.arities:
-        message = f"`{name}` has {contract.arities[name]} arguments, not {arity}"
+    elif name in seal.arities:
+        message = f"`{name}` has {seal.arities[name]} arguments, not {arity}"
         advice = "`docs/writing-rules.md` says what each of them is"
     else:
         return

@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import repeat
+from itertools import chain, repeat
 from typing import TypeAlias
 
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import replaced
+from mars_asp.asp.rules.statements import Signature, replaced
 
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]
@@ -23,7 +24,7 @@ class Rulebook:
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
     `packs` texts and `pack_rules` rules, all of the base, are from elsewhere. `paths` are those of
-    the texts, as they are shown.
+    the texts, as they are shown, and `declared` what each of them declares of predicates.
     """
 
     rules: tuple[Rule, ...]
@@ -31,6 +32,7 @@ class Rulebook:
     packs: int = 0
     pack_rules: int = 0
     paths: tuple[str, ...] = ()
+    declared: tuple[tuple[Declaration, ...], ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -59,7 +61,21 @@ class Rulebook:
         if not self.packs:
             return self
         rules = self.rules[: len(self.rules) - self.pack_rules]
-        return Rulebook(rules, self.texts[: -self.packs], paths=self.paths[: -self.packs])
+        texts, paths = self.texts[: -self.packs], self.paths[: -self.packs]
+        return Rulebook(rules, texts, paths=paths, declared=self.declared[: len(texts)])
+
+    @cached_property
+    def declarations(self) -> Mapping[Signature, Declaration]:
+        """Return what is declared of predicates; packs say nothing of those that are not theirs."""
+        found: dict[Signature, Declaration] = {}
+        for each in chain.from_iterable(self.declared):
+            found.setdefault(each.signature, each)
+        return found
+
+    def declared_in(self, stage: str) -> tuple[Declaration, ...]:
+        """Return what the texts of one stage declare of predicates."""
+        found = zip(self.texts, self.declared, strict=False)
+        return tuple(each for (at, _), declared in found if at == stage for each in declared)
 
     @cached_property
     def asked(self) -> tuple[Asked, ...]:

@@ -412,8 +412,8 @@ def _says(piece: str, node: ast.AST) -> bool:
     return len(found) == 2 and found[1] == node
 
 
-def declared(text: str) -> set[Signature]:
-    """Return the predicates that a text declares as given, by `#defined`, without signs."""
+def defined(text: str) -> set[Signature]:
+    """Return the predicates that a text says are given, by `#defined`, without signs."""
     if "#defined" not in text:
         return set()
     return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}

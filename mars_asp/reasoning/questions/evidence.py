@@ -13,12 +13,13 @@ import clingo
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
+from mars_asp.asp.rules.statements import Signature, Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.reasoning.facts.index import KEYS, Lookup
+from mars_asp.reasoning.facts.index import Lookup
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
 
@@ -57,7 +58,9 @@ def slice_for(
     asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
-    demand = _demand(subject, name, _statements(rule for rule, _ in possible))
+    demand = _demand(
+        subject, name, _statements(rule for rule, _ in possible), vocabulary(rulebook).keys
+    )
     if demand is None:
         facts = tuple(facts_of(_read(possible, name)))
         text = None
@@ -70,7 +73,9 @@ def slice_for(
     sliced = tuple(rule for rule, _ in behind)
     if text is None:
         text = "\n".join(rule.text for rule in sliced)
-    return Slice(Rulebook(sliced, (("base", text),)), needed)
+    return Slice(
+        Rulebook(sliced, (("base", text),), declared=(rulebook.declared_in("base"),)), needed
+    )
 
 
 def slice_for_resolution(
@@ -104,7 +109,8 @@ def slice_for_resolution(
         ("resolve", rulebook.text("resolve")),
     )
     facts = tuple(facts_of({name for name, _ in read}))
-    return Slice(Rulebook((*rules, *resolving), texts), facts)
+    declared = (rulebook.declared_in("base"),)
+    return Slice(Rulebook((*rules, *resolving), texts, declared=declared), facts)
 
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
@@ -146,7 +152,12 @@ def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
     return not any(statement.head.is_negated for statement in every)
 
 
-def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | None:
+def _demand(
+    subject: str,
+    name: str,
+    rules: Sequence[Statement],
+    keys: Mapping[Signature, Sequence[int]],
+) -> Demand | None:
     """Return how to find out which instances a question needs, if that can be told."""
     symbol = _term(subject)
     if name == "consequence" and (symbol is None or symbol.name != name):
@@ -155,13 +166,13 @@ def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | Non
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
-        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, KEYS)
+        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, keys)
     if symbol is None or not symbol.arguments:
         return None
     sign = "" if symbol.positive else "-"
     count = len(symbol.arguments)
     asked = Asked(f"{sign}{symbol.name}", count, tuple(range(count)))
-    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], KEYS)
+    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], keys)
 
 
 def _needed(

@@ -19,6 +19,7 @@ from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse, read_consequences
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
@@ -84,7 +85,7 @@ def _explain_slice(reasoner: Reasoner, subject: str, every: bool) -> Explanation
             subject,
             rulebook,
             lambda names: project_facts(project, wanted=names),
-            lambda names: project_lookup(project, names),
+            lambda names: project_lookup(project, names, vocabulary(rulebook)),
         )
         answer = None if part is None else _explain_part(project, part, subject, every)
         if answer is not None and answer.topics:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import constants_of, declared
+from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.term_ids import as_term
@@ -178,7 +178,7 @@ class _Vocabulary:
             self._constants |= found.names
             self._strings |= found.strings
         for _, text in rulebook.texts:
-            self._predicates |= declared(text)
+            self._predicates |= defined(text)
         for fact in facts:
             symbol = symbol_of(fact.atom)
             self._predicates.add((symbol.name, len(symbol.arguments)))

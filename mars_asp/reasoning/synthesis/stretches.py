@@ -14,7 +14,7 @@ from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_term, atoms
 from mars_asp.model.declarations import Relationship, ends_of
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 #: A stretch has at least this share of all relationships, for each takes time of its own.
 _MOST = 16
@@ -54,7 +54,10 @@ class Stretches:
 
 
 def stretches(
-    relationships: Sequence[Relationship], facts: Iterable[Fact], grounding: Grounding
+    relationships: Sequence[Relationship],
+    facts: Iterable[Fact],
+    grounding: Grounding,
+    vocabulary: Vocabulary,
 ) -> Stretches:
     """Cut relationships into stretches; one alone has them all where no cut can be made.
 
@@ -63,7 +66,7 @@ def stretches(
     parts: DisjointSets[int | str] = DisjointSets()
     for fact in facts:
         told = fact.atom.arguments
-        connected = CONNECTED.get((fact.atom.name, len(told)), ())
+        connected = vocabulary.connected.get((fact.atom.name, len(told)), ())
         if len(connected) > 1:
             parts.join([value for at in connected if not isinstance(value := told[at], Atom)])
     roots = [parts.find(ends_of(each)[0]) for each in relationships]

@@ -14,7 +14,7 @@ from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import Configuration, Module, node_kind
 from mars_asp.reasoning.analysis import Analysis
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.synthesis import (
     NODE_PREDICATES,
     Draft,
@@ -115,13 +115,15 @@ def introduced_with(
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
     kind, resolving = node_kind(name), rulebook.text("resolve")
-    apart = None if rulebook.packs else kept_apart(rulebook.text("base"), resolving, CONNECTED)
+    given = vocabulary(rulebook)
+    joined = None if rulebook.packs else given.connected
+    apart = None if joined is None else kept_apart(rulebook.text("base"), resolving, joined)
     if kind is None or apart is None or is_unresolvable(analysis):
         return None
     deadline = None if seconds is None else time.monotonic() + seconds
     predicate = NODE_PREDICATES[kind]
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding)
+    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding, given)
     draft = Draft(configuration, modules)
     known: dict[Component, Optimum] = {}
     last = len(cut.relationships) - 1

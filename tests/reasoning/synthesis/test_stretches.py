@@ -10,7 +10,7 @@ from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.language import parse_text
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
@@ -24,7 +24,7 @@ RULEBOOK = load_rulebook()
 
 def test_the_rules_keep_parts_apart() -> None:
     resolution = RULEBOOK.text("resolve")
-    apart = kept_apart(RULEBOOK.text("base"), resolution, CONNECTED)
+    apart = kept_apart(RULEBOOK.text("base"), resolution, vocabulary(RULEBOOK).connected)
     assert apart is not None
     assert apart.whole.text == resolution
     portions = [portion.derived for portion in apart.deciding]
@@ -98,7 +98,7 @@ def test_stretches_hold_whole_parts() -> None:
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
     facts = project_facts(project)
-    cut = stretches(project.configuration.relationships, facts, Grounding(()))
+    cut = stretches(project.configuration.relationships, facts, Grounding(()), vocabulary(RULEBOOK))
     assert [len(each) for each in cut.relationships] == [3, 1]
 
 
