@@ -27,7 +27,7 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate statements checks computed symbols arithmetic rule outline metadata read rulebook "
-        "consistency risks"
+        "consistency risks names"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (

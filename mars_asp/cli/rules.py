@@ -8,6 +8,7 @@ from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.metadata import file_name
+from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
@@ -90,7 +91,7 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     wrong = [each for each in tried.values() if each.severity == "error"]
     if wrong:
         raise MarsError(wrong)
-    return (*risks(rulebook.rules), *tried.values())
+    return (*risks(rulebook.rules), *shared_names(rulebook), *tried.values())
 
 
 def shown(rulebook: Rulebook, name: str) -> str:
