@@ -27,7 +27,7 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate statements checks computed symbols arithmetic rule outline declarations "
-        "metadata read rulebook consistency risks sorts"
+        "metadata read rulebook consistency risks names sorts"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (

@@ -10,7 +10,7 @@ import pytest
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
-from mars_asp.cli.rules import shown, shown_json
+from mars_asp.cli.rules import lint, shown, shown_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -189,3 +189,32 @@ def test_what_a_pack_says_reaches_no_terminal_as_it_is(
     assert "\x1b" not in told
     assert "\\x1b[31m" in told
     assert ("q(\t1)." in told) == (words in (["show", "e/x"], ["doc"]))
+
+
+LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))
+
+
+@pytest.mark.parametrize("path", LINTED, ids=lambda path: path.stem)
+def test_what_lint_tells_an_analysis_does_not(
+    path: Path,
+    update_golden: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is said of each pack in `tests/lint` stands beside it."""
+    monkeypatch.chdir(ROOT)
+    pack = str(path.relative_to(ROOT))
+    assert run_here(["rules", "lint", pack]) == 0
+    told = capsys.readouterr().err
+    if update_golden:
+        path.with_suffix(".txt").write_text(told, encoding="utf-8")
+    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+    robot = "tests/packs/robot.mars"
+    status = run_here(["analyse", robot])
+    said = capsys.readouterr()
+    assert run_here(["analyse", robot, "--rules", pack]) == status
+    assert capsys.readouterr() == said
+
+
+def test_no_name_of_a_built_in_rule_means_two_things() -> None:
+    assert lint([]) == ()

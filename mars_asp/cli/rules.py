@@ -9,6 +9,7 @@ from pathlib import Path
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
+from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
@@ -93,11 +94,11 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     wrong = [each for each in tried.values() if each.severity == "error"]
     if wrong:
         raise MarsError(wrong)
-    sorts = wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced)
     large = unbounded(rulebook.declarations.values())
     return (
-        *sorts,
+        *wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced),
         *risks(rulebook.rules, large),
+        *shared_names(rulebook),
         *tried.values(),
     )
 

@@ -102,7 +102,7 @@ TOGETHER = (
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
     "hears(R, B, inherited(M))",
-    "voice(M, I, L, V)",
+    "heard_as(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
     "says(C, S, D, F, R)",
     "edit(Kind, M, cycle, drop(R), 3) :- about(mount, W, Kind, M)",

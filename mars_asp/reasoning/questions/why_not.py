@@ -36,7 +36,7 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
     "data_splitter": lambda name: clingo.Function("splitter", [name, hole()]),
     "data_transformer": lambda name: clingo.Function("transformer", [name, hole()]),
     "arbitration_node": lambda name: clingo.Function(
-        "full", [name, clingo.Function("run", [hole()])]
+        "receives", [name, clingo.Function("run", [hole()])]
     ),
     "control_splitter": lambda name: clingo.Function(
         "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]

@@ -33,7 +33,7 @@ class ControlLines:
         self._draft = draft
         self._splitters = {signal for (signal,) in draft.rows("control_splitter", 1)}
         self._arbiters = {Function("run", [run]): run for (run,) in draft.rows("arbiter", 1)}
-        self._full = {module: signal for module, signal in draft.rows("full", 2)}
+        self._full = {module: signal for module, signal in draft.rows("receives", 2)}
         self._into: dict[Symbol, list[_Feed]] = {}
         self._out_of: dict[Signal, list[_Feed]] = {}
         self._providers: dict[Symbol, list[Symbol]] = {}
