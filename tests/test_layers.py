@@ -23,7 +23,7 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments solve rules messages cases slice trace program",
+    "asp": "cache fragments signature solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate statements checks computed symbols arithmetic rule outline declarations "

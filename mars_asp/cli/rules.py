@@ -15,7 +15,7 @@ from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.sorts import wrong_sorts
-from mars_asp.asp.rules.statements import Signature
+from mars_asp.asp.signature import Signature
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
@@ -137,7 +137,7 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
         "stage": stage,
         "title": outline.title,
         "purpose": outline.purpose,
-        **{name: list(map(_written, predicates)) for name, predicates in _predicates(outline)},
+        **{name: list(map(str, predicates)) for name, predicates in _predicates(outline)},
         "rules": [rule.id for rule in rulebook.rules if rule.span.path == found],
     }
 
@@ -174,10 +174,10 @@ def _named(rulebook: Rulebook, name: str) -> Rule | tuple[Declaration, ...] | st
     if name in files:
         return files[name]
     declared = rulebook.declarations
-    predicates = tuple(each for at, each in declared.items() if name in (at[0], _written(at)))
+    predicates = tuple(each for at, each in declared.items() if name in (at.name, str(at)))
     if predicates:
         return predicates
-    near = _near(name, (*rulebook.by_id, *files, *(name for name, _ in declared)))
+    near = _near(name, (*rulebook.by_id, *files, *(each.name for each in declared)))
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
     where = point("rules", 1, 1)
     message = f"there is no rule or predicate `{name}`"
@@ -218,9 +218,7 @@ def _file_document(path: str, stage: str, outline: Outline) -> str:
     lines = [f"Purpose: {outline.purpose}"] if outline.purpose else []
     for name, predicates in _predicates(outline):
         if predicates:
-            lines.append(
-                f"{name.capitalize()}: {', '.join(f'`{_written(p)}`' for p in predicates)}"
-            )
+            lines.append(f"{name.capitalize()}: {', '.join(f'`{p}`' for p in predicates)}")
     return "\n\n".join(filter(None, [*parts, *lines]))
 
 
@@ -229,11 +227,6 @@ def _predicates(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]
     yield "derives", outline.derives
     yield "decides", outline.decides
     yield "shows", outline.shows
-
-
-def _written(signature: Signature) -> str:
-    name, arity = signature
-    return f"{name}/{arity}"
 
 
 def _safe(text: str) -> str:
@@ -261,7 +254,7 @@ def _predicate_document(declaration: Declaration) -> str:
 
 def _predicate_json(declaration: Declaration) -> dict[str, object]:
     return {
-        "predicate": _written(declaration.signature),
+        "predicate": str(declaration.signature),
         "arguments": [
             {"name": name, "sorts": sorted(sorts), "constants": list(constants)}
             for name, sorts, constants in declaration.arguments

@@ -6,14 +6,15 @@ from mars_asp.asp.messages import Said
 from mars_asp.asp.rules.checks import Contract, placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, Statement, argument_place
+from mars_asp.asp.rules.statements import Statement, argument_place
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.spelling import nearest
 
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 #: What rules find: kind, severity, subject and case.
-CONSEQUENCE: Signature = ("consequence", 4)
+CONSEQUENCE = Signature("consequence", 4)
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:

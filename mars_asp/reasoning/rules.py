@@ -9,7 +9,8 @@ from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, constant_names, defined
+from mars_asp.asp.rules.statements import constant_names, defined
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS

@@ -8,6 +8,7 @@ from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
@@ -20,7 +21,7 @@ from mars_asp.reasoning.facts.compile import (
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
-_VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
+_VIOLATION, _CAUTION = Signature("violation", 2), Signature("caution", 1)
 _STAGE = "verify"
 _CONVERTERS = frozenset({"converts"})
 #: What the predicates that facts of a specification give begin with.
@@ -134,8 +135,8 @@ def _judged(rulebook: Rulebook) -> frozenset[str]:
     """Return the predicates of a configuration of which a specification gives facts, too."""
     base = {each.signature for each in rulebook.declared_in("base")}
     judged = (each.signature for each in rulebook.declared_in("verify"))
-    names = ((name.removeprefix(_OF_SPECIFICATION), arity) for name, arity in judged)
-    return frozenset(name for name, arity in names if (name, arity) in base)
+    given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
+    return frozenset(each.name for each in given if each in base)
 
 
 def specification_facts(

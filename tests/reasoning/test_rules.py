@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.asp.cases import Outcome, find_cases, shown_by
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import run_case, stages_of
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -26,7 +27,7 @@ def test_case(case: Path, rulebook: Rulebook) -> None:
 
 
 #: What makes a consequence visible: what it is, who takes part, and where it points.
-SHOWN = (("consequence", 4), ("participant", 5), ("concerns", 4))
+SHOWN = (Signature("consequence", 4), Signature("participant", 5), Signature("concerns", 4))
 
 
 @pytest.mark.parametrize(
@@ -36,7 +37,7 @@ SHOWN = (("consequence", 4), ("participant", 5), ("concerns", 4))
 )
 def test_a_case_of_the_base_pins_participants_and_places(case: Path) -> None:
     """What a case does not show may be wrong without anybody noticing it."""
-    missing = [f"#show {name}/{n}." for name, n in SHOWN if (name, n) not in shown_by(case)]
+    missing = [f"#show {each}." for each in SHOWN if each not in shown_by(case)]
     assert not missing, f"{case} lacks {' '.join(missing)}"
 
 
@@ -124,11 +125,11 @@ COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "li
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
     """Two files that mean different things by one name would mix them up unnoticed."""
-    files: dict[tuple[str, int], set[str]] = {}
+    files: dict[Signature, set[str]] = {}
     for rule in rulebook.rules:
-        for name, arity in rule.heads:
-            if name not in COMMON:
-                files.setdefault((name, arity), set()).add(rule.span.path)
+        for head in rule.heads:
+            if head.name not in COMMON:
+                files.setdefault(head, set()).add(rule.span.path)
     assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}
 
 

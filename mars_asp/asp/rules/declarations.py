@@ -17,7 +17,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
-from mars_asp.asp.rules.statements import Piece, Signature
+from mars_asp.asp.rules.statements import Piece
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
@@ -62,7 +63,8 @@ class Declaration:
     @property
     def signature(self) -> Signature:
         """Return the predicate."""
-        return self.name, len(self.arguments)
+        positive = not self.name.startswith("-")
+        return Signature(self.name.removeprefix("-"), len(self.arguments), positive)
 
     @property
     def written(self) -> str:
@@ -91,8 +93,7 @@ def declarations(
             continue
         earlier = first.setdefault(found.signature, place)
         if earlier is not place:
-            name, arity = found.signature
-            message = f"`{name}/{arity}` is documented twice"
+            message = f"`{found.signature}` is documented twice"
             labels = ((earlier, "first documented here"),)
             problems.append(_problem(message, place, "leave out one of them", labels))
             continue

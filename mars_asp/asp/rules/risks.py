@@ -4,14 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import (
-    Operand,
-    Operation,
-    Signature,
-    Statement,
-    operands,
-    statements_of,
-)
+from mars_asp.asp.rules.statements import Operand, Operation, Statement, operands, statements_of
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic
 
 

@@ -12,7 +12,8 @@ from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import Signature, replaced
+from mars_asp.asp.rules.statements import replaced
+from mars_asp.asp.signature import Signature
 
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]

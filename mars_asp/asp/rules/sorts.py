@@ -10,14 +10,8 @@ from typing import NamedTuple, TypeAlias
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import (
-    Literal,
-    Scope,
-    Signature,
-    Statement,
-    statements_of,
-    unsigned,
-)
+from mars_asp.asp.rules.statements import Literal, Scope, Statement, statements_of
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.spelling import nearest
 
@@ -69,9 +63,9 @@ def _inferred(
     open_places: dict[Signature, list[int]] = {}
     for statement in rules:
         for head in statement.heads:
-            signature = unsigned(head.literal.signature)
+            signature = head.literal.signature.unsigned
             if signature not in open_places:
-                sorts = known.setdefault(signature, [None] * signature[1])
+                sorts = known.setdefault(signature, [None] * signature.arity)
                 open_places[signature] = [at for at, each in enumerate(sorts) if each is None]
                 for at in open_places[signature]:
                     sorts[at] = frozenset()
@@ -80,7 +74,7 @@ def _inferred(
         changed = False
         for statement in rules:
             for head in statement.heads:
-                signature = unsigned(head.literal.signature)
+                signature = head.literal.signature.unsigned
                 scope = (*statement.body.positive, *head.condition.positive)
                 for at in open_places[signature]:
                     before = known[signature][at]
@@ -95,7 +89,7 @@ def _inferred(
 def _uses(variable: str, literals: Iterable[Literal], known: _Known) -> Iterator[_Use]:
     """Yield where a variable stands in literals as an argument that has sorts."""
     for literal in literals:
-        sorts = known.get(unsigned(literal.signature), ())
+        sorts = known.get(literal.signature.unsigned, ())
         for term, each in zip(literal.terms, sorts, strict=False):
             if term.is_variable and term.text == variable and each is not None:
                 yield _Use(literal, each)
@@ -130,8 +124,7 @@ def _contradictions(statement: Statement, known: _Known, span: Span) -> Iterator
 
 
 def _in_words(use: _Use) -> str:
-    name, arity = unsigned(use.literal.signature)
-    return f"{' or '.join(sorted(use.sorts))} in `{name}/{arity}`"
+    return f"{' or '.join(sorted(use.sorts))} in `{use.literal.signature.unsigned}`"
 
 
 def _unknown_constants(
@@ -142,18 +135,17 @@ def _unknown_constants(
 ) -> Iterator[Diagnostic]:
     """Yield the constants in arguments that are declared to be one of some others."""
     for literal in statement.literals:
-        declaration = declared.get(unsigned(literal.signature))
-        for term, argument in zip(
-            literal.terms, () if declaration is None else declaration.arguments, strict=False
-        ):
+        declaration = declared.get(literal.signature.unsigned)
+        if declaration is None:
+            continue
+        for term, argument in zip(literal.terms, declaration.arguments, strict=True):
             written = term.constant
             if not argument.constants or written is None:
                 continue
             if written not in argument.constants and written not in replaced:
-                name, arity = unsigned(literal.signature)
                 near = nearest(written, argument.constants)
                 known = ", ".join(argument.constants)
-                message = f"`{argument.name}` of `{name}/{arity}` is never `{written}`"
+                message = f"`{argument.name}` of `{declaration.signature}` is never `{written}`"
                 advice = f"did you mean `{near}`?" if near else f"one of {known}"
                 place = placed(span, literal.place)
                 yield Diagnostic("rule-sort", "warning", message, place, help=advice)

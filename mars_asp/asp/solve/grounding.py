@@ -12,6 +12,7 @@ from typing import NamedTuple
 import clingo
 
 from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.components import Component, partition
 from mars_asp.asp.solve.observer import Recorded, record
 from mars_asp.asp.solve.optimum import (
@@ -23,7 +24,7 @@ from mars_asp.asp.solve.optimum import (
     least_with,
     optimise,
 )
-from mars_asp.asp.solve.term_ids import Labelled, Signature, Term, as_symbol, labelled, state
+from mars_asp.asp.solve.term_ids import Labelled, Term, as_symbol, labelled, state
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 # What is least is found component by component; the whole is never minimised.
@@ -69,10 +70,10 @@ class Answer:
                 for signature, atoms in self.grounding.open_predicates()
             }
 
-    def count(self, predicate: tuple[str, int]) -> int:
+    def count(self, predicate: Signature) -> int:
         """Return how many atoms of a predicate are true that costs something."""
         true = self.grounding.facts.union(self.decided)
-        found = labelled(self.grounding.control, *predicate, True)
+        found = labelled(self.grounding.control, *predicate)
         return sum(is_fact or literal in true for _, literal, is_fact in found)
 
     @cached_property
@@ -343,7 +344,7 @@ class Grounding:
     def _resolved(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
-                yield signature, labelled(self.control, *signature)
+                yield Signature(*signature), labelled(self.control, *signature)
 
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None

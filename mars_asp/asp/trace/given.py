@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Set
 from types import MappingProxyType
 
 from mars_asp.asp.rules.declarations import Declaration
-from mars_asp.asp.rules.statements import Signature
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace.tree import Given
@@ -42,5 +42,5 @@ class GivenFacts:
         span = self._spans[name].get(written)
         if span is None:
             return None
-        declaration = self._declared.get((name, len(term_ids.arguments(atom))))
+        declaration = self._declared.get(Signature(name, len(term_ids.arguments(atom))))
         return Given(written, span, (declaration and declaration.origin) or "stated")

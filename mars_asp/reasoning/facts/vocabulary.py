@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     # Who reads a configuration alone needs no rules.
     from mars_asp.asp.rules.declarations import Declaration
     from mars_asp.asp.rules.rulebook import Rulebook
-    from mars_asp.asp.rules.statements import Signature
+    from mars_asp.asp.signature import Signature
 
 #: Sorts of which each value belongs to one thing in a configuration.
 IDENTIFYING = ("relationship", "annotation", "module")
@@ -31,8 +31,8 @@ class Vocabulary:
         is computed of all things together.
         """
         return {
-            name: places
-            for (name, _), each in self.declarations.items()
+            each.name: places
+            for each in self.declarations.values()
             if each.origin == "stated" and (places := each.places(*IDENTIFYING))
         }
 
@@ -42,7 +42,7 @@ class Vocabulary:
 
         Where all facts of a predicate are made together, any argument finds them.
         """
-        return {(name, n): self.by_thing.get(name, range(n)) for name, n in self.declarations}
+        return {each: self.by_thing.get(each.name, range(each.arity)) for each in self.declarations}
 
     @cached_property
     def connected(self) -> "Mapping[Signature, tuple[int, ...]]":
@@ -51,7 +51,7 @@ class Vocabulary:
         They are modules, relationships and annotations of one part of a configuration.
         """
         return {
-            signature: self.by_thing.get(signature[0], ()) if each.joins else ()
+            signature: self.by_thing.get(signature.name, ()) if each.joins else ()
             for signature, each in self.declarations.items()
         }
 

@@ -19,7 +19,7 @@ import clingo
 from mars_asp.asp.messages import shown
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -231,7 +231,7 @@ def _taken(part: Part) -> set[int]:
 
 def _words(symbol: clingo.Symbol, declared: Mapping[Signature, Declaration]) -> str:
     """Return what is declared of a predicate, with an atom's arguments for its variables."""
-    known = declared.get((symbol.name, len(symbol.arguments)))
+    known = declared.get(signature_of(symbol))
     if known is None:
         return str(symbol)
     names = (argument.name for argument in known.arguments)

@@ -13,8 +13,9 @@ import clingo
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, Statement, has_rules_alone, statements_of
+from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
@@ -53,7 +54,7 @@ def slice_for(
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
-    if not any(name == head for rule in rules for head, _ in rule.heads):
+    if not any(name == head.name for rule in rules for head in rule.heads):
         return None
     asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
     # What could matter says which facts to make, and these which rules can fire at all.
@@ -66,7 +67,7 @@ def slice_for(
         text = None
     else:
         facts, text = _needed(demand, facts_of, lookup_of)
-    derived = {head for _, variants in base for one in variants for head, _ in one.derives}
+    derived = {head.signed for _, variants in base for one in variants for head in one.derives}
     behind = _behind(base, asked, derived | {fact.atom.name for fact in facts})
     names = _read(behind, name)
     needed = tuple(fact for fact in facts if fact.atom.name in names)
@@ -108,7 +109,7 @@ def slice_for_resolution(
         ("base", "\n".join(rule.text for rule in rules)),
         ("resolve", rulebook.text("resolve")),
     )
-    facts = tuple(facts_of({name for name, _ in read}))
+    facts = tuple(facts_of({each.name for each in read}))
     declared = (rulebook.declared_in("base"),)
     return Slice(Rulebook((*rules, *resolving), texts, declared=declared), facts)
 
@@ -166,12 +167,10 @@ def _demand(
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
-        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, keys)
+        return demand_of(rules, Asked(CONSEQUENCE, (0, 2)), values, keys)
     if symbol is None or not symbol.arguments:
         return None
-    sign = "" if symbol.positive else "-"
-    count = len(symbol.arguments)
-    asked = Asked(f"{sign}{symbol.name}", count, tuple(range(count)))
+    asked = Asked(signature_of(symbol), tuple(range(len(symbol.arguments))))
     return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], keys)
 
 
@@ -215,7 +214,7 @@ def _behind(
 
 
 def _read(rules: Iterable[_Outlined], asked: str) -> frozenset[str]:
-    names = (name for _, variants in rules for name, _ in reads(variants))
+    names = (each.signed for _, variants in rules for each in reads(variants))
     return frozenset({asked, *names})
 
 

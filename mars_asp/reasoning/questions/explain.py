@@ -14,6 +14,7 @@ import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_in
+from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.diagnostic import MarsError
@@ -251,7 +252,7 @@ def _asked_atom(
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
         atom = analysis.grounding.control.symbolic_atoms[symbol]
-        if synthesis is None and is_resolved(rulebook, symbol.name, len(symbol.arguments)):
+        if synthesis is None and is_resolved(rulebook, signature_of(symbol)):
             raise _unrealised(subject, project)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol

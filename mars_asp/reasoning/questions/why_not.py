@@ -16,6 +16,7 @@ import clingo
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
@@ -83,13 +84,12 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     vocabulary = _Vocabulary(project, rulebook, reasoner.facts)
     pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
     analysis, synthesis = reasoner.analysis, None
-    signature = ("", 0) if pattern is None else (pattern.name, len(pattern.arguments))
-    choosable = pattern is None or is_resolved(rulebook, *signature)
+    choosable = pattern is None or is_resolved(rulebook, signature_of(pattern))
     if choosable:
         analysis, synthesis = reasoner.resolved
         if synthesis is None:
             explainer = reasoner.resolution_explainer
-            against = sorted(analysis.grounding.symbols(*UNRESOLVABLE))
+            against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
             obstacles = tuple(explainer.why(against).values())
             shown = subject if pattern is None else shown_pattern(pattern)
             return WhyNot(
@@ -181,7 +181,7 @@ class _Vocabulary:
             self._predicates |= defined(text)
         for fact in facts:
             symbol = symbol_of(fact.atom)
-            self._predicates.add((symbol.name, len(symbol.arguments)))
+            self._predicates.add(signature_of(symbol))
             self._note(symbol)
 
     def _note(self, symbol: clingo.Symbol) -> None:
@@ -228,7 +228,7 @@ class _Vocabulary:
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:
-        return any(name == known for known, _ in self._predicates)
+        return any(name == known.name for known in self._predicates)
 
     def _atom(self, subject: str) -> clingo.Symbol:
         found = pattern_in(subject)
@@ -236,9 +236,9 @@ class _Vocabulary:
             raise self._wrong(
                 f"`{subject}` is no atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
             )
-        kind = (found.name, len(found.arguments))
+        kind = signature_of(found).unsigned
         if kind not in self._predicates:
-            raise self._other_arity(*kind)
+            raise self._other_arity(kind)
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
 
     def _known(self, term: clingo.Symbol) -> clingo.Symbol:
@@ -261,8 +261,9 @@ class _Vocabulary:
             raise self._wrong(f"there is no name `{name}`", help_text)
         return clingo.String(name)
 
-    def _other_arity(self, name: str, arity: int) -> MarsError:
-        same = sorted(f"{name}/{n}" for other, n in self._predicates if other == name)
+    def _other_arity(self, signature: Signature) -> MarsError:
+        name, arity, _ = signature
+        same = sorted(str(other) for other in self._predicates if other.name == name)
         if not same:
             return self._unknown_predicate(name)
         return self._wrong(
@@ -275,7 +276,7 @@ class _Vocabulary:
             return self._wrong(
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
-        known = {known for known, _ in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        known = {known.name for known in self._predicates} | self._kinds | set(NODE_NAMES.values())
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:

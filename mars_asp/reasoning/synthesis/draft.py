@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from clingo import Symbol
 
+from mars_asp.asp.signature import Signature
 from mars_asp.model.declarations import (
     NODE_NAMES,
     Configuration,
@@ -18,12 +19,12 @@ from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 
 #: The predicate of `rules/resolve` that has one atom for each node of a kind.
-NODE_PREDICATES: Mapping[NodeKind, tuple[str, int]] = {
-    "data_splitter": ("splitter", 2),
-    "data_transformer": ("transformer", 2),
-    "arbitration_node": ("arbiter", 1),
-    "control_splitter": ("control_splitter", 1),
-    "inheritance_node": ("inheritance_node", 1),
+NODE_PREDICATES: Mapping[NodeKind, Signature] = {
+    "data_splitter": Signature("splitter", 2),
+    "data_transformer": Signature("transformer", 2),
+    "arbitration_node": Signature("arbiter", 1),
+    "control_splitter": Signature("control_splitter", 1),
+    "inheritance_node": Signature("inheritance_node", 1),
 }
 
 

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
@@ -29,7 +30,7 @@ from mars_asp.reasoning.synthesis.stretches import stretches
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
 COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 #: What the rules derive of each relationship that stands against every specification.
-UNRESOLVABLE = ("unresolvable", 1)
+UNRESOLVABLE = Signature("unresolvable", 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,13 +182,15 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
 
 def is_unresolvable(analysis: Analysis) -> bool:
     """Say whether something can never be resolved, so that there is no specification."""
-    return any(True for _ in analysis.grounding.symbols(*UNRESOLVABLE))
+    return any(True for _ in analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
-def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:
+def is_resolved(rulebook: Rulebook, signature: Signature) -> bool:
     """Say whether the rules of the resolution derive a predicate.
 
     Then no atom of it holds where nothing realises the configuration. Some may be derived all the
     same, for what stands against a part does not stop the others.
     """
-    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")
+    return any(
+        signature.unsigned in rule.heads for rule in rulebook.rules if rule.stage == "resolve"
+    )

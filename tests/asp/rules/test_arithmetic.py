@@ -11,6 +11,7 @@ from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
 
@@ -76,7 +77,7 @@ def test_what_fits_is_what_clingo_computes(sign: str) -> None:
 
 
 #: Numbers that a user may state however large.
-STATED = {("priority", 2): (1,), ("hold", 2): (1,)}
+STATED = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ joins: nothing
     )
     assert found.words == "M weighs W, which says what it is worth: nothing."
     assert (found.origin, found.extensible, found.joins) == ("computed", True, False)
-    assert found.signature == ("weighs", 3)
+    assert str(found.signature) == "weighs/3"
     assert found.written == "weighs(M: module | part, W: grams, K: {net, gross})"
     assert found.places("part") == (0,)
     assert found.places("grams", "part") == (0, 1)
@@ -42,17 +42,17 @@ joins: nothing
 @pytest.mark.parametrize(
     ("header", "signature"),
     [
-        ("it", ("it", 0)),
-        ("p(X)", ("p", 1)),
-        ("-p(X)", ("-p", 1)),
-        ("p(A, (B, C), f(D, E), A')", ("p", 4)),
-        ("  p( _X )  ", ("p", 1)),
+        ("it", "it/0"),
+        ("p(X)", "p/1"),
+        ("-p(X)", "-p/1"),
+        ("p(A, (B, C), f(D, E), A')", "p/4"),
+        ("  p( _X )  ", "p/1"),
     ],
 )
-def test_words_and_arguments_are_enough(header: str, signature: tuple[str, int]) -> None:
+def test_words_and_arguments_are_enough(header: str, signature: str) -> None:
     (found,), problems = read(f"%*! {header}\nWords.\n*%\n")
     assert not problems
-    assert found.signature == signature
+    assert str(found.signature) == signature
     assert (found.origin, found.extensible, found.joins) == (None, False, True)
 
 

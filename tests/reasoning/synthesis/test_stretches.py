@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.text import trace_json
@@ -20,6 +21,7 @@ from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()
+SPLITTER, ARBITER = Signature("splitter", 2), Signature("arbiter", 1)
 
 
 def test_the_rules_keep_parts_apart() -> None:
@@ -28,11 +30,11 @@ def test_the_rules_keep_parts_apart() -> None:
     assert apart is not None
     assert apart.whole.text == resolution
     portions = [portion.derived for portion in apart.deciding]
-    assert [("splitter", 2) in derived for derived in portions].count(True) == 1
-    assert [("arbiter", 1) in derived for derived in portions].count(True) == 1
-    assert not any({("splitter", 2), ("arbiter", 1)} <= derived for derived in portions)
+    assert [SPLITTER in derived for derived in portions].count(True) == 1
+    assert [ARBITER in derived for derived in portions].count(True) == 1
+    assert not any({SPLITTER, ARBITER} <= derived for derived in portions)
     # What decides nothing is left out where nodes are only counted.
-    assert not any(("resolves", 3) in derived for derived in portions)
+    assert not any(Signature("resolves", 3) in derived for derived in portions)
 
 
 # ---- Random configurations -----------------------------------------------------------------------
