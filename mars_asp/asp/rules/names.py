@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, defined, pieces, unsigned
+from mars_asp.asp.rules.statements import defined, pieces
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, Span, by_place, point
 
 
@@ -16,7 +17,7 @@ def shared_names(rulebook: Rulebook) -> tuple[Diagnostic, ...]:
     """
     first: dict[str, dict[int, Span]] = {}
     for path, (_, text) in zip(rulebook.paths, rulebook.texts, strict=True):
-        for (name, arity), span in (
+        for (name, arity, _), span in (
             *_declarations(path, text),
             *(each for rule in rulebook.rules if rule.span.path == path for each in _named(rule)),
         ):
@@ -48,7 +49,7 @@ def _declarations(path: str, text: str) -> Iterator[tuple[Signature, Span]]:
 def _named(rule: Rule) -> Iterator[tuple[Signature, Span]]:
     """Yield the predicates that a rule names, with their places."""
     literals = {
-        (literal.place, unsigned(literal.signature))
+        (literal.place, literal.signature.unsigned)
         for statement in rule.statements
         for literal in statement.literals
     }
