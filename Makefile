@@ -15,6 +15,8 @@ demo: $(VENV)/installed
 	@$(BIN)/mars-asp explain examples/level0/config.mars
 
 test: $(VENV)/installed-dev
+	@echo "== making tables of the grammar and our rules"
+	@$(BIN)/python hatch_build.py
 	@echo "== ruff"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
