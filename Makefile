@@ -2,14 +2,21 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+LOCK := requirements-dev.txt
+# The newest Python for which all that the tests need has wheels, as far as this machine has it.
+NEWEST ?= $(firstword $(wildcard $(foreach version,14 13 12,/usr/bin/python3.$(version) \
+	/usr/local/bin/python3.$(version) $(HOME)/.pyenv/versions/3.$(version).*/bin/python)))
 
-.PHONY: demo test clean
+.PHONY: demo test test-newest lock clean
 
 demo: $(VENV)/installed
 	@echo "== explaining the paper's Level 0 robot (figure 18)"
 	@$(BIN)/mars-asp explain examples/level0/config.mars
 
 test: $(VENV)/installed-dev
+	@echo "== making tables of the grammar and our rules"
+	@$(BIN)/python hatch_build.py
 	@echo "== ruff"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
@@ -18,8 +25,25 @@ test: $(VENV)/installed-dev
 	@echo "== pytest"
 	@$(BIN)/python -m pytest
 
+# The tests again, with the newest Python; those of `TESTS` alone where it is given.
+test-newest:
+ifeq ($(NEWEST),)
+	@echo "== no Python newer than 3.11 here; name one with NEWEST=..."
+else
+	@$(MAKE) --no-print-directory VENV=.venv-newest PYTHON=$(NEWEST) .venv-newest/installed-dev
+	@echo "== pytest with $$(.venv-newest/bin/python --version)"
+	@.venv-newest/bin/python -m pytest $(TESTS)
+endif
+
+# Write the newest versions, for all systems and from Python 3.11 on; commit what changed.
+lock: $(VENV)/bin/python
+	@$(PIP) install --quiet --upgrade "pip>=25.1"
+	@$(PIP) install --quiet --group lock
+	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+		--no-header --no-annotate --group dev --all-extras pyproject.toml --output-file $(LOCK)
+
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) .venv-newest
 
 $(VENV)/bin/python:
 	@echo "== making a virtual environment in $(VENV)"
@@ -27,10 +51,11 @@ $(VENV)/bin/python:
 
 $(VENV)/installed: $(VENV)/bin/python pyproject.toml
 	@echo "== installing mars-asp and what it needs (once)"
-	@$(BIN)/python -m pip install --disable-pip-version-check --progress-bar on -e .
+	@$(PIP) install --progress-bar on -e .
 	@touch $@
 
-$(VENV)/installed-dev: $(VENV)/bin/python pyproject.toml
-	@echo "== installing mars-asp, what it needs and the checkers (once)"
-	@$(BIN)/python -m pip install --disable-pip-version-check --progress-bar on -e ".[dev]"
+$(VENV)/installed-dev: $(VENV)/bin/python pyproject.toml $(LOCK)
+	@echo "== installing mars-asp, what it needs and the checkers, as they are locked (once)"
+	@$(PIP) install --progress-bar on --require-hashes -r $(LOCK)
+	@$(PIP) install --no-deps --no-build-isolation -e .
 	@touch $@ $(VENV)/installed

@@ -1,6 +1,8 @@
 """Whole processes: start-up and one explanation, as a ratio to a bare Python that imports clingo.
 
-python benchmarks/startup.py
+python benchmarks/startup.py [PYTHON]
+
+PYTHON is that of an installation to measure instead of this one.
 """
 
 import statistics
@@ -22,15 +24,17 @@ def seconds(*command: str) -> float:
 
 
 def main() -> None:
-    floor = seconds(sys.executable, "-c", "import clingo")
+    python = sys.argv[1] if len(sys.argv) > 1 else sys.executable
+    floor = seconds(python, "-c", "import clingo")
     print(f"bare Python that imports clingo: {floor:.3f} s")
     for words in (
         ("--version",),
+        ("check", "examples/level0/config.mars"),
         ("analyse", "examples/level0/config.mars"),
         ("synthesise", "examples/level0/config.mars"),
         ("explain", "examples/level0/config.mars"),
     ):
-        taken = seconds(sys.executable, "-m", "mars_asp", *words)
+        taken = seconds(python, "-P", "-m", "mars_asp", *words)  # -P: not from this folder
         print(f"mars-asp {' '.join(words)}: {taken:.3f} s, {taken / floor:.1f} times the floor")
 
 

@@ -1,6 +1,6 @@
 """Options of the test suite."""
 
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -28,9 +28,9 @@ def fuzz(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture
-def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return an empty folder in which values are kept between commands."""
-    monkeypatch.setattr(sys, "dont_write_bytecode", False)
-    monkeypatch.setattr(cache, "_place", lambda name: tmp_path / name)
-    monkeypatch.setattr(cache, "_here", {})
-    return tmp_path
+def tables(tmp_path: Path) -> Iterator[Path]:
+    """Return an empty folder of tables, in the place of those of the build."""
+    folder = cache.FOLDER
+    cache.forget(tmp_path)
+    yield tmp_path
+    cache.forget(folder)

@@ -1,4 +1,4 @@
-"""The wheel brings its rules along and works where there is no checkout."""
+"""The wheel brings rules and tables along, and works where there is no checkout."""
 
 import os
 import shutil
@@ -7,24 +7,77 @@ import sys
 import zipfile
 from pathlib import Path
 
+import pytest
+
 from tests.support.documents import ROOT
 
+#: Does what a command does with a robot and our rules, where nothing of that can be made.
+UNMADE = """
+from pathlib import Path
+from mars_asp.language import parse
+from mars_asp.reasoning import rules
+from mars_asp.asp.rules import statements
+parse._tables = rules._read = rules._named = statements._statements = None
+parse.parse_file(Path("config.mars"))
+texts = [rule.text for rule in rules.load_rulebook(stages=rules.STAGES).rules]
+rules.seal()
+statements.statements_of(texts)
+"""
 
-def test_the_wheel_works_outside_the_checkout(tmp_path: Path) -> None:
-    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with what the wheel installs, and a robot beside it."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
     subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    site = tmp_path / "site"
-    zipfile.ZipFile(wheel).extractall(site)
-    shutil.copy(ROOT / "examples" / "level0" / "config.mars", tmp_path)
+    (wheel,) = folder.glob("*.whl")
+    zipfile.ZipFile(wheel).extractall(folder / "site")
+    shutil.copy(ROOT / "examples" / "level0" / "config.mars", folder)
+    return folder / "site"
+
+
+def python(site: Path, *words: str) -> str:
+    """Return what Python prints where only the wheel is installed."""
     done = subprocess.run(
-        [sys.executable, "-m", "mars_asp", "synthesise", "config.mars"],
-        cwd=tmp_path,
+        [sys.executable, *words],
+        cwd=site.parent,
         env={**os.environ, "PYTHONPATH": str(site), "PYTHONSAFEPATH": "1"},
         check=True,
         capture_output=True,
         text=True,
     )
-    assert done.stdout == (ROOT / "tests" / "specifications" / "level0.mars").read_text()
+    return done.stdout
+
+
+def test_the_wheel_works_outside_the_checkout(site: Path) -> None:
+    printed = python(site, "-m", "mars_asp", "synthesise", "config.mars")
+    assert printed == (ROOT / "tests" / "specifications" / "level0.mars").read_text()
     for carried in ("rules/vocabulary.lp", "py.typed", "execution/recording/replay.html"):
         assert (site / "mars_asp" / carried).is_file()
+
+
+def test_what_the_build_has_made_is_not_made_again(site: Path) -> None:
+    python(site, "-c", UNMADE)
+
+
+def test_a_damaged_table_changes_nothing(site: Path) -> None:
+    words = ("-m", "mars_asp", "explain", "config.mars")
+    whole = python(site, *words)
+    tables = sorted((site / "mars_asp" / "__tables__").iterdir())
+    held = [table.read_bytes() for table in tables]
+    assert {table.name for table in tables} >= {"grammar", "rules", "firings", "outlines"}
+    for number, (table, content) in enumerate(zip(tables, held, strict=True)):
+        torn = bytearray(content)
+        torn[(len(torn) * (number + 1)) // (len(tables) + 1)] ^= 4
+        table.write_bytes(torn)
+    assert python(site, *words) == whole
+    for table, content in zip(tables, held, strict=True):
+        table.write_bytes(content)
+
+
+def test_nothing_is_written_when_it_runs(site: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in (site / "mars_asp").rglob("*")}
+    python(site, "-B", "-m", "mars_asp", "explain", "config.mars")
+    python(site, "-B", "-m", "mars_asp", "check", "config.mars")
+    assert {path: path.stat().st_mtime_ns for path in (site / "mars_asp").rglob("*")} == before

@@ -1,88 +1,181 @@
-"""Values that are dear to make, kept with Python's own compiled files.
+"""Values that are dear to make, made of what is known when the package is built.
 
-What is kept is trusted like those files. It is made anew for another version of its maker. Where
-Python keeps none of its own it is kept for this process alone. Before it stands a checksum: a file
-that was damaged holds nothing, for a value that was read wrongly would be a wrong answer.
+`hatch_build.py` has `written` what a build makes, by the names of tables; nothing is written when
+the program runs. A table counts while the files of its maker are those that made it and a checksum
+holds. What no table holds is made, and kept for the process.
+
+A table's file is a checksum and, in the form of `marshal`, the digest of its maker's files, the
+names of classes, and pairs of keys and values; a value is packed by itself, for most commands ask
+for few.
 """
 
-import contextlib
-import importlib.util
-import os
-import pickle
-import sys
-import zlib
-from collections.abc import Callable, Hashable, Iterable
+import marshal
+from collections.abc import Callable, Hashable, Iterable, Iterator, Set
+from functools import cache
+from hashlib import sha256
+from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mars_asp import __version__
-
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
-#: Where more values are kept than this, those that the last command did not ask for go.
+#: Where the tables are.
+FOLDER = Path(__file__).parents[1] / "__tables__"
+#: Where more values of one name were made than this, they are forgotten.
 _MOST = 5000
-#: How many bytes of a file are its checksum.
-_CHECKSUM = 4
-#: What is kept for this process alone: versions and values by their names.
-_here: dict[str, tuple[str, object]] = {}
-
-
-def version_of(files: Iterable[Path]) -> str:
-    """Return what changes with any of the files that a value is made from or by."""
-    stats = ((path, path.stat()) for path in files)
-    told = [f"{path}:{found.st_mtime_ns}:{found.st_size}" for path, found in stats]
-    return "\0".join([__version__, sys.version, *told])
-
-
-def recall(name: str, version: str) -> Any:
-    """Return what was kept under a name; `None` where that is nothing, or of another version."""
-    if _here.get(name, ("",))[0] == version:
-        return _here[name][1]
-    try:
-        held = _place(name).read_bytes()
-        checksum, pickled = held[:_CHECKSUM], held[_CHECKSUM:]
-        if _checksum(pickled) != checksum:
-            return None
-        written, value = pickle.loads(pickled)
-    except Exception:  # whatever is wrong with the file, it holds nothing
-        return None
-    return value if written == version else None
-
-
-def keep(name: str, version: str, value: object) -> None:
-    """Keep a value under a name, whole or not at all."""
-    if sys.dont_write_bytecode:
-        _here[name] = version, value
-        return
-    place = _place(name)
-    part = place.with_name(f"{place.name}.{os.getpid()}")
-    with contextlib.suppress(OSError):
-        pickled = pickle.dumps((version, value))
-        part.write_bytes(_checksum(pickled) + pickled)
-        part.replace(place)
+#: Every Python reads it.
+_VERSION = 2
+_CHECKSUM = sha256().digest_size
+#: The values that this process knows, and the files of their makers, by the names of tables.
+_known: dict[str, dict[Any, Any]] = {}
+_makers: dict[str, tuple[Path, ...]] = {}
 
 
 def made_of(
     name: str, files: Iterable[Path], keys: Iterable[_Key], make: Callable[[_Key], _Value]
 ) -> dict[_Key, _Value]:
-    """Return what is made of each key, in their order, kept from one command to the next.
-
-    `files` are those of the maker: what is kept under `name` is made anew when one changes.
-    """
-    version = version_of(files)
-    known: dict[_Key, _Value] = recall(name, version) or {}
-    used: dict[_Key, _Value] = {}
+    """Return what is made of each key, in their order; `files` are those of the maker."""
+    makers = _makers.setdefault(name, tuple(files))
+    known = _known.setdefault(name, {})
+    if len(known) > _MOST:
+        known.clear()
+    held = _held(name, makers)
+    found: dict[_Key, _Value] = {}
     for key in keys:
-        used[key] = known[key] if key in known else make(key)
-    if not used.keys() <= known.keys():
-        keep(name, version, {**known, **used} if len(known) < _MOST else used)
-    return used
+        if key not in known:
+            known[key] = held.value(key) if key in held.packed else make(key)
+        found[key] = known[key]
+    return found
 
 
-def _checksum(content: bytes) -> bytes:
-    return zlib.crc32(content).to_bytes(_CHECKSUM, "big")
+class _Table:
+    """What a table holds, packed, by its keys."""
+
+    def __init__(self, packed: dict[Any, bytes], classes: tuple[str, ...]) -> None:
+        self.packed, self._classes = packed, classes
+
+    def value(self, key: object) -> Any:
+        return _unpacked(marshal.loads(self.packed[key]), self._classes)
 
 
-def _place(name: str) -> Path:
-    compiled = Path(importlib.util.cache_from_source(__file__))
-    return compiled.with_name(f"{name}.{sys.implementation.cache_tag}.kept")
+@cache
+def _held(name: str, files: tuple[Path, ...]) -> _Table:
+    """Return a table; an empty one where its file is not there, not whole, or of other makers."""
+    try:
+        content = (FOLDER / name).read_bytes()
+        if sha256(content[_CHECKSUM:]).digest() != content[:_CHECKSUM]:
+            return _Table({}, ())
+        maker, classes, pairs = marshal.loads(content[_CHECKSUM:])
+        if maker != _digest(files):
+            return _Table({}, ())
+    except (OSError, ValueError, EOFError, TypeError):  # the last are of another Python's marshal
+        return _Table({}, ())
+    return _Table({_unpacked(key, classes): value for key, value in pairs}, classes)
+
+
+def _digest(files: Iterable[Path]) -> bytes:
+    """Return what changes with any of the files that values are made by."""
+    return sha256(b"".join(map(_digest_of, files))).digest()
+
+
+@cache
+def _digest_of(file: Path) -> bytes:
+    return sha256(file.read_bytes()).digest()
+
+
+# ---- Building ------------------------------------------------------------------------------------
+
+
+def forget(folder: Path) -> None:
+    """Forget what this process knows, and take tables from another folder."""
+    global FOLDER  # noqa: PLW0603 -- a build and a test of it are all that ever change it
+    FOLDER = folder
+    for known in (_known, _makers):
+        known.clear()
+    for function in (_held, _digest_of):
+        function.cache_clear()
+
+
+def written() -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the file of each table that holds what this process knows."""
+    for name, known in sorted(_known.items()):
+        classes: dict[str, int] = {}
+        pairs = [
+            (_packed(key, classes), marshal.dumps(_packed(value, classes), _VERSION))
+            for key, value in known.items()
+        ]
+        pairs.sort(key=repr)
+        held = (_digest(_makers[name]), tuple(classes), pairs)
+        content = marshal.dumps(held, _VERSION)
+        yield name, sha256(content).digest() + content
+
+
+def _packed(value: Any, classes: dict[str, int]) -> Any:
+    """Return a value as `marshal` takes it; a list stands for what has to be made again.
+
+    A list begins with what it stands for, a class by its number in `classes`. Behind a class stand
+    the names of what a value knows, or `None` where it is made of its fields.
+
+    Raises:
+        TypeError: it is no value of ours.
+    """
+    if value is None or isinstance(value, bool | int | str | bytes):
+        return value
+    if type(value) in (tuple, list, dict) or isinstance(value, Set):
+        return _container(value, classes)
+    kind = type(value)
+    if not kind.__module__.startswith("mars_asp."):
+        raise TypeError(f"{value!r} is not for a table")
+    number = classes.setdefault(f"{kind.__module__}:{kind.__qualname__}", len(classes))
+    if isinstance(value, tuple):
+        return [number, None, *(_packed(part, classes) for part in value)]
+    state = value.__getstate__()
+    if isinstance(state, list):  # of a frozen dataclass with slots
+        return [number, None, *(_packed(part, classes) for part in state)]
+    return [number, tuple(state), *(_packed(part, classes) for part in state.values())]
+
+
+def _container(value: Any, classes: dict[str, int]) -> Any:
+    """Return a container as it is where none of its parts has to be made again."""
+    pairs = value.items() if isinstance(value, dict) else [(None, part) for part in value]
+    keys = [_packed(key, classes) for key, _ in pairs]
+    parts = [_packed(part, classes) for _, part in pairs]
+    plain = not any(type(part) is list for part in (*keys, *parts))
+    match value:
+        case dict():
+            return dict(zip(keys, parts, strict=True)) if plain else ["dict", *keys, *parts]
+        case tuple():
+            return tuple(parts) if plain else ["tuple", *parts]
+        case Set():
+            return frozenset(parts) if plain else ["frozenset", *parts]
+    return ["list", *parts]
+
+
+def _unpacked(form: Any, classes: tuple[str, ...]) -> Any:
+    if type(form) is not list:
+        return form
+    sort, *rest = form
+    parts = [_unpacked(part, classes) if type(part) is list else part for part in rest]
+    match sort:
+        case "tuple":
+            return tuple(parts)
+        case "frozenset":
+            return frozenset(parts)
+        case "list":
+            return parts
+        case "dict":
+            half = len(parts) // 2
+            return dict(zip(parts[:half], parts[half:], strict=True))
+    kind = _class(classes[sort])
+    if parts[0] is None:
+        return kind(*parts[1:])
+    value = kind.__new__(kind)
+    value.__dict__.update(zip(parts[0], parts[1:], strict=True))
+    return value
+
+
+@cache
+def _class(name: str) -> Any:
+    module, _, path = name.partition(":")
+    return attrgetter(path)(import_module(module))

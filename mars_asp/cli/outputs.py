@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.trial import Trial
 
-#: What is imported for files of an ending, and what brings it.
-_NEEDED = {".mcap": ("mcap", "'mars-asp[mcap]'"), ".png": ("resvg_py", "resvg-py")}
+#: What is imported for files of an ending, and the extra that brings it.
+_NEEDED = {".mcap": ("mcap", "mcap"), ".png": ("resvg_py", "png")}
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
@@ -47,10 +47,10 @@ def check_packages(arguments: argparse.Namespace) -> None:
     """
     problems = []
     for path in (arguments.plot, arguments.replay, arguments.record):
-        for ending, (package, wheel) in _NEEDED.items():
+        for ending, (package, extra) in _NEEDED.items():
             if path is not None and path.endswith(ending) and find_spec(package) is None:
                 message = f"`{ending}` needs the package `{package}`, which is not installed"
-                help_text = f"`pip install {wheel}`, or choose another ending"
+                help_text = f"`pip install 'mars-asp[{extra}]'`, or choose another ending"
                 place = point(path, 1, 1)
                 problems.append(Diagnostic("package", "error", message, place, (), help_text))
     if problems:

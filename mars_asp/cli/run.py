@@ -1,9 +1,10 @@
 """Execute a specification on the simulator and judge the run."""
 
 import argparse
+import json
 import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -55,7 +56,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="say whose code would run and what is simulated; import and run nothing",
     )
+    parser.add_argument(
+        "--schema", action=_Schema, help="print the JSON Schema of scenarios, and do nothing else"
+    )
     add_outputs(parser)
+
+
+class _Schema(argparse.Action):
+    """Prints the schema in the place of a run, as `--help` does."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **settings: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **settings)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object, **settings: object) -> None:
+        from mars_asp.execution.scenario.schema import SCHEMA
+
+        print(json.dumps(SCHEMA, indent=2))
+        parser.exit()
 
 
 def run(arguments: argparse.Namespace) -> int:

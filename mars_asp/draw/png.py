@@ -20,10 +20,12 @@ def png_bytes(svg: str, span: Span) -> bytes:
         MarsError: resvg is not there, or finds no font; `span` is what is to be drawn.
     """
     try:
-        from resvg_py import svg_to_bytes  # noqa: PLC0415 -- some platforms have to do without
+        from resvg_py import svg_to_bytes  # noqa: PLC0415 -- of the extra `png`
     except ImportError:
         raise _refused(
-            span, "a PNG needs the package `resvg-py`", "`pip install resvg-py`, or write an `.svg`"
+            span,
+            "a PNG needs the package `resvg_py`, which is not installed",
+            "`pip install 'mars-asp[png]'`, or write an `.svg`",
         ) from None
     # Without a font that it knows, resvg leaves out text without a word.
     with_letter = svg_to_bytes(svg_string=_LETTER.format(_TEXT))

@@ -1,18 +1,19 @@
 """`.mars` text to plain values, with every syntax error of a file in one run."""
 
-import importlib.util
-import os
 import re
-import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
+import lark
 from lark import Lark, UnexpectedInput
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
 
 from mars_asp.annotations.blocks import Blocks, read_blocks
+from mars_asp.asp.cache import made_of
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
@@ -20,6 +21,8 @@ from mars_asp.language.statements import Builder, Raw, Statements
 from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
 from mars_asp.spelling import nearest
 
+#: Lists, dicts, words and numbers.
+_Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
 #: Behind so many wrong statements a file is read no further: who mends them reads no more.
@@ -235,25 +238,19 @@ def _about_nobody(
 
 @cache
 def _parser() -> Lark:
-    return Lark.open(
-        "grammar.lark",
-        rel_to=__file__,
-        parser="lalr",
-        transformer=Statements(),
-        maybe_placeholders=True,
-        cache=_tables(),
-    )
+    grammar = Path(__file__).with_name("grammar.lark")
+    version = f"{lark.__version__} {grammar.read_text(encoding='utf-8')}"
+    tables = made_of("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
+    # Standalone parsers begin so, too; the transformer is no part of the tables.
+    begin: Callable[..., Lark] = Lark._load_from_dict
+    return begin(*tables, transformer=Statements())
 
 
-def _tables() -> str | bool:
-    """Return where the grammar's tables are kept: with Python's own compiled files.
-
-    Lark makes them anew when the grammar, its own version or Python's has changed.
-    """
-    compiled = Path(importlib.util.cache_from_source(__file__))
-    tables = compiled.with_name(f"grammar.{sys.implementation.cache_tag}.tables")
-    writable = not sys.dont_write_bytecode and os.access(compiled.parent, os.W_OK)
-    return str(tables) if writable or tables.is_file() else False
+def _tables(grammar: Path) -> _Tables:
+    """Return the tables of a grammar as Lark's own standalone parsers have them."""
+    made = Lark(grammar.read_text(encoding="utf-8"), parser="lalr", maybe_placeholders=True)
+    tables: _Tables = made.memo_serialize([TerminalDef, Rule])
+    return tables
 
 
 def _unreadable(shown: str, reason: str) -> Diagnostic:

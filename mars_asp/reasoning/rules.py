@@ -1,18 +1,21 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from hashlib import sha256
 from pathlib import Path
+from typing import NamedTuple
 
-from mars_asp.asp.cache import keep, recall, version_of
+from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constant_names, defined
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONTRACT
 
@@ -27,6 +30,23 @@ STAGES: Mapping[str, str] = {
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
 }
+
+
+class _File(NamedTuple):
+    """A built-in file: where it is, how that is shown, and its stage."""
+
+    path: Path
+    shown: str
+    stage: str
+
+
+class _Read(NamedTuple):
+    """What a built-in file holds; nothing where `problems` say that it cannot be read."""
+
+    text: str
+    rules: tuple[Rule, ...]
+    declared: tuple[Declaration, ...]
+    problems: tuple[Diagnostic, ...]
 
 
 def rules_directory() -> Path:
@@ -76,64 +96,74 @@ def load_rulebook(
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
-    """Return the built-in rules, as they were kept while no file has changed."""
-    found = _files(stages)
-    name = "-".join(("rules", *stages))
-    version = _version(found)
-    kept: Rulebook | None = None if strict else recall(name, version)
-    if kept is not None:
-        return kept
-    files = []
-    for path, shown, stage in found:
-        file = read_file(path, shown, stage, problems, strict)
-        if file is not None:
-            files.append(file)
-    rules = tuple(rule for file in files for rule in file.rules)
-    texts = tuple((file.stage, file.text) for file in files)
-    paths, declared = tuple(f.shown for f in files), tuple(f.declared for f in files)
-    made = Rulebook(rules, texts, paths=paths, declared=declared)
-    if not problems:
-        keep(name, version, made)
-    return made
+    """Return the built-in rules; `problems` say what cannot be read of them."""
+    files = _files(stages)
+    read = [_read(file, strict) for file in files] if strict else _made(files)
+    for each in read:
+        problems += each.problems
+    whole = [(file, each) for file, each in zip(files, read, strict=True) if not each.problems]
+    return Rulebook(
+        tuple(rule for _, each in whole for rule in each.rules),
+        tuple((file.stage, each.text) for file, each in whole),
+        paths=tuple(file.shown for file, _ in whole),
+        declared=tuple(each.declared for _, each in whole),
+    )
 
 
 def seal() -> Seal:
-    """Return what the built-in rules of all stages have for themselves, kept between commands."""
-    found = _files(
-        [folder.name for folder in sorted(rules_directory().iterdir()) if folder.is_dir()]
-    )
-    version = _version(found)
-    kept: Seal | None = recall("seal", version)
-    if kept is not None:
-        return kept
-    problems: list[Diagnostic] = []
+    """Return what the built-in rules of all stages have for themselves."""
+    folders = (folder for folder in sorted(rules_directory().iterdir()) if folder.is_dir())
+    files = _files(folder.name for folder in folders)
+    read = _made(files)
+    named = made_of("named", _makers(), dict.fromkeys(each.text for each in read), _named)
     derived: dict[Signature, str] = {}
     given: dict[Signature, str] = {}
     ids: dict[str, Span] = {}
     constants, extensible = set(CONSTANTS), set[Signature]()
-    for path, shown, stage in found:
-        file = read_file(path, shown, stage, problems, False)
-        if file is not None:
-            for rule in file.rules:
-                derived.update((head, stage) for head in rule.heads if head not in derived)
-                ids[rule.id] = rule.span
-            given.update((each, stage) for each in defined(file.text) if each not in given)
-            constants |= constant_names(file.text)
-            extensible |= {each.signature for each in file.declared if each.extensible}
-    made = Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
-    if not problems:
-        keep("seal", version, made)
-    return made
+    for file, each in zip(files, read, strict=True):
+        for rule in each.rules:
+            derived.update((head, file.stage) for head in rule.heads if head not in derived)
+            ids[rule.id] = rule.span
+        own, names = named[each.text]
+        given.update((signature, file.stage) for signature in own if signature not in given)
+        constants |= names
+        extensible |= {known.signature for known in each.declared if known.extensible}
+    return Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
 
 
-def _files(stages: Iterable[str]) -> list[tuple[Path, str, str]]:
-    """Return the built-in files of the base and of stages: path, how it is shown, and stage."""
+def _made(files: Iterable[_File]) -> list[_Read]:
+    """Return what built-in files hold, as the build has made it where they are the same."""
+    keys = {(file.shown, file.stage, _digest(file.path)): file for file in files}
+    return list(made_of("rules", _makers(), keys, lambda key: _read(keys[key], False)).values())
+
+
+def _digest(path: Path) -> bytes:
+    try:
+        return sha256(path.read_bytes()).digest()
+    except OSError:  # the reader says why
+        return b""
+
+
+def _read(file: _File, strict: bool) -> _Read:
+    problems: list[Diagnostic] = []
+    read = read_file(*file, problems, strict)
+    if read is None:
+        return _Read("", (), (), tuple(problems))
+    return _Read(read.text, read.rules, read.declared, ())
+
+
+def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
+    """Return the predicates that a text declares, and the names of its constants."""
+    return tuple(sorted(defined(text))), frozenset(constant_names(text))
+
+
+def _files(stages: Iterable[str]) -> list[_File]:
+    """Return the built-in files of the base and of stages."""
     root = rules_directory()
     folders = [(root, "base"), *((root / name, name) for name in stages)]
     found = [(path, stage) for folder, stage in folders for path in sorted(folder.glob("*.lp"))]
-    return [(path, f"rules/{path.relative_to(root).as_posix()}", stage) for path, stage in found]
+    return [_File(path, f"rules/{path.relative_to(root).as_posix()}", at) for path, at in found]
 
 
-def _version(files: Iterable[tuple[Path, str, str]]) -> str:
-    makers = (*Path(checks.__file__).parent.glob("*.py"), Path(__file__), Path(facts.__file__))
-    return version_of((*sorted(makers), *(path for path, _, _ in files)))
+def _makers() -> list[Path]:
+    return sorted(Path(checks.__file__).parent.glob("*.py"))

@@ -1,64 +1,161 @@
-"""What is kept between commands is what would be made anew, or nothing."""
+"""What a table holds is what would be made anew, or nothing."""
 
-import sys
+import marshal
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mars_asp.asp import cache
+from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.statements import Statement, constants_of, statements_of
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.slice.reach import outlines_of
+from mars_asp.diagnostic import Diagnostic, point
+
+FACT = "reach(X) :- start(X)."
 
 
-def test_what_is_kept_is_recalled(kept: Path) -> None:
-    cache.keep("a", "1", ("x", 2))
-    assert cache.recall("a", "1") == ("x", 2)
-    assert [path.name for path in kept.iterdir()] == ["a"]
+class Pair(NamedTuple):
+    one: object
+    other: object
 
 
-def test_nothing_is_recalled_of_another_version(kept: Path) -> None:
-    cache.keep("a", "1", 2)
-    assert cache.recall("a", "2") is None
+@dataclass(frozen=True)
+class Outside:
+    number: int
 
 
-@pytest.mark.parametrize("content", [b"", b"no pickle", b"\x80\x04N.", b"\x80\x04."])
-def test_a_broken_file_holds_nothing(kept: Path, content: bytes) -> None:
-    (kept / "a").write_bytes(content)
-    assert cache.recall("a", "1") is None
+class Counted:
+    """Makes the square of a number, and counts how often."""
+
+    def __init__(self, maker: Path) -> None:
+        self.maker, self.calls = maker, 0
+
+    def of(self, *numbers: int) -> list[int]:
+        return list(cache.made_of("squares", [self.maker], numbers, self._make).values())
+
+    def _make(self, number: int) -> int:
+        self.calls += 1
+        return number * number
 
 
-def test_where_python_keeps_nothing_values_are_kept_for_the_process_alone(
-    kept: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    cache.keep("a", "1", 2)
-    assert list(kept.iterdir()) == []
-    assert cache.recall("a", "1") == 2
-    assert cache.recall("a", "2") is None
+@pytest.fixture
+def squares(tables: Path) -> Counted:
+    maker = tables / "maker.py"
+    maker.write_text("one")
+    return Counted(maker)
 
 
-def test_a_version_changes_with_its_files(tmp_path: Path) -> None:
-    path = tmp_path / "maker"
-    path.write_text("one")
-    version = cache.version_of([path])
-    assert cache.version_of([path]) == version
-    path.write_text("another")
-    assert cache.version_of([path]) != version
+def build(tables: Path) -> bytes:
+    """Write the table of squares, and forget what this process knows."""
+    content = dict(cache.written())["squares"]
+    (tables / "squares").write_bytes(content)
+    cache.forget(tables)
+    return content
 
 
-def test_a_kept_value_is_recalled_for_its_version(kept: Path) -> None:
-    cache.keep("name", "1", {"error": 40})
-    assert cache.recall("name", "1") == {"error": 40}
-    assert cache.recall("name", "2") is None
+def test_what_a_table_holds_is_not_made(tables: Path, squares: Counted) -> None:
+    assert squares.of(2, 3) == [4, 9]
+    build(tables)
+    assert squares.of(3, 4, 2) == [9, 16, 4]
+    assert squares.calls == 3
 
 
-def test_a_kept_value_with_a_flipped_bit_is_made_anew(kept: Path) -> None:
-    cache.keep("name", "1", ("error", 40))
-    path = kept / "name"
-    whole = path.read_bytes()
+def test_nothing_is_written_when_values_are_made(tables: Path, squares: Counted) -> None:
+    squares.of(2)
+    assert [path.name for path in tables.iterdir()] == ["maker.py"]
+    assert (squares.of(2), squares.calls) == ([4], 1)
+
+
+def test_a_table_of_other_makers_is_not_believed(tables: Path, squares: Counted) -> None:
+    squares.of(2)
+    build(tables)
+    squares.maker.write_text("another")
+    cache.forget(tables)
+    squares.of(2)
+    assert squares.calls == 2
+
+
+def test_a_table_with_a_flipped_bit_is_not_believed(tables: Path, squares: Counted) -> None:
+    squares.of(*range(5))
+    whole = build(tables)
+    torn = [whole[:size] for size in range(len(whole))]
     for bit in range(8 * len(whole)):
-        torn = bytearray(whole)
-        torn[bit // 8] ^= 1 << bit % 8
-        path.write_bytes(torn)
-        assert cache.recall("name", "1") is None
-    for size in range(len(whole)):
-        path.write_bytes(whole[:size])
-        assert cache.recall("name", "1") is None
+        flipped = bytearray(whole)
+        flipped[bit // 8] ^= 1 << bit % 8
+        torn.append(bytes(flipped))
+    for number, content in enumerate(torn, 1):
+        (tables / "squares").write_bytes(content)
+        cache.forget(tables)
+        assert squares.of(3) == [9]
+        assert squares.calls == 5 + number
+
+
+def test_what_many_others_replaced_is_made_again(squares: Counted) -> None:
+    squares.of(*range(6000))
+    assert squares.of(7) == [49]
+    assert squares.calls == 6001
+
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.text() | st.binary()
+VALUES = st.recursive(
+    PLAIN,
+    lambda inner: (
+        st.lists(inner).map(tuple)
+        | st.lists(inner)
+        | st.dictionaries(st.text(), inner)
+        | st.frozensets(st.tuples(st.text(), st.integers()))
+    ),
+)
+
+
+@given(VALUES)
+def test_values_come_back_as_they_were(value: object) -> None:
+    classes: dict[str, int] = {}
+    form = marshal.loads(marshal.dumps(cache._packed(value, classes), 2))
+    assert repr_of(cache._unpacked(form, tuple(classes))) == repr_of(value)
+
+
+def repr_of(value: object) -> str:
+    """Return what tells a value and its types from others."""
+    if isinstance(value, frozenset):
+        return f"frozenset({sorted(map(repr, value))})"
+    if isinstance(value, list | tuple):
+        return f"{type(value).__name__}({', '.join(map(repr_of, value))})"
+    if isinstance(value, dict):
+        return f"dict({', '.join(f'{key!r}: {repr_of(each)}' for key, each in value.items())})"
+    return repr(value)
+
+
+def test_values_of_our_classes_come_back_with_what_they_know() -> None:
+    (read,) = statements_of([FACT])[FACT]
+    assert read.derives == {Signature("reach", 1)}  # from now on it knows
+    found = Diagnostic("code", "error", "told", point("a.lp", 1, 2), ((point("b", 3, 4), "c"),))
+    value = (read, found, {"a": frozenset({("p", 1)})})
+    classes: dict[str, int] = {}
+    packed = cache._packed(value, classes)
+    back = cache._unpacked(packed, tuple(classes))
+    assert back == value
+    assert isinstance(back[0], Statement)
+    assert "derives" not in vars(Statement) or back[0].__dict__ == read.__dict__
+
+
+def test_what_is_no_value_of_ours_is_refused() -> None:
+    for value in (Outside(1), Pair(1, 2), object(), 1.5):
+        with pytest.raises(TypeError, match="not for a table"):
+            cache._packed(value, {})
+
+
+@pytest.mark.parametrize("make", [statements_of, outlines_of, constants_of, computations])
+def test_what_is_made_of_rules_comes_back(make: object, tables: Path) -> None:
+    assert callable(make)
+    rules = [FACT, "{ a(X) : b(X,Y), not c(Y) } :- d(X+Y,f(Z),Z), X = #sum { W,V : e(V,W*X) }."]
+    first = make(rules)
+    for name, content in cache.written():
+        (tables / name).write_bytes(content)
+    cache.forget(tables)
+    assert make(rules) == first

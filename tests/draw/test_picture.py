@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mars_asp.cli import run_here
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.dot import dot_text
 from mars_asp.draw.mermaid import mermaid_text
@@ -219,6 +220,19 @@ def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:
     assert abs(width - 2 * float(root.attrib["width"])) <= 1
     assert abs(height - 2 * float(root.attrib["height"])) <= 1
     assert pngs[0] != pngs[1]
+
+
+def test_without_the_extra_a_png_is_refused_and_all_else_works(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "resvg_py", None)
+    config, target = str(ROOT / "examples/level0/config.mars"), tmp_path / "a.png"
+    assert run_here(["draw", config, "-o", str(target)]) == 2
+    told = capsys.readouterr().err
+    assert "a PNG needs the package `resvg_py`, which is not installed" in told
+    assert "pip install 'mars-asp[png]'" in told
+    assert not target.exists()
+    assert run_here(["draw", config, "-o", str(tmp_path / "a.svg")]) == 0
 
 
 def test_a_wide_picture_is_a_smaller_png(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp import cache
 from mars_asp.asp.cases import Outcome, find_cases, shown_by
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
@@ -133,10 +134,16 @@ def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
     assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}
 
 
-def test_recalled_rules_are_those_that_were_read(kept: Path) -> None:
+def test_rules_of_a_table_are_those_that_were_read(tables: Path) -> None:
     read = load_rulebook()
-    assert list(kept.iterdir())
-    recalled = load_rulebook()
-    assert recalled == read
-    assert [rule.heads for rule in recalled.rules] == [rule.heads for rule in read.rules]
-    assert str(recalled.rules[-1].ast) == str(read.rules[-1].ast)
+    made = dict(cache.written())
+    for name, content in made.items():
+        (tables / name).write_bytes(content)
+    cache.forget(tables)
+    held = load_rulebook()
+    assert held == read
+    assert held.rules[0] is not read.rules[0]
+    assert [rule.heads for rule in held.rules] == [rule.heads for rule in read.rules]
+    assert [rule.firsts for rule in held.rules] == [rule.firsts for rule in read.rules]
+    assert str(held.rules[-1].ast) == str(read.rules[-1].ast)
+    assert dict(cache.written()) == made

@@ -20,7 +20,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import mock
 
-from mars_asp.asp import cache
 from mars_asp.asp.cases import find_cases
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact
@@ -39,7 +38,6 @@ _MEMORY = 2 * 1024**3
 #: Our own rules that the texts are grounded with: all of them would take most of the time.
 _KEPT = "rules/vocabulary.lp"
 _LONGEST = 240
-_KNOWN: dict[str, object] = {}
 _WORD = re.compile(r'"[^"\n]*"|[\w\']+|\W')
 _TOKENS = (
     *". .. , ; : :- :~ | ( ) [ ] { } @ & $ _ - + * ** / ~ ? ^ = != <".split(),
@@ -161,9 +159,6 @@ def faults(first: int, count: int, seen: Counter[str]) -> Iterator[str]:
     seal = built_in.seal()
     with (
         TemporaryDirectory() as folder,
-        # What is kept of a text is asked for as long as it is read.
-        mock.patch.object(cache, "recall", lambda name, _: _KNOWN.get(name)),
-        mock.patch.object(cache, "keep", lambda name, _, value: _KNOWN.update({name: value})),
         mock.patch.object(built_in, "_built_in", lambda *_: own),
         mock.patch.object(built_in, "seal", lambda: seal),
     ):
@@ -206,7 +201,6 @@ def _read_all(seeds: Sequence[int], own: Rulebook, folder: str, writer: int) -> 
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     for seed in seeds:
         signal.setitimer(signal.ITIMER_REAL, SECONDS)
-        _KNOWN.clear()
         try:
             path.write_bytes(mutated(seed))
             line = read(path, own)

@@ -64,7 +64,7 @@ class _Site(NamedTuple):
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
-    """Return what each of some rules computes that could leave 32 bits, kept between commands."""
+    """Return what each of some rules computes that could leave 32 bits."""
     files = map(Path, (__file__, statements.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, operands(text))))

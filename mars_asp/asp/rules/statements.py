@@ -2,10 +2,9 @@
 
 Nothing else reads what a rule says, neither its text nor its tree; explanations alone write
 further rules from trees. To walk a tree takes a thousand times as long as to read what was made of
-it, so that is kept from one command to the next.
+it, so that of our own rules is made when the package is built.
 """
 
-import pickle
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -284,14 +283,12 @@ def statements(text: str) -> tuple[Statement, ...]:
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
-    """Return each of some rules without its pools, by their texts, kept between commands."""
+    """Return each of some rules without its pools, by their texts."""
     asked = tuple(texts)
     new = [text for text in asked if text not in _read]
     if new:
         files = map(Path, (__file__, ast.__file__))
-        # Most questions need few rules, and to make values of what is kept is most of the cost.
-        packed = made_of("statements", files, new, lambda text: pickle.dumps(_statements(text)))
-        _remember({text: pickle.loads(each) for text, each in packed.items()})
+        _remember(made_of("statements", files, new, _statements))
     return {text: _read[text] for text in asked}
 
 
@@ -323,7 +320,7 @@ def program_of(text: str) -> Program | None:
 
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
-    """Return what stands for itself in each of some rules, kept between commands."""
+    """Return what stands for itself in each of some rules."""
     return made_of("constants", map(Path, (__file__, ast.__file__)), texts, constants)
 
 

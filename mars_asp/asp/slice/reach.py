@@ -29,7 +29,7 @@ class Outline(NamedTuple):
 
 
 def outlines_of(texts: Iterable[str]) -> list[tuple[Outline, ...]]:
-    """Return the outlines of rules, kept between commands: most of what they say is not asked."""
+    """Return the outlines of rules: most of what they say is not asked."""
     asked = tuple(texts)
     files = map(Path, (__file__, reader.__file__))
     made = made_of("outlines", files, asked, lambda text: tuple(map(_outline, statements(text))))

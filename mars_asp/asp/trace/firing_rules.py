@@ -75,7 +75,7 @@ class Rewriter:
         """Return the explanation rules of the rules with these numbers, for any question.
 
         What a rule is rewritten into depends on its text and on which of its predicates are open,
-        so it is kept from one command to the next.
+        so that of our own rules is made when the package is built.
         """
         keys = {number: self._key(rules[number]) for number in numbers}
         first = {key: number for number, key in reversed(keys.items())}

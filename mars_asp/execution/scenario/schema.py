@@ -1,114 +1,301 @@
-"""What stands in the lists of a scenario: points, circles, entries of a script."""
+"""What may stand in a scenario, as a JSON Schema; `docs/scenarios.md` says what it means."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+from jsonschema_rs import Draft4Validator, ValidationError
+from jsonschema_rs import ValidationErrorKind as Kind
 
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from mars_asp.spelling import nearest
+
+_Schema: TypeAlias = dict[str, Any]
+#: Keys of tables and numbers of entries, from the top of a scenario.
+_Path: TypeAlias = tuple[str | int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
-    """What a value should be, in words, and whether it is."""
-
-    words: str
-    fits: Callable[[Any], bool]
+def _number(least: float | None = -1e9, most: float | None = 1e9) -> _Schema:
+    return {"type": "number"} | _bounds(least, most)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _whole(least: int, most: int) -> _Schema:
+    return {"type": "integer"} | _bounds(least, most)
 
 
-def _are_numbers(value: Any, count: int) -> bool:
-    return isinstance(value, list) and len(value) == count and all(map(_is_number, value))
+def _bounds(least: float | None, most: float | None) -> _Schema:
+    stated = {"minimum": least, "maximum": most}
+    return {key: bound for key, bound in stated.items() if bound is not None}
 
 
-def _is_line(value: Any) -> bool:
-    return isinstance(value, list) and len(value) > 0 and all(_are_numbers(at, 2) for at in value)
+def _table(keys: Mapping[str, _Schema], *required: str) -> _Schema:
+    needed = {"required": list(required)} if required else {}
+    return {"type": "object", "properties": dict(keys), "additionalProperties": False} | needed
 
 
-def _is_circle(value: Any) -> bool:
-    return _are_numbers(value, 3) and value[2] > 0
+def _named(table: _Schema) -> _Schema:
+    """Return a table of tables, each with the name of a module."""
+    return {"type": "object", "additionalProperties": table}
 
 
-def _is_function(value: Any) -> bool:
-    return isinstance(value, str) and value in {*MOTION_FUNCTIONS, GRASP}
+def _row(*entries: _Schema) -> _Schema:
+    """Return a list of as many entries as are given."""
+    size = len(entries)
+    return {"type": "array", "items": list(entries), "minItems": size, "maxItems": size}
 
 
-def _is_entry(value: Any) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == 3
-        and _is_number(value[0])
-        and _is_function(value[1])
-        and _is_number(value[2])
-    )
+def _list(entry: _Schema) -> _Schema:
+    return {"type": "array", "items": entry}
 
 
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(map(_is_function, value))
+def _told(words: str, schema: _Schema) -> _Schema:
+    """Return a schema with the words that tell what a value should be which is something else."""
+    return {"description": words} | schema
 
 
-def _is_table(value: Any) -> bool:
-    return isinstance(value, dict)
-
-
-_POINT = Form("a point `[forward, side]`", lambda value: _are_numbers(value, 2))
-_LINE = Form("a list of points `[forward, side]`", _is_line)
-_FUNCTIONS = ", ".join((*MOTION_FUNCTIONS, GRASP))
-#: The form of a list as a whole, by its table and key.
-WHOLE: Mapping[tuple[str, str], Form] = {
-    ("robot", "start"): Form("`[forward, side, heading]`", lambda value: _are_numbers(value, 3)),
-    ("world.moving", "from"): _POINT,
-    ("world.moving", "to"): _POINT,
-    ("world.marks", "at"): _POINT,
-    ("world.scatter", "radius"): Form("`[least, most]`", lambda value: _are_numbers(value, 2)),
-    ("requirements.reach", "at"): _POINT,
+_ANY = _number(None, None)
+_POSITIVE = _number(0)
+_WORD = {"type": "string"}
+_FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
+_FUNCTION = {"enum": list(_FUNCTIONS)}
+_PAIR = _row(_number(), _number())
+_POINT = _told("a point `[forward, side]`", _PAIR)
+_LINE = _told("a list of points `[forward, side]`", _list(_PAIR) | {"minItems": 1})
+_CIRCLE = _told(
+    "`[forward, side, radius]`, the radius above 0",
+    _row(_number(), _number(), _number(0) | {"exclusiveMinimum": True}),
+)
+_ENTRY = _told(
+    f"`[second, function, rate]` of {', '.join(_FUNCTIONS)}",
+    _row(_number(), _FUNCTION, _number()),
+)
+_MOVING = _told(
+    "a table `{ from, to, radius, speed }`",
+    _table(
+        {"from": _POINT, "to": _POINT, "radius": _POSITIVE, "speed": _POSITIVE},
+        *("from", "to", "radius", "speed"),
+    ),
+)
+_MARK = _told("a table `{ at, colour }`", _table({"at": _POINT, "colour": _WORD}, "at", "colour"))
+_SCATTER = _table(
+    {
+        "count": _whole(0, 100_000),
+        "radius": _told("`[least, most]`", _row(_POSITIVE, _POSITIVE)),
+        "within": _POSITIVE,
+        "free": _POSITIVE,
+        "moving": _whole(0, 100_000),
+        "speed": _POSITIVE,
+    }
+)
+_WORLD = _table(
+    {
+        "walls": _list(_LINE),
+        "polygons": _list(_LINE),
+        "circles": _list(_CIRCLE),
+        "moving": _list(_MOVING),
+        "marks": _list(_MARK),
+        "scatter": _SCATTER,
+    }
+)
+_ROBOT = _table(
+    {
+        "module": _WORD,
+        "radius": _POSITIVE,
+        "start": _told("`[forward, side, heading]`", _row(*3 * [_number()])),
+        "limits": _table(dict.fromkeys(_FUNCTIONS, _number())),
+    },
+    "module",
+)
+_DEVICE = _table(
+    {
+        "kind": {
+            "enum": "sonar lidar bumper odometry marks joystick platform joint gripper".split()
+        },
+        "period": _number(0.001),
+        "beams": _whole(1, 100_000),
+        "cone": _number(),
+        "rays": _whole(1, 100_000),
+        "reach": _POSITIVE,
+        "view": _number(),
+        "sigma": _POSITIVE,
+        "script": _list(_ENTRY),
+        "function": _FUNCTION,
+        "low": _ANY,
+        "high": _ANY,
+        "rate": _number(0, None),
+        "value": _number(),
+    },
+    "kind",
+)
+_BINDING = _table({"python": _WORD, "period": _number(0.001), "delay": _POSITIVE})
+_FAULT = _table(
+    {
+        "kind": {"enum": ["silent", "late", "stuck", "throwing", "babbling"]},
+        "from": _number(),
+        "until": _number(0, None),
+        "by": _number(0.001),
+    }
+)
+_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
+_REQUIREMENTS = _table(
+    {
+        "no_collision": {"type": "boolean"},
+        "clearance": _POSITIVE,
+        "reach": _REACH,
+        "exclusive": _list(
+            _told(f"two functions of {', '.join(_FUNCTIONS)}", _row(_FUNCTION, _FUNCTION))
+        ),
+        "coverage": _number(0, 1),
+    }
+)
+SCHEMA: _Schema = {
+    "$schema": "http://json-schema.org/draft-04/schema#",
+    "title": "A scenario of mars-asp",
+    **_table(
+        {
+            "seed": _whole(-(2**63), 2**63 - 1),
+            "duration": _number(0.001),
+            "up": {"enum": ["y", "z"]},
+            "command_timeout": _POSITIVE,
+            "world": _WORLD,
+            "robot": _ROBOT,
+            "devices": _named(_DEVICE),
+            "bindings": _named(_BINDING),
+            "faults": _named(_FAULT),
+            "requirements": _REQUIREMENTS,
+        },
+        *("robot", "duration"),
+    ),
 }
-#: The form of each entry of a list.
-EACH: Mapping[tuple[str, str], Form] = {
-    ("world", "walls"): _LINE,
-    ("world", "polygons"): _LINE,
-    ("world", "circles"): Form("`[forward, side, radius]`, the radius above 0", _is_circle),
-    ("world", "moving"): Form("a table `{ from, to, radius, speed }`", _is_table),
-    ("world", "marks"): Form("a table `{ at, colour }`", _is_table),
-    ("devices", "script"): Form(f"`[second, function, rate]` of {_FUNCTIONS}", _is_entry),
-    ("requirements", "exclusive"): Form(f"two functions of {_FUNCTIONS}", _is_pair),
-}
-#: The keys that a table cannot do without.
-REQUIRED: Mapping[str, tuple[str, ...]] = {
-    "world.moving": ("from", "to", "radius", "speed"),
-    "world.marks": ("at", "colour"),
-    "requirements.reach": ("at",),
-}
-
-
-def parts(table: str, key: str, value: Any) -> Iterator[tuple[int | None, Any]]:
-    """Yield what is judged by itself: each entry of a list with its index, or the whole value."""
-    if (table, key) in EACH:
-        yield from enumerate(value)
-    else:
-        yield None, value
-
-
-def unfit(table: str, key: str, value: Any) -> Iterator[tuple[int | None, Form]]:
-    """Yield the index of each entry that has not its form, or `None` where the value has not."""
-    form = EACH.get((table, key), WHOLE.get((table, key)))
-    for index, part in parts(table, key, value) if form else ():
-        if form and not form.fits(part):
-            yield index, form
-
-
+_VALIDATOR = Draft4Validator(SCHEMA)
+#: What the schema calls types of TOML.
+_TYPES = {"object": "table", "array": "list", "number": "int or float", "integer": "int"}
+#: In the place of numbers without an end, which JSON has not.
+_ENDLESS = 1.7e308
+#: No list or table of ours is in so many others.
+_DEEPEST = 10
 #: Keys of one table of which the first is at most as great as the second.
-ORDERED: Mapping[str, tuple[tuple[str, str], ...]] = {
+_ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
     "devices": (("low", "high"), ("low", "value"), ("value", "high")),
     "faults": (("from", "until"),),
 }
 
 
-def disordered(schema: str, table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the keys of a table whose numbers are in the wrong order."""
-    for first, second in ORDERED.get(schema, ()):
-        stated = [table[key] for key in (first, second) if _is_number(table.get(key))]
-        if len(stated) == 2 and stated[0] > stated[1]:
-            yield first, second
+class Mistake(NamedTuple):
+    """What is wrong in a scenario, where it stands, and what to do."""
+
+    path: _Path
+    message: str
+    help: str | None = None
+
+
+def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield all that is wrong with a scenario, each once."""
+    told: set[Mistake] = set()
+    for error in _VALIDATOR.iter_errors(_as_json(tables)):
+        for mistake in _mistakes(error, tables):
+            if mistake not in told:  # of one form several parts can be wrong
+                told.add(mistake)
+                yield mistake
+    yield from _disordered(tables)
+
+
+def _as_json(value: Any, depth: int = 0) -> Any:
+    """Return a value of TOML as one of JSON; what that has not becomes what is wrong everywhere."""
+    if isinstance(value, dict | list) and depth < _DEEPEST:
+        if isinstance(value, list):
+            return [_as_json(each, depth + 1) for each in value]
+        return {key: _as_json(each, depth + 1) for key, each in value.items()}
+    if isinstance(value, float) and math.isinf(value):
+        return math.copysign(_ENDLESS, value)
+    return value if isinstance(value, str | int | float) and not _is_nan(value) else None
+
+
+def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield what an error means to the author of a scenario."""
+    path, kind = tuple(error.instance_path), error.kind
+    key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
+    schema, value = _schema(path), _value(path, tables)
+    form = _form(path)
+    if isinstance(kind, Kind.AdditionalProperties):
+        known = schema["properties"]
+        for unknown in kind.unexpected:
+            yield Mistake((*path, unknown), f"`{unknown}` is no key here", _hint(unknown, known))
+    elif isinstance(kind, Kind.Required):
+        missing, owner = kind.property, f"`{key}`" if path else "the scenario"
+        choices = schema["properties"][missing].get("enum")
+        help_text = f"one of {', '.join(choices)}" if choices else None
+        yield Mistake(path, f"{owner} has no `{missing}`", help_text)
+    elif _is_beyond(kind, schema, value):
+        least, most = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
+        message = f"`{value}` is no number for `{key}`"
+        yield Mistake(path, message, f"from {least:g} to {most:g}")
+    elif form is not None:
+        owner = f"`{key}` is" if isinstance(form[-1], str) else f"an entry of `{key}` is"
+        yield Mistake(form, f"{owner} not {_schema(form)['description']}")
+    elif isinstance(kind, Kind.Enum) and isinstance(value, str):
+        yield Mistake(path, f"`{value}` is no `{key}`", _hint(value, schema["enum"]))
+    else:
+        wanted = schema.get("type", "string")
+        yield Mistake(path, f"`{key}` is no {_TYPES.get(wanted, wanted)}")
+
+
+def _schema(path: _Path) -> _Schema:
+    """Return what the schema says of a place in a scenario."""
+    schema = SCHEMA
+    for part in path:
+        if isinstance(part, str):
+            schema = schema.get("properties", {}).get(part) or schema["additionalProperties"]
+        else:
+            items = schema["items"]
+            schema = items[part] if isinstance(items, list) else items
+    return schema
+
+
+def _value(path: _Path, value: Any) -> Any:
+    """Return what stands at a place in a scenario."""
+    for part in path:
+        value = value[part]
+    return value
+
+
+def _form(path: _Path) -> _Path | None:
+    """Return the value whose form is wrong where a part of it is; `None` where none has one."""
+    for count in range(len(path), 0, -1):
+        if "description" in _schema(path[:count]):
+            return path[:count]
+        if isinstance(path[count - 1], str):
+            return None
+    return None
+
+
+def _hint(word: str, choices: Iterable[str]) -> str:
+    near = nearest(word, choices)
+    return f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
+
+
+def _disordered(tables: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield the keys of a table whose numbers are in the wrong order, which no schema says."""
+    for name, pairs in _ORDERED.items():
+        named = tables.get(name)
+        for module, table in named.items() if isinstance(named, dict) else ():
+            for first, second in pairs if isinstance(table, dict) else ():
+                low, high = table.get(first), table.get(second)
+                if _is_number(low) and _is_number(high) and low > high:
+                    message = f"`{first}` is {low}, above `{second}`, which is {high}"
+                    yield Mistake((name, module, first), message, "exchange or change them")
+
+
+def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:
+    """Whether a number is the wrong one, rather than of the wrong type."""
+    if isinstance(kind, Kind.Minimum | Kind.Maximum):
+        return schema["type"] == "number" or isinstance(value, int)
+    return _is_nan(value)
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,110 +1,114 @@
 """Where the keys of a TOML text stand, and the entries of its lists; its reader keeps no places."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
+from typing import TypeAlias
+
+import tree_sitter_toml
+from tree_sitter import Language, Node, Parser
 
 from mars_asp.diagnostic import Span, point
 
-#: A table's header, the key at the start of a line, and one of its parts between dots.
-_PART = re.compile(r"([\w-]+)|\"([^\"]*)\"|'([^']*)'")
-_DOTTED = r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*'|\s*\.\s*)++)\s*"
-_HEADER = re.compile(r"\s*\[\[?" + _DOTTED + r"\]")
-_KEY = re.compile(_DOTTED + "=")
-#: What decides where an entry of a list ends; strings and comments pass as a whole.
-_MARK = re.compile(
-    r"#[^\n]*|\"\"\"(?s:.*?)\"\"\"|'''(?s:.*?)'''|\"(?:[^\"\\\n]|\\.)*+\"|'[^'\n]*+'|[][{},]"
-)
-_BLANK = re.compile(r"(?:\s|#[^\n]*)*+")
+#: Keys of tables and numbers of entries, from the top of a text.
+Path: TypeAlias = tuple[str | int, ...]
+_LANGUAGE = Language(tree_sitter_toml.language())
+_TABLES = ("table", "table_array_element")
 #: No key of ours has more parts.
 _DEEPEST = 4
-#: Lines behind the start of a table in which a key of it is looked for.
-_FAR = 200
+#: One escape of a key in double quotes.
+_ESCAPE = re.compile(r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))")
+_CONTROL = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
 
 
 class Places:
-    """Places are found by looking for keys line by line; the text is known to be TOML."""
+    """Places are found when they are asked for; the text is known to be TOML."""
 
     def __init__(self, text: str, path: str) -> None:
-        """Index the headers and keys that begin a line."""
-        self._text, self._path = text, path
-        self._lines = text.split("\n")
-        self._starts = [0]
-        for line in self._lines:
-            self._starts.append(self._starts[-1] + len(line) + 1)
-        self._stands: dict[tuple[str, ...], tuple[int, int]] = {}
-        #: The lines of each header that stands several times.
-        self._headers: dict[tuple[str, ...], list[int]] = {}
-        under: tuple[str, ...] = ()
-        for number, line in enumerate(self._lines):
-            match = _HEADER.match(line) or _KEY.match(line)
-            if match is None:
-                continue
-            parts = list(_PART.finditer(match[1]))[:_DEEPEST]
-            keys = tuple(part[1] or part[2] or part[3] or "" for part in parts)
-            if match.re is _HEADER:
-                under = ()
-                self._headers.setdefault(keys, []).append(number)
-            for count, part in enumerate(parts, 1):
-                column = match.start(1) + part.start() + 1
-                self._stands.setdefault((*under, *keys[:count]), (number, column))
-            if match.re is _HEADER:
-                under = keys
+        """Read the text; of its tables only the headers and the keys."""
+        self._lines, self._path = text.split("\n"), path
+        self._stands: dict[Path, Node] = {}
+        #: Values that were not looked into yet.
+        self._closed: dict[Path, Node] = {}
+        #: How many tables each header in double brackets has begun.
+        self._begun: dict[Path, int] = {}
+        root = Parser(_LANGUAGE).parse(text.encode()).root_node
+        self._pairs(root, ())
+        for table in root.named_children:
+            if table.type in _TABLES:
+                self._table(table)
 
-    def of(self, key: str, under: tuple[str, ...], entry: int | None = None) -> Span:
-        """Return where a key stands; one of an inline table is looked for behind the table.
+    def of(self, *path: str | int) -> Span:
+        """Return where a key stands, or an entry of a list; else what it would be in."""
+        for count in range(len(path), 0, -1):
+            if self._open(path[:count]):
+                return self._span(self._stands[path[:count]])
+        return point(self._path, 1, 1)
 
-        With `entry`, `under` is a list, and the key is one of its table with that index.
-        """
-        written = re.compile(rf"(?<![\w-])[\"']?{re.escape(key)}[\"']?\s*(?==|\]|\.)")
-        if entry is not None:
-            begin, end = self._entry(under, entry)
-            match = written.search(self._text, begin, end)
-            return self._point(match.start() if match else begin)
-        wanted = (*under, key)
-        if wanted in self._stands:
-            number, column = self._stands[wanted]
-            return point(self._path, number + 1, column)
-        outer = (wanted[:count] for count in range(len(wanted) - 1, 0, -1))
-        start = next((self._stands[keys][0] for keys in outer if keys in self._stands), 0)
-        for number, line in enumerate(self._lines[start : start + _FAR], start + 1):
-            match = written.search(line)
-            if match:
-                return point(self._path, number, match.start() + 1)
-        return point(self._path, start + 1, 1)
+    def _open(self, path: Path) -> bool:
+        """Return whether a path stands in the text, when all that it is in has been read."""
+        for count in range(1, len(path)):
+            value = self._closed.pop(path[:count], None)
+            if value is not None:
+                self._value(value, path[:count])
+        return path in self._stands
 
-    def of_entry(self, under: tuple[str, ...], number: int) -> Span:
-        """Return where an entry of a list stands."""
-        return self._point(self._entry(under, number)[0])
+    def _value(self, value: Node, under: Path) -> None:
+        if value.type == "inline_table":
+            self._pairs(value, under)
+        entries = value.named_children if value.type == "array" else ()
+        for number, entry in enumerate(each for each in entries if each.type != "comment"):
+            self._stands[*under, number] = self._closed[*under, number] = entry
 
-    def _entry(self, under: tuple[str, ...], number: int) -> tuple[int, int]:
-        """Return the stretch of a list's entry, be it in brackets or a table with a header."""
-        headers = self._headers.get(under, ())
-        if number < len(headers):
-            later = (line for lines in self._headers.values() for line in lines)
-            end = min((line for line in later if line > headers[number]), default=len(self._lines))
-            return self._starts[headers[number]], self._starts[end]
-        place = self.of(under[-1], under[:-1])
-        begin = self._starts[place.line - 1] + place.column - 1
-        for count, stretch in enumerate(self._inside(self._text.find("[", begin))):
-            if count == number:
-                return stretch
-        return begin, len(self._text)
+    def _pairs(self, table: Node, under: Path) -> None:
+        for pair in table.named_children:
+            if pair.type == "pair":
+                key, value, *_ = pair.named_children  # a comment may follow
+                self._closed[self._keys(key, under)] = value
 
-    def _inside(self, opened: int) -> Iterator[tuple[int, int]]:
-        """Yield the stretches of what stands in the bracket that is opened there."""
-        depth, begin = 0, opened + 1
-        for mark in _MARK.finditer(self._text, opened):
-            if mark[0] in "[{":
-                depth += 1
-            elif mark[0] in "]}":
-                depth -= 1
-            if depth == 0 or (depth == 1 and mark[0] == ","):
-                blank = _BLANK.match(self._text, begin)
-                yield blank.end() if blank else begin, mark.start()
-                begin = mark.end()
-            if depth == 0:
-                return
+    def _table(self, table: Node) -> None:
+        """Read a table with a header, which may be one more of its name."""
+        under = self._keys(table.named_children[0], ())
+        if table.type == "table_array_element":
+            number = self._begun[under] = self._begun.get(under, -1) + 1
+            under = (*under, number)
+            self._stands[under] = table
+        self._pairs(table, under)
 
-    def _point(self, offset: int) -> Span:
-        line = self._text.count("\n", 0, offset)
-        return point(self._path, line + 1, offset - self._starts[line] + 1)
+    def _keys(self, written: Node, under: Path) -> Path:
+        """Return the path of a key below a table, each part of it noted where it first stands."""
+        path = under
+        for part in _parts(written):
+            # What is below a name of several tables is in the last of them.
+            path = (*path, self._begun[path]) if path in self._begun else path
+            path = (*path, _meant(part))
+            self._stands.setdefault(path, part)
+        return path
+
+    def _span(self, node: Node) -> Span:
+        """Return a node's place; the column counts characters, where the node counts bytes."""
+        line, column = node.start_point
+        before = self._lines[line].encode()[:column].decode()
+        return point(self._path, line + 1, len(before) + 1)
+
+
+def _parts(key: Node) -> Iterable[Node]:
+    """Return the first parts of a key, whose node holds all but the last in another node."""
+    found: list[Node] = []
+    while key.type == "dotted_key":
+        rest, *last = key.named_children
+        found += reversed(last)
+        key = rest
+    return [key, *reversed(found)][:_DEEPEST]
+
+
+def _meant(part: Node) -> str:
+    """Return what a part of a key means."""
+    text = (part.text or b"").decode()
+    if part.type != "quoted_key":
+        return text
+    return text[1:-1] if text[0] == "'" else _ESCAPE.sub(_unescaped, text[1:-1])
+
+
+def _unescaped(match: re.Match[str]) -> str:
+    code = match[1] or match[2]
+    return chr(int(code, 16)) if code else _CONTROL.get(match[3], match[3])

@@ -68,8 +68,8 @@ def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
     told = {d.span.line: d.message for d in found}
     assert told[4] == "`start` is not `[forward, side, heading]`"
     assert told[8] == "an entry of `walls` is not a list of points `[forward, side]`"
-    assert told[20] == "`moving` without `to`"
-    assert told[28] == "`reach` without `at`"
+    assert told[20] == "`moving` has no `to`"
+    assert told[28] == "`reach` has no `at`"
 
 
 @pytest.mark.parametrize("key", ["a", '"a b"', "'a.b'"])

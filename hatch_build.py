@@ -1,0 +1,76 @@
+"""Makes what would be dear to make at each start: tables of the grammar and of our own rules.
+
+A wheel carries them; an editable installation has them beside the sources, where `python
+hatch_build.py` makes them anew. They hold what explanations make of two robots that have something
+of all that rules can be given.
+"""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+ROOT = Path(__file__).parent
+BESIDE = ROOT / "mars_asp" / "__tables__"
+
+
+class TablesHook(BuildHookInterface[Any]):
+    """Adds the tables to wheels; for an editable installation they stand beside the sources."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Make the tables."""
+        if self.target_name != "wheel":
+            return
+        if version == "editable":
+            write(BESIDE)
+            return
+        folder = Path(mkdtemp())
+        write(folder)
+        for path in folder.iterdir():
+            build_data["force_include"][str(path)] = f"mars_asp/__tables__/{path.name}"
+
+
+def write(folder: Path) -> None:
+    """Write the tables into a folder, and nothing else."""
+    made = dict(tables())
+    folder.mkdir(exist_ok=True)
+    for path in folder.iterdir():
+        path.unlink()
+    for name, content in made.items():
+        (folder / name).write_bytes(content)
+
+
+def tables() -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the file of each table."""
+    sys.path.insert(0, str(ROOT))
+    from mars_asp.asp import cache
+    from mars_asp.asp.rules.computed import computations
+    from mars_asp.asp.rules.statements import constants_of, statements_of
+    from mars_asp.asp.slice.reach import outlines_of
+    from mars_asp.reasoning.questions.explain import explain
+    from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
+    from mars_asp.reasoning.sample import samples
+    from mars_asp.reasoning.session import Reasoner
+
+    cache.forget(BESIDE / "none")
+    texts = [rule.text for rule in load_rulebook(stages=STAGES).rules]
+    for make in (statements_of, outlines_of, constants_of, computations):
+        make(texts)
+    seal()
+    rulebook = load_rulebook()
+    for project in samples():
+        # What of a rule is open differs between what is explained alone and with all else.
+        consequences = explain(Reasoner(project, rulebook), only="consequences").topics
+        synthesis = explain(Reasoner(project, rulebook)).synthesis
+        nodes = synthesis.specification.nodes if synthesis is not None else ()
+        subjects = [topic.title for topic in consequences] + [node.name for node in nodes]
+        for subject in subjects:
+            explain(Reasoner(project, rulebook), subject)
+    yield from cache.written()
+
+
+if __name__ == "__main__":
+    write(BESIDE)

@@ -1,0 +1,131 @@
+"""The JSON Schema of scenarios: what is printed, what editors do with it, and what we say of it."""
+
+import json
+import tomllib
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jsonschema_rs import Draft4Validator
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
+from mars_asp.execution.scenario.read import read_scenario
+from mars_asp.execution.scenario.schema import SCHEMA, mistakes
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from tests.support.documents import ROOT
+from tests.support.trials import BASE
+
+DOCUMENT = ROOT / "docs" / "scenario.schema.json"
+SCENARIOS = sorted(ROOT.glob("examples/*/*.toml"))
+GOOD: dict[str, Any] = {"duration": 3, "robot": {"module": "P"}}
+
+
+def test_the_document_is_what_is_printed(
+    capsys: pytest.CaptureFixture[str], update_golden: bool
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        run_here(["run", "--schema"])
+    assert not ended.value.code
+    printed = capsys.readouterr().out
+    if update_golden:
+        DOCUMENT.write_text(printed, encoding="utf-8")
+    assert DOCUMENT.read_text(encoding="utf-8") == printed
+
+
+@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_examples_are_as_the_schema_says(path: Path) -> None:
+    schema = json.loads(DOCUMENT.read_text(encoding="utf-8"))
+    Draft4Validator(schema).validate(tomllib.loads(path.read_text(encoding="utf-8")))
+
+
+def test_every_key_is_explained() -> None:
+    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    functions = {*MOTION_FUNCTIONS, GRASP}
+    assert [key for key in keys(SCHEMA) if f"{key}" not in text and key not in functions] == []
+
+
+def keys(schema: dict[str, Any]) -> list[str]:
+    found: list[str] = []
+    for key, value in schema.get("properties", {}).items():
+        found += [key, *keys(value)]
+    for inner in (schema.get("items"), schema.get("additionalProperties")):
+        found += keys(inner) if isinstance(inner, dict) else []
+    return found
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told", "help_text"),
+    [
+        ("seed = 1.0", "`seed` is no int", None),
+        ("duration = 1979-05-27", "`duration` is no int or float", None),
+        ("up = 07:32:00", "`up` is no string", None),
+        ("robot = 3", "`robot` is no table", None),
+        ("world.walls = 3", "`walls` is no list", None),
+        ("robot.module = true", "`module` is no string", None),
+        ("requirements.no_collision = 1", "`no_collision` is no boolean", None),
+        ("world.circles = [[0, 0, -inf]]", "an entry of `circles` is not", None),
+        ("robot.start = [0, nan, 0]", "`nan` is no number for `start`", "from -1e+09 to 1e+09"),
+        ("devices.D = { kind = 'sonor' }", "`sonor` is no `kind`", "did you mean `sonar`?"),
+        ("devices.D.kind = 'joint'\ndevices.D.low = nan", "`nan` is no number", "from -inf to inf"),
+        ("devices.D = {}", "`D` has no `kind`", "one of sonar, lidar"),
+        ("devices.D = [1]", "`D` is no table", None),
+        ("devices = 3", "`devices` is no table", None),
+        ("faults.C = { kind = 'late', until = -1 }", "`-1` is no number", "from 0 to inf"),
+    ],
+)
+def test_what_is_wrong_is_told(wrong: str, told: str, help_text: str | None) -> None:
+    key = wrong.split(" =", maxsplit=1)[0].split(".", maxsplit=1)[0]
+    rest = [line for line in ("duration = 3", 'robot.module = "P"') if not line.startswith(key)]
+    if wrong.startswith("robot.start"):
+        rest.append('robot.module = "P"')
+    with pytest.raises(MarsError) as raised:
+        read_scenario("\n".join([wrong, *rest]), Path("s.toml"))
+    (found,) = raised.value.diagnostics
+    assert found.message.startswith(told)
+    assert (found.help or "").startswith(help_text or "")
+    assert found.span.line in (1, 2)
+
+
+def test_of_one_form_several_wrong_parts_are_told_once() -> None:
+    (found,) = mistakes({**GOOD, "world": {"walls": [[["a", "b"], ["c"]]]}})
+    assert found.path == ("world", "walls", 0)
+
+
+VALUES = st.recursive(
+    st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.sampled_from(["P", "sonar", "late", "Trans_Z", "y"])
+    | st.just(date(2026, 1, 1)),
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(st.sampled_from([*dict.fromkeys(keys(SCHEMA)), "x"]), inner, max_size=4)
+    ),
+    max_leaves=12,
+)
+
+
+@given(st.dictionaries(st.sampled_from([*SCHEMA["properties"], "x"]), VALUES, max_size=4))
+@settings(max_examples=300, deadline=None)
+def test_whatever_stands_in_a_scenario_is_told_or_is_as_the_schema_says(
+    tables: dict[str, Any],
+) -> None:
+    told = list(mistakes({**GOOD, **tables}))
+    assert len(set(told)) == len(told)
+    for mistake in told:
+        assert "None" not in mistake.message
+    if not told:
+        Draft4Validator(SCHEMA).validate({**GOOD, **tables})
+
+
+@pytest.mark.parametrize("depth", [80, 200, 300, 400])
+def test_depth_is_told(depth: int) -> None:
+    text = f"{BASE}[world]\nwalls = {'[' * depth}{']' * depth}\n"
+    with pytest.raises(MarsError) as raised:
+        read_scenario(text, Path("s.toml"))
+    (found,) = raised.value.diagnostics
+    assert "walls" in found.message or "too deep" in found.message
