@@ -52,7 +52,7 @@ FILES = {
     ),
     "reasoning/facts": "identifiers compile vocabulary index motion",
     "reasoning/synthesis": (
-        "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "
+        "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
     ),
     "reasoning/questions": (

@@ -24,12 +24,15 @@ BASE = "what follows from a configuration: its consequences, each with its reaso
 #: The stages behind the base by the names of their folders, and what each is for.
 STAGES: Mapping[str, str] = {
     "resolve": "which nodes and lines the cheapest specification has, and what each is there for",
+    "specify": "what a resolution means: its nodes, the lines between them, and what each states",
     "verify": "whether a specification realises its configuration, clause by clause",
     "cost": "what a specification costs as it is written",
     "run": "what must hold while a specification runs, and what a scenario asks for",
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
 }
+#: Of a stage, the one that reads what it decides, and without which nobody asks for it.
+FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
 
 
 class _File(NamedTuple):
@@ -61,14 +64,16 @@ def load_rulebook(
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
-    The holes of the built-in messages are checked only when `strict`: the tests have done so.
+    The stage that follows one of them is read, too. The holes of the built-in messages are checked
+    only when `strict`: the tests have done so.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
             packs that derive or mean what is not theirs.
     """
     problems: list[Diagnostic] = []
-    own = _built_in(stages, strict, problems)
+    following = (FOLLOWING[stage] for stage in stages if stage in FOLLOWING)
+    own = _built_in(tuple(dict.fromkeys((*stages, *following))), strict, problems)
     packs: list[RuleFile] = []
     for path in pack_files(extra, problems):
         found = read_file(path, str(path), "base", problems, True)

@@ -1,6 +1,6 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.annotations.representations import canonical_names
@@ -89,7 +89,7 @@ def judge_specification(
     if rulebook.packs:
         rulebook, grounding = rulebook.built_in, None
     judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
-    facts = facts_text(specification_facts(specification, project, _judged(rulebook)))
+    facts = facts_text(specification_facts(specification, project, rulebook))
     text = f"{rulebook.text('verify')}\n{joined(saying(_STAGE, judges))}\n{facts}"
     if grounding is None:
         given = Fragment(facts_text(project_facts(project)), "facts")
@@ -140,13 +140,13 @@ def _judged(rulebook: Rulebook) -> frozenset[str]:
 
 
 def specification_facts(
-    specification: Configuration, project: Project, judged: Set[str]
+    specification: Configuration, project: Project, rulebook: Rulebook
 ) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
 
-    Of what configurations give, too, they are those of the predicates that are `judged`.
+    Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
     """
-    for fact in configuration_facts(specification, wanted=judged):
+    for fact in configuration_facts(specification, wanted=_judged(rulebook)):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)

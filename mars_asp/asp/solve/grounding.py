@@ -52,22 +52,25 @@ class Answer:
     decided: tuple[int, ...]
 
     @cached_property
-    def shown(self) -> tuple[clingo.Symbol, ...]:
-        """Return the true atoms that these rules show, facts among them."""
-        with self._model() as model:
-            return tuple(
-                as_symbol(atom)
-                for atom, literal, is_fact in self.grounding.shown_atoms()
-                if is_fact or model.is_true(literal)
-            )
-
-    @cached_property
     def true(self) -> Mapping[Signature, Sequence[Term]]:
         """Return the true atoms of each predicate of which not all are facts."""
         with self._model() as model:
             return {
                 signature: [a for a, literal, is_fact in atoms if is_fact or model.is_true(literal)]
                 for signature, atoms in self.grounding.open_predicates()
+            }
+
+    def true_of(self, predicates: Iterable[Signature]) -> Mapping[Signature, Sequence[Term]]:
+        """Return the true atoms of some predicates, facts among them."""
+        control = self.grounding.control
+        with self._model() as model:
+            return {
+                signature: [
+                    atom
+                    for atom, literal, is_fact in labelled(control, *signature)
+                    if is_fact or model.is_true(literal)
+                ]
+                for signature in predicates
             }
 
     def count(self, predicate: Signature) -> int:
@@ -160,7 +163,6 @@ class Grounding:
         self.parts: list[Part] = []
         self._program = Recorded()
         self._names: dict[int, Term] = {}
-        self._shown: list[tuple[str, str]] = []
         self._steps = 0
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
@@ -244,7 +246,6 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
-        self._shown = _SHOWN.findall(rules)
         self.add([Fragment(_SHOWN.sub("", rules), "rules")])
         self._names = {
             literal: atom
@@ -321,11 +322,6 @@ class Grounding:
     def facts(self) -> frozenset[int]:
         """Return what is a fact in spite of all choices, by its numbers in the ground program."""
         return frozenset(self._program.facts)
-
-    def shown_atoms(self) -> Iterator[Labelled]:
-        """Yield the atoms of the predicates that rules that choose show."""
-        for name, arity in self._shown:
-            yield from labelled(self.control, name, int(arity), True)
 
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         """Yield the predicates that the rules leave open, at least in part, and their atoms."""

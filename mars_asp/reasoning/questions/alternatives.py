@@ -27,7 +27,7 @@ from mars_asp.language.print import print_configuration
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Specification, specify
+from mars_asp.reasoning.synthesis import Derived, Specification, specify
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, Synthesis
 from mars_asp.spelling import nearest
 
@@ -154,7 +154,8 @@ class _Search:
             kept.difference_update(choice.part.decided(choice.part.best))
         changed = [atom for choice in chosen for atom in choice.part.decided(choice.other)]
         answer = Answer(self.analysis.grounding, (*kept, *changed))
-        specification = specify(self.project.configuration, self.project.modules, answer.shown)
+        derived = Derived(self.rulebook, answer)
+        specification = specify(self.project.configuration, self.project.modules, derived)
         changes = list(difflib.ndiff(own, _lines(specification)))
         return Alternative(
             dict(zip(_LEVELS, extra, strict=True)),

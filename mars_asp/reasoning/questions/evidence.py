@@ -22,6 +22,7 @@ from mars_asp.asp.solve.atoms import Fact
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
+from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
 
 #: A rule and its outlines.
@@ -89,7 +90,8 @@ def slice_for_resolution(
     if rulebook.packs:
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
-    resolving = tuple(rule for rule in rulebook.rules if rule.stage == "resolve")
+    stages = ("resolve", FOLLOWING["resolve"])
+    resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
     read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
     behind: dict[str, Rule] = {}
     new = resolving
@@ -107,7 +109,7 @@ def slice_for_resolution(
     rules = tuple(rule for rule in base if rule.text in behind)
     texts = (
         ("base", "\n".join(rule.text for rule in rules)),
-        ("resolve", rulebook.text("resolve")),
+        *((stage, rulebook.text(stage)) for stage in stages),
     )
     facts = tuple(facts_of({each.name for each in read}))
     declared = (rulebook.declared_in("base"),)

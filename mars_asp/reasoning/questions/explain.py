@@ -112,8 +112,8 @@ def _explain_whole(
         asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
     if synthesis is not None:
         titles = [_node_title(node, synthesis.specification) for node in nodes]
-        terms = [clingo.parse_term(node.term) for node in nodes]
-        asked += zip(titles, terms, strict=True)
+        atoms = (_node_atom(node, analysis, synthesis) for node in nodes)
+        asked += zip(titles, atoms, strict=True)
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
@@ -230,6 +230,15 @@ def _nodes(
     return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
 
 
+def _node_atom(node: Node, analysis: Analysis, synthesis: Synthesis) -> clingo.Symbol:
+    """Return what decides that there is a node: the atom by which it is called, if it is one."""
+    term = clingo.parse_term(node.term)
+    if analysis.grounding.control.symbolic_atoms[term] is not None:
+        return term
+    synthesis.derived.hand_to(analysis.grounding)
+    return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
+
+
 def _node_title(node: Node, introduced: Introduced) -> str:
     resolves = introduced.resolves[node.name]
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
@@ -251,6 +260,9 @@ def _asked_atom(
     symbol = symbol_in(quoted(subject, names))
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
+        derived = frozenset() if synthesis is None else synthesis.derived.predicates
+        if synthesis is not None and signature_of(symbol) in derived:
+            synthesis.derived.hand_to(analysis.grounding)
         atom = analysis.grounding.control.symbolic_atoms[symbol]
         if synthesis is None and is_resolved(rulebook, signature_of(symbol)):
             raise _unrealised(subject, project)

@@ -99,7 +99,12 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         assert synthesis is not None
         pattern = _node_term(subject, project, synthesis)
     resolution = None if synthesis is None else synthesis.resolution
-    explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
+    if synthesis is not None and signature_of(pattern) in synthesis.derived.predicates:
+        # It follows from the answer that was found; nobody looks for another one.
+        synthesis.derived.hand_to(analysis.grounding)
+        explainer, choosable = reasoner.resolution_explainer, False
+    else:
+        explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
     taken = frozenset() if resolution is None else resolution.taken
@@ -110,7 +115,7 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     shown = shown_pattern(pattern)
     trace = _of_named_kind(absence.why_not(explainer, pattern, depth), pattern)
     offered, extra = None, None
-    if synthesis is not None:
+    if synthesis is not None and choosable:
         offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
     return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
 
