@@ -14,6 +14,7 @@ from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.rules import load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -78,7 +79,8 @@ class Judgement:
         What was observed has no line: rules put it in words.
         """
         placed = (fact for fact in self.facts if fact.span != OBSERVED)
-        given = GivenFacts(placed, self.rulebook.declarations)
+        declared = given_in(self.rulebook, "base")
+        given = GivenFacts(placed, {each.signature: each.origin for each in declared})
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
         traces = explainer.why(dict.fromkeys(c.atom for c in found))
@@ -90,7 +92,8 @@ def run_rulebook() -> Rulebook:
     every = load_rulebook(stages=("run",))
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
     texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
-    return Rulebook(rules, texts, declared=(every.declared_in("run"),))
+    documented = (file._replace(stage="base") for file in every.documented if file.stage == "run")
+    return Rulebook(rules, texts, documented=tuple(documented))
 
 
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:

@@ -19,7 +19,7 @@ CONSEQUENCE = Signature("consequence", 4)
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:
     """Return the kinds of consequence that a rule names; `None` where it can derive any."""
-    return rule.firsts.get(CONSEQUENCE, frozenset())
+    return rule.firsts.get(CONSEQUENCE) if CONSEQUENCE in rule.heads else frozenset()
 
 
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:

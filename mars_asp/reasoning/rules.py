@@ -1,14 +1,13 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import digest, made_of
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rule import Rule
@@ -48,7 +47,7 @@ class _Read(NamedTuple):
 
     text: str
     rules: tuple[Rule, ...]
-    declared: tuple[Declaration, ...]
+    documented: Documented
     problems: tuple[Diagnostic, ...]
 
 
@@ -96,7 +95,7 @@ def load_rulebook(
         len(packs),
         len(rules),
         (*own.paths, *(pack.shown for pack in packs)),
-        (*own.declared, *(pack.declared for pack in packs)),
+        (*own.documented, *(pack.documented for pack in packs)),
     )
 
 
@@ -111,7 +110,7 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
         tuple(rule for _, each in whole for rule in each.rules),
         tuple((file.stage, each.text) for file, each in whole),
         paths=tuple(file.shown for file, _ in whole),
-        declared=tuple(each.declared for _, each in whole),
+        documented=tuple(each.documented for _, each in whole),
     )
 
 
@@ -132,7 +131,7 @@ def seal() -> Seal:
         own, names = named[each.text]
         given.update((signature, file.stage) for signature in own if signature not in given)
         constants |= names
-        extensible |= {known.signature for known in each.declared if known.extensible}
+        extensible |= {one.signature for one in each.documented.declarations if one.extensible}
     return Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
 
 
@@ -144,7 +143,7 @@ def _made(files: Iterable[_File]) -> list[_Read]:
 
 def _digest(path: Path) -> bytes:
     try:
-        return sha256(path.read_bytes()).digest()
+        return digest(path.read_bytes())
     except OSError:  # the reader says why
         return b""
 
@@ -153,8 +152,8 @@ def _read(file: _File, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
     read = read_file(*file, problems, strict)
     if read is None:
-        return _Read("", (), (), tuple(problems))
-    return _Read(read.text, read.rules, read.declared, ())
+        return _Read("", (), Documented(file.stage, file.shown, ()), tuple(problems))
+    return _Read(read.text, read.rules, read.documented, ())
 
 
 def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:

@@ -18,6 +18,7 @@ from mars_asp.reasoning.facts.compile import (
     facts_text,
     representation_names,
 )
+from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
@@ -133,8 +134,8 @@ def written_cost(
 
 def _judged(rulebook: Rulebook) -> frozenset[str]:
     """Return the predicates of a configuration of which a specification gives facts, too."""
-    base = {each.signature for each in rulebook.declared_in("base")}
-    judged = (each.signature for each in rulebook.declared_in("verify"))
+    base = {each.signature for each in given_in(rulebook, "base")}
+    judged = (each.signature for each in given_in(rulebook, "verify"))
     given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
     return frozenset(each.name for each in given if each in base)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.cli import run_here
@@ -172,9 +173,9 @@ def test_a_rule_of_a_pack_that_has_no_value_in_a_case_is_told_where_it_stands(
 def forged(text: str) -> Rulebook:
     """Return a rulebook with a pack that passed no gate."""
     book = load_rulebook(stages=("resolve", "verify"))
-    return Rulebook(
-        book.rules, (*book.texts, ("base", text)), 1, 0, (*book.paths, "forged.lp"), book.declared
-    )
+    texts, paths = (*book.texts, ("base", text)), (*book.paths, "forged.lp")
+    documented = (*book.documented, Documented("base", "forged.lp", ()))
+    return Rulebook(book.rules, texts, 1, 0, paths, documented)
 
 
 def test_a_synthesis_is_judged_without_packs(

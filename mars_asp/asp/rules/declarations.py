@@ -25,13 +25,14 @@ from mars_asp.spelling import nearest
 #: Who says that a fact holds: the user, a method outside of the rules, or a run.
 Origin: TypeAlias = Literal["stated", "computed", "observed"]
 
-_MARK = re.compile(r"%\*!(.*)\*%", re.DOTALL)
-_HEADER = re.compile(r"\s*(-?[a-z_][A-Za-z0-9_']*)\s*(?:\((.*)\))?\s*", re.DOTALL)
+# Most commands declare nothing, so these are compiled when they are wanted.
+_MARK = r"(?s)%\*!(.*)\*%"
+_HEADER = r"(?s)\s*(-?[a-z_][A-Za-z0-9_']*)\s*(?:\((.*)\))?\s*"
 #: A variable, or a term with some inside, and its sort.
-_ARGUMENT = re.compile(r"([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?", re.DOTALL)
-_SORT = re.compile(r"[a-z][a-z_]*")
-_CONSTANTS = re.compile(r"\{([^{}]*)\}")
-_LINE = re.compile(r"([a-z]+):\s+(.*)")
+_ARGUMENT = r"(?s)([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?"
+_SORT = r"[a-z][a-z_]*"
+_CONSTANTS = r"\{([^{}]*)\}"
+_LINE = r"([a-z]+):\s+(.*)"
 #: The keys of the lines behind the words, and what each can say.
 _SAID: Mapping[str, tuple[str, ...]] = {
     "from": get_args(Origin),
@@ -46,6 +47,27 @@ class Argument(NamedTuple):
     name: str
     sorts: frozenset[str] = frozenset()
     constants: tuple[str, ...] = ()
+
+
+class Docstring(NamedTuple):
+    """A comment that declares a predicate, and where it begins."""
+
+    text: str
+    line: int
+    column: int
+
+
+class Documented(NamedTuple):
+    """A file's comments that declare predicates; its stage, and its path as it is shown."""
+
+    stage: str
+    path: str
+    docstrings: tuple[Docstring, ...]
+
+    @property
+    def declarations(self) -> "Iterator[Declaration]":
+        """Yield what they declare; what is wrong with them was noted as they were read."""
+        return declarations(self.docstrings, self.path, [])
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,17 +100,21 @@ class Declaration:
         return tuple(at for at, each in enumerate(self.arguments) if each.sorts & asked)
 
 
+def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:
+    """Yield the comments of a file that declare predicates."""
+    for piece in written:
+        if piece.sort == "comment" and re.fullmatch(_MARK, piece.text):
+            yield Docstring(piece.text, *piece.begin)
+
+
 def declarations(
-    written: Iterable[Piece], shown: str, problems: list[Diagnostic]
+    found_in: Iterable[Docstring], shown: str, problems: list[Diagnostic]
 ) -> Iterator[Declaration]:
     """Yield what the comments of a file declare, each predicate once; note what is wrong."""
     first: dict[Signature, Span] = {}
-    for piece in written:
-        match = _MARK.fullmatch(piece.text) if piece.sort == "comment" else None
-        if match is None:
-            continue
-        place = point(shown, *piece.begin)
-        found = _declaration(match[1], place, problems)
+    for text, line, column in found_in:
+        place = point(shown, line, column)
+        found = _declaration(text.removeprefix("%*!").removesuffix("*%"), place, problems)
         if found is None:
             continue
         earlier = first.setdefault(found.signature, place)
@@ -106,7 +132,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     while header.count("(") > header.count(")") and rest:
         more, _, rest = rest.partition("\n")
         header = f"{header}\n{more}"
-    match = _HEADER.fullmatch(header)
+    match = re.fullmatch(_HEADER, header)
     if match is None:
         message = f"`{' '.join(header.split())}` is no predicate with its arguments"
         problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
@@ -134,18 +160,18 @@ def _split(written: str) -> Iterator[str]:
 
 def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument | None:
     text = " ".join(written.split())
-    match = _ARGUMENT.fullmatch(text)
+    match = re.fullmatch(_ARGUMENT, text)
     if match is None:
         message = f"`{text}` is no argument of a documented predicate"
         problems.append(_problem(message, place, "write a variable, or `Variable: sort`"))
         return None
     if match[2] is None:
         return Argument(match[1])
-    constants = _CONSTANTS.fullmatch(match[2])
+    constants = re.fullmatch(_CONSTANTS, match[2])
     if constants:
         return Argument(match[1], constants=tuple(c.strip() for c in constants[1].split(",")))
     sorts = [each.strip() for each in match[2].split("|")]
-    wrong = [each for each in sorts if not _SORT.fullmatch(each)]
+    wrong = [each for each in sorts if not re.fullmatch(_SORT, each)]
     if wrong:
         advice = "write a word in small letters, several with `|`, or `{constants}`"
         problems.append(_problem(f"`{wrong[0]}` is no sort", place, advice))
@@ -157,7 +183,7 @@ def _lines(text: str, place: Span, problems: list[Diagnostic]) -> tuple[str, dic
     """Return the words for readers, and what the lines behind them say by their keys."""
     lines = text.rstrip().split("\n")
     said: dict[str, str] = {}
-    while lines and (match := _LINE.fullmatch(lines[-1].strip())):
+    while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
         key, value = match[1], match[2].strip()
         near_key = key if key in _SAID else nearest(key, _SAID)
         if near_key is None:

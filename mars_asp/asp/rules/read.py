@@ -19,7 +19,7 @@ from mars_asp.asp.rules.checks import (
     reserved_heads,
     unknown_predicates,
 )
-from mars_asp.asp.rules.declarations import Declaration, declarations
+from mars_asp.asp.rules.declarations import Docstring, Documented, declarations, docstrings
 from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
@@ -36,7 +36,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 class RuleFile(NamedTuple):
     """A file of rules: its path as it is shown, its stage, and its text.
 
-    Besides them what the text is made of, its rules, and the predicates that it declares.
+    Besides them what the text is made of, its rules, and the comments that declare predicates.
     """
 
     shown: str
@@ -44,7 +44,12 @@ class RuleFile(NamedTuple):
     text: str
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
-    declared: tuple[Declaration, ...] = ()
+    docstrings: tuple[Docstring, ...] = ()
+
+    @property
+    def documented(self) -> Documented:
+        """Return what it declares of predicates."""
+        return Documented(self.stage, self.shown, self.docstrings)
 
     @property
     def name(self) -> str:
@@ -127,8 +132,10 @@ def _rule_file(
     rules = tuple(rules_of(written, shown, stage, problems))
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
-    declared = tuple(declarations(written, shown, problems))
-    return RuleFile(shown, stage, text, written, rules, declared)
+    found = tuple(docstrings(written))
+    for _ in declarations(found, shown, problems):
+        pass
+    return RuleFile(shown, stage, text, written, rules, found)
 
 
 def wrong_packs(

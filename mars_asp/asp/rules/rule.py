@@ -62,10 +62,10 @@ class Rule:
         return any(statement.offers for statement in self.statements)
 
     @cached_property
-    def firsts(self) -> Mapping[Signature, frozenset[str] | None]:
+    def firsts(self) -> Mapping[Signature, frozenset[str]]:
         """Return, by the predicates of its head, the constants that their first arguments are.
 
-        `None` where one can be anything.
+        Predicates of which one can be anything are left out.
         """
         found: dict[Signature, set[str | None]] = {}
         for statement in self.statements:
@@ -74,8 +74,9 @@ class Rule:
                 first = literal.terms[0].constant if literal.terms else None
                 found.setdefault(literal.signature, set()).add(first)
         return {
-            signature: None if None in firsts else frozenset(filter(None, firsts))
+            signature: frozenset(filter(None, firsts))
             for signature, firsts in found.items()
+            if None not in firsts
         }
 
     def __getstate__(self) -> dict[str, object]:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, repeat
+from itertools import repeat
 from typing import TypeAlias
 
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
-from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.declarations import Declaration, Documented
 from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import replaced
@@ -25,7 +25,7 @@ class Rulebook:
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
     `packs` texts and `pack_rules` rules, all of the base, are from elsewhere. `paths` are those of
-    the texts, as they are shown, and `declared` what each of them declares of predicates.
+    the texts, as they are shown. `documented` says of each what it declares of predicates.
     """
 
     rules: tuple[Rule, ...]
@@ -33,7 +33,7 @@ class Rulebook:
     packs: int = 0
     pack_rules: int = 0
     paths: tuple[str, ...] = ()
-    declared: tuple[tuple[Declaration, ...], ...] = ()
+    documented: tuple[Documented, ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -63,20 +63,21 @@ class Rulebook:
             return self
         rules = self.rules[: len(self.rules) - self.pack_rules]
         texts, paths = self.texts[: -self.packs], self.paths[: -self.packs]
-        return Rulebook(rules, texts, paths=paths, declared=self.declared[: len(texts)])
+        return Rulebook(rules, texts, paths=paths, documented=self.documented[: -self.packs])
 
     @cached_property
     def declarations(self) -> Mapping[Signature, Declaration]:
         """Return what is declared of predicates; packs say nothing of those that are not theirs."""
         found: dict[Signature, Declaration] = {}
-        for each in chain.from_iterable(self.declared):
-            found.setdefault(each.signature, each)
+        for file in self.documented:
+            for each in file.declarations:
+                found.setdefault(each.signature, each)
         return found
 
     def declared_in(self, stage: str) -> tuple[Declaration, ...]:
         """Return what the texts of one stage declare of predicates."""
-        found = zip(self.texts, self.declared, strict=False)
-        return tuple(each for (at, _), declared in found if at == stage for each in declared)
+        files = (file for file in self.documented if file.stage == stage)
+        return tuple(each for file in files for each in file.declarations)
 
     @cached_property
     def asked(self) -> tuple[Asked, ...]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Set
 from types import MappingProxyType
 
-from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.declarations import Origin
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
@@ -17,10 +17,10 @@ class GivenFacts:
     def __init__(
         self,
         facts: Iterable[Fact],
-        declared: Mapping[Signature, Declaration] = MappingProxyType({}),
+        origins: Mapping[Signature, Origin] = MappingProxyType({}),
     ) -> None:
-        """Sort facts by their predicates, which are `declared`."""
-        self._declared = declared
+        """Sort facts by their predicates; `origins` says where those are from."""
+        self._origins = origins
         self._facts: dict[str, list[Fact]] = {}
         for fact in facts:
             self._facts.setdefault(fact.atom.name, []).append(fact)
@@ -42,5 +42,5 @@ class GivenFacts:
         span = self._spans[name].get(written)
         if span is None:
             return None
-        declaration = self._declared.get(Signature(name, len(term_ids.arguments(atom))))
-        return Given(written, span, (declaration and declaration.origin) or "stated")
+        signature = Signature(name, len(term_ids.arguments(atom)))
+        return Given(written, span, self._origins.get(signature, "stated"))

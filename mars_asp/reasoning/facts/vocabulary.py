@@ -1,13 +1,14 @@
-"""What `rules/vocabulary.lp` declares of given predicates, for those who look for their facts."""
+"""What `rules/vocabulary.lp` and others declare of given predicates, for those who give facts."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     # Who reads a configuration alone needs no rules.
-    from mars_asp.asp.rules.declarations import Declaration
+    from mars_asp.asp.rules.declarations import Declaration, Docstring, Origin
     from mars_asp.asp.rules.rulebook import Rulebook
     from mars_asp.asp.signature import Signature
 
@@ -17,24 +18,30 @@ IDENTIFYING = ("relationship", "annotation", "module")
 UNBOUNDED = ("millihertz", "milliseconds", "priority", "cost")
 
 
+class Given(NamedTuple):
+    """A given predicate, and where its facts come from.
+
+    `places` are the positions from 0 of the arguments by which its facts are found one by one, none
+    where they are made together: what is computed is computed of all things. `joins` is whether a
+    fact brings together what it names.
+    """
+
+    signature: "Signature"
+    origin: "Origin"
+    places: tuple[int, ...]
+    joins: bool
+
+
 @dataclass(frozen=True)
 class Vocabulary:
-    """The given predicates of configurations, by name and arity."""
+    """The given predicates of configurations."""
 
-    declarations: "Mapping[Signature, Declaration]"
+    given: tuple[Given, ...]
 
     @cached_property
     def by_thing(self) -> Mapping[str, tuple[int, ...]]:
-        """Return the predicates whose facts are found by the things that they name.
-
-        By their names, the positions from 0 of arguments that identify a thing. What is computed
-        is computed of all things together.
-        """
-        return {
-            each.name: places
-            for each in self.declarations.values()
-            if each.origin == "stated" and (places := each.places(*IDENTIFYING))
-        }
+        """Return, by their names, the predicates whose facts are found by the things they name."""
+        return {each.signature.name: each.places for each in self.given if each.places}
 
     @cached_property
     def keys(self) -> "Mapping[Signature, Sequence[int]]":
@@ -42,7 +49,7 @@ class Vocabulary:
 
         Where all facts of a predicate are made together, any argument finds them.
         """
-        return {each: self.by_thing.get(each.name, range(each.arity)) for each in self.declarations}
+        return {each.signature: each.places or range(each.signature.arity) for each in self.given}
 
     @cached_property
     def connected(self) -> "Mapping[Signature, tuple[int, ...]]":
@@ -50,16 +57,42 @@ class Vocabulary:
 
         They are modules, relationships and annotations of one part of a configuration.
         """
-        return {
-            signature: self.by_thing.get(signature.name, ()) if each.joins else ()
-            for signature, each in self.declarations.items()
-        }
+        return {each.signature: each.places if each.joins else () for each in self.given}
 
 
 def vocabulary(rulebook: "Rulebook") -> Vocabulary:
     """Return what the rules of the base are given, as they declare it; packs are given no more."""
-    declared = rulebook.built_in.declared_in("base")
-    return Vocabulary({each.signature: each for each in declared if each.origin is not None})
+    return Vocabulary(given_in(rulebook.built_in, "base"))
+
+
+def given_in(rulebook: "Rulebook", *stages: str) -> tuple[Given, ...]:
+    """Return the given predicates that files of some stages declare, made when we are built."""
+    from mars_asp.asp.cache import made_of  # noqa: PLC0415 -- with rules alone
+    from mars_asp.asp.rules import declarations  # noqa: PLC0415
+
+    told = tuple(
+        docstring
+        for file in rulebook.documented
+        if file.stage in stages
+        for docstring in file.docstrings
+    )
+    makers = map(Path, (__file__, declarations.__file__))
+    return made_of("given", makers, [told], _given)[told]
+
+
+def _given(told: "tuple[Docstring, ...]") -> tuple[Given, ...]:
+    from mars_asp.asp.rules.declarations import declarations  # noqa: PLC0415
+
+    return tuple(
+        Given(
+            each.signature,
+            each.origin,
+            each.places(*IDENTIFYING) if each.origin == "stated" else (),
+            each.joins,
+        )
+        for each in declarations(told, "rules", [])
+        if each.origin is not None
+    )
 
 
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":

@@ -76,7 +76,7 @@ def slice_for(
     if text is None:
         text = "\n".join(rule.text for rule in sliced)
     return Slice(
-        Rulebook(sliced, (("base", text),), declared=(rulebook.declared_in("base"),)), needed
+        Rulebook(sliced, (("base", text),), documented=rulebook.built_in.documented), needed
     )
 
 
@@ -112,8 +112,8 @@ def slice_for_resolution(
         *((stage, rulebook.text(stage)) for stage in stages),
     )
     facts = tuple(facts_of({each.name for each in read}))
-    declared = (rulebook.declared_in("base"),)
-    return Slice(Rulebook((*rules, *resolving), texts, declared=declared), facts)
+    documented = rulebook.documented
+    return Slice(Rulebook((*rules, *resolving), texts, documented=documented), facts)
 
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:

@@ -1,13 +1,13 @@
 import pytest
 
-from mars_asp.asp.rules.declarations import Argument, Declaration, declarations
+from mars_asp.asp.rules.declarations import Argument, Declaration, declarations, docstrings
 from mars_asp.asp.rules.statements import pieces
 from mars_asp.diagnostic import Diagnostic
 
 
 def read(text: str) -> tuple[list[Declaration], list[str]]:
     problems: list[Diagnostic] = []
-    found = list(declarations(pieces(text), "a.lp", problems))
+    found = list(declarations(docstrings(pieces(text)), "a.lp", problems))
     return found, [f"{each.span.line}: {each.message}: {each.help}" for each in problems]
 
 

@@ -26,7 +26,7 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
     file = read_rules(DECLARED + rules, "a.lp", "base", problems)
     assert file is not None
     assert not problems
-    declared = {each.signature: each for each in file.declared}
+    declared = {each.signature: each for each in file.documented.declarations}
     found = wrong_sorts(file.rules, declared, replaced)
     first = DECLARED.count("\n")
     return [f"{each.span.line - first}:{each.span.column} {each.message}" for each in found]

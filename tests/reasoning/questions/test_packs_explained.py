@@ -48,9 +48,9 @@ def rulebook_with(pack: Path) -> Rulebook:
     own = [ROOT / name for name in KEPT]
     rules = [rule for rule in whole.rules if rule.span.path in (*KEPT, str(pack))]
     texts = [("base", path.read_text(encoding="utf-8")) for path in own]
-    declared = tuple(whole.declared[whole.paths.index(name)] for name in KEPT)
+    documented = tuple(file for file in whole.documented if file.path in (*KEPT, str(pack)))
     texts.append(whole.texts[-1])
-    return Rulebook(tuple(rules), tuple(texts), 1, whole.pack_rules, declared=declared)
+    return Rulebook(tuple(rules), tuple(texts), 1, whole.pack_rules, documented=documented)
 
 
 def derived(rulebook: Rulebook, facts: str) -> frozenset[clingo.Symbol]:
