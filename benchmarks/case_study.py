@@ -18,6 +18,7 @@ from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 
@@ -61,7 +62,8 @@ def specified(text: str) -> Configuration:
         return configuration
     rulebook = load_rulebook()
     facts = configuration_facts(configuration, {})
-    found = synthesise(configuration, {}, analyse(facts, rulebook, configuration.span), rulebook)
+    analysis = analyse(facts, rulebook, configuration.span)
+    found = synthesise(Project(configuration, {}, ()), analysis, rulebook)
     assert found is not None
     return found.specification.configuration
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mars_asp.asp.trace.tree import Absent, Derived, Given, Missing, Trace
     from mars_asp.diagnostic import Diagnostic, MarsError, Span
     from mars_asp.reasoning.analysis import Analysis, Consequence
+    from mars_asp.reasoning.budget import Budget
     from mars_asp.reasoning.project import Project, load_project
     from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
     from mars_asp.reasoning.questions.why_not import WhyNot, why_not
@@ -28,6 +29,7 @@ __version__ = "0.1.0"
 _PLACES = {
     "Absent": "mars_asp.asp.trace.tree",
     "Analysis": "mars_asp.reasoning.analysis",
+    "Budget": "mars_asp.reasoning.budget",
     "Consequence": "mars_asp.reasoning.analysis",
     "Derived": "mars_asp.asp.trace.tree",
     "Diagnostic": "mars_asp.diagnostic",
@@ -51,6 +53,7 @@ _PLACES = {
 __all__ = [
     "Absent",
     "Analysis",
+    "Budget",
     "Consequence",
     "Derived",
     "Diagnostic",

@@ -47,7 +47,7 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "facts findings rules cases analysis project sample synthesis verification session "
+        "budget facts findings rules cases analysis project sample synthesis verification session "
         "questions capability"
     ),
     "reasoning/facts": "identifiers compile vocabulary index motion",

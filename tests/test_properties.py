@@ -22,6 +22,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import NODES, Synthesis, synthesise
 from tests.support.documents import ROOT
@@ -45,7 +46,7 @@ def without_places(configuration: Configuration) -> Configuration:
 def resolved(configuration: Configuration) -> Synthesis:
     facts = configuration_facts(configuration)
     analysis = analyse(facts, RULEBOOK, configuration.span)
-    found = synthesise(configuration, {}, analysis, RULEBOOK)
+    found = synthesise(Project(configuration, {}, ()), analysis, RULEBOOK)
     assert found is not None
     return found
 

@@ -8,6 +8,7 @@ from mars_asp.asp.trace.text import wrapped
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.output import visible
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternative, Alternatives, alternatives
 from mars_asp.reasoning.session import Reasoner
@@ -18,7 +19,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
     most: int = arguments.alternatives
     found = alternatives(
-        Reasoner(project, rulebook_for(arguments), arguments.time_limit), subject, most
+        Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit)), subject, most
     )
     if found is None:
         print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)

@@ -13,6 +13,7 @@ from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
@@ -30,8 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print what changed; 1 where an error appeared, 3 where no time was left."""
     check_inputs(arguments.old, arguments.new)
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
-    rulebook, seconds = rulebook_for(arguments), arguments.time_limit
-    found = diff(Reasoner(old, rulebook, seconds), Reasoner(new, rulebook, seconds))
+    rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)
+    found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget))
     if arguments.format == "json":
         print(encoded(difference_json(found)))
     else:

@@ -15,6 +15,7 @@ from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours
 from mars_asp.cli.style import paint
 from mars_asp.output import visible
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, explain
 from mars_asp.reasoning.session import Reasoner
@@ -93,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         return run_repair(project, arguments, subject)
     rulebook = rulebook_for(arguments)
-    reasoner = Reasoner(project, rulebook, arguments.time_limit)
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = explain(reasoner, subject, arguments.every, arguments.only)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
@@ -134,7 +135,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
 
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth
-    reasoner = Reasoner(project, rulebook_for(arguments), arguments.time_limit)
+    reasoner = Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
         trace = trace_json(answer.trace)

@@ -139,14 +139,13 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     if project.configuration.kind == "specification":
         return project.configuration
     from mars_asp.reasoning.analysis import diagnostic
+    from mars_asp.reasoning.budget import Budget
     from mars_asp.reasoning.synthesis.synthesise import synthesise
 
     rulebook = rulebook_for(arguments)
     analysis = analyse_project(project, rulebook, arguments)
     report((diagnostic(c) for c in analysis.consequences if c.severity != "note"), arguments)
-    found = synthesise(
-        project.configuration, project.modules, analysis, rulebook, arguments.time_limit, None
-    )
+    found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
     return None if found is None else found.specification.configuration
 
 

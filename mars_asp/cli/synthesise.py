@@ -25,6 +25,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.described import module_classes
 from mars_asp.reasoning.analysis import diagnostic
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.synthesise import (
     CONVERSION,
@@ -59,14 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
         stage(arguments, "looking for nodes"),
         progress_bar(arguments, "components") as progress,
     ):
-        found = synthesise(
-            project.configuration,
-            project.modules,
-            analysis,
-            rulebook,
-            seconds_to_search(arguments),
-            progress,
-        )
+        budget = Budget(seconds_to_search(arguments), progress)
+        found = synthesise(project, analysis, rulebook, budget)
     if found is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
         return 1

@@ -19,6 +19,7 @@ from mars_asp.cli.reason import (
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
 from mars_asp.reasoning.verification import (
@@ -117,9 +118,7 @@ def _compare(
         written = written_cost(verification, project, rulebook, deadline)
         analysis = analyse_project(project, rulebook, arguments)
         with progress_bar(arguments, "components") as progress:
-            best = synthesise(
-                project.configuration, project.modules, analysis, rulebook, seconds, progress
-            )
+            best = synthesise(project, analysis, rulebook, Budget(seconds, progress))
     except TimeoutError:
         return _Comparison(None, None, None, in_time=False)
     cost = _by_name(written.cost)

@@ -18,7 +18,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.session import explainer_for
+from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 from mars_asp.spelling import nearest
 
@@ -94,7 +94,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
         for symbol, is_fact in analysis.grounding.atoms(name, arity)
         if is_fact or as_term(symbol) in resolution.taken
     ]
-    traces = explainer_for(rulebook, facts, analysis, resolution).why(found)
+    traces = Evidence(rulebook, facts, analysis, resolution).explainer.why(found)
     return Answer(
         query,
         tuple(

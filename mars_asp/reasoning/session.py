@@ -4,10 +4,9 @@
 >>> explain(reasoner, "ArbitrationNode"), why_not(reasoner, "DataSplitter(Sonar)")
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
@@ -16,100 +15,111 @@ from mars_asp.asp.trace import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.synthesis import Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
 
 
-class Resolved(NamedTuple):
-    """An analysis, and what was synthesised on it, if anything can be."""
+@dataclass(frozen=True)
+class Evidence:
+    """What questions are answered from: rules, facts, and what follows from these.
 
+    `resolution` is what was chosen on top of that, `None` where nothing was or can be. Where it was
+    chosen for a part of a configuration alone, `introduced` are the nodes of that.
+    """
+
+    rulebook: Rulebook
+    facts: Sequence[Fact]
     analysis: Analysis
-    synthesis: Synthesis | None
+    resolution: Resolution | None = None
+    introduced: Introduced | None = None
+
+    @cached_property
+    def explainer(self) -> Explainer:
+        """Return what explains what is derived and chosen; no more answers can be asked for."""
+        opened = {} if self.resolution is None else self.resolution.answer.true
+        origins = {each.signature: each.origin for each in given_in(self.rulebook, "base")}
+        given = GivenFacts(self.facts, origins)
+        return Explainer(self.rulebook, self.analysis.grounding.control, given, opened)
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether something was explained from it already."""
+        return "explainer" in self.__dict__
 
 
 @dataclass(frozen=True)
 class Reasoner:
     """A project and the rules that it is judged by; everything is found once, when it is needed.
 
-    After `seconds` the best specification so far is taken. `progress` is told how many components
-    are solved, and of how many. What explains asks for no more answers on its grounding, so
-    consequences that were explained are grounded anew where a specification is wanted, once.
+    When the `budget` is spent the best specification so far is taken. What explains asks for no
+    more answers on its grounding, so consequences that were explained are grounded anew where a
+    specification is wanted, once.
     """
 
     project: Project
     rulebook: Rulebook
-    seconds: float | None = None
-    progress: Callable[[int, int], None] | None = None
+    budget: Budget = ENDLESS
 
     @cached_property
     def facts(self) -> tuple[Fact, ...]:
         """Return the facts of the project."""
         return tuple(project_facts(self.project))
 
-    @cached_property
+    @property
     def analysis(self) -> Analysis:
         """Return what the rules derive.
 
         Raises:
             MarsError: rules that clingo refuses.
         """
-        return self._analyse()
+        return self._consequences.analysis
 
-    @cached_property
-    def explainer(self) -> Explainer:
-        """Return what explains consequences."""
-        # Once a grounding was explained its answers cannot be read any more, so there is one only.
-        if self.is_resolved:
-            return self.resolution_explainer
-        return explainer_for(self.rulebook, self.facts, self.analysis, None)
-
-    @cached_property
-    def resolved(self) -> Resolved:
-        """Return the least specification with the analysis that it stands on.
+    @property
+    def synthesis(self) -> Synthesis | None:
+        """Return the least specification; `None` where no specification realises the project.
 
         Raises:
             MarsError: rules that clingo refuses, or costs that are too large to be added up.
             TimeoutError: no specification was found in time.
         """
-        analysis = self._analyse() if "explainer" in self.__dict__ else self.analysis
-        configuration, modules = self.project.configuration, self.project.modules
-        found = synthesise(
-            configuration, modules, analysis, self.rulebook, self.seconds, self.progress
-        )
-        return Resolved(analysis, found)
-
-    @cached_property
-    def resolution_explainer(self) -> Explainer:
-        """Return what explains consequences and nodes."""
-        analysis, found = self.resolved
-        resolution = None if found is None else found.resolution
-        return explainer_for(self.rulebook, self.facts, analysis, resolution)
-
-    @property
-    def synthesis(self) -> Synthesis | None:
-        """Return the least specification; `None` where no specification realises the project."""
-        return self.resolved.synthesis
+        return self._resolved[1]
 
     @property
     def is_resolved(self) -> bool:
         """Whether a specification was looked for already."""
-        return "resolved" in self.__dict__
+        return "_resolved" in self.__dict__
+
+    def evidence(self, resolved: bool) -> Evidence:
+        """Return the consequences of the whole project and, where wanted, what resolves them.
+
+        What was resolved already holds the consequences, too: an explained grounding is explained
+        by one explainer alone.
+
+        Raises:
+            MarsError: rules that clingo refuses, or costs that are too large to be added up.
+            TimeoutError: no specification was found in time.
+        """
+        return self._resolved[0] if resolved or self.is_resolved else self._consequences
 
     def verify(self, specification: Configuration) -> tuple[Violation, ...]:
         """Return what is wrong with a specification of the project; `rulebook` holds `verify`."""
         return verify(specification, self.project, self.rulebook)
 
+    @cached_property
+    def _consequences(self) -> Evidence:
+        return Evidence(self.rulebook, self.facts, self._analyse())
+
+    @cached_property
+    def _resolved(self) -> tuple[Evidence, Synthesis | None]:
+        analysis = self._analyse() if self._consequences.is_explained else self.analysis
+        found = synthesise(self.project, analysis, self.rulebook, self.budget)
+        if found is None:
+            return Evidence(self.rulebook, self.facts, analysis), None
+        return Evidence(self.rulebook, self.facts, analysis, found.resolution), found
+
     def _analyse(self) -> Analysis:
         return analyse(self.facts, self.rulebook, self.project.configuration.span)
-
-
-def explainer_for(
-    rulebook: Rulebook, facts: Iterable[Fact], analysis: Analysis, resolution: Resolution | None
-) -> Explainer:
-    """Return an explainer of one analysis and of what later stages chose on top of it."""
-    opened = {} if resolution is None else resolution.answer.true
-    origins = {each.signature: each.origin for each in given_in(rulebook, "base")}
-    given = GivenFacts(facts, origins)
-    return Explainer(rulebook, analysis.grounding.control, given, opened)

@@ -110,7 +110,7 @@ def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
     # Whom the InheritanceNode feeds, and what verification accepts.
     targets = [t for f in functions if (t := expected_target(camera, f)) is not None]
     fed = frozenset[str]().union(*targets)
-    synthesis = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    synthesis = synthesise(project, analysis, RULEBOOK)
     if synthesis is not None and fed:
         lines = synthesis.specification.configuration.relationships
         found = {

@@ -67,7 +67,7 @@ def carried(seed: int) -> str:
 def synthesised(text: str) -> tuple[Project, Configuration] | None:
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-    found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    found = synthesise(project, analysis, RULEBOOK)
     if found is None:
         return None
     printed = print_configuration(found.specification.configuration)
@@ -193,7 +193,7 @@ def test_a_synthesis_costs_what_its_text_says(seed: int) -> None:
     """Without comments the cheapest converters are meant, and a synthesis has those."""
     project = Project(parse_text(random_configuration(seed), "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-    found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    found = synthesise(project, analysis, RULEBOOK)
     if found is None:
         return
     specification = found.specification.configuration

@@ -64,7 +64,7 @@ def second_opinion(text: str, seconds: float = _SECONDS) -> Opinion:
     """Look for a specification that is better than what `synthesise` finds for a configuration."""
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-    found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+    found = synthesise(project, analysis, RULEBOOK)
     least = None
     if found is not None:
         least = (found.cost(NODES), found.cost(CONVERSION), found.cost(RELATIONSHIPS))

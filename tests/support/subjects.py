@@ -15,4 +15,4 @@ def read(text: str) -> Project:
 
 def synthesised(project: Project) -> Synthesis | None:
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-    return synthesise(project.configuration, {}, analysis, RULEBOOK)
+    return synthesise(project, analysis, RULEBOOK)

@@ -7,7 +7,6 @@
 
 import difflib
 import re
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
@@ -86,12 +85,11 @@ def alternatives(
         MarsError: the subject is no node of the specification.
         TimeoutError: the time did not suffice.
     """
-    seconds = reasoner.seconds
-    deadline = None if seconds is None else time.monotonic() + seconds
-    analysis, synthesis = reasoner.resolved
+    deadline = reasoner.budget.deadline()
+    evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
         return None
-    search = _Search(reasoner.project, analysis, synthesis, reasoner.rulebook, deadline)
+    search = _Search(reasoner.project, evidence.analysis, synthesis, reasoner.rulebook, deadline)
     return search.run(subject, most)
 
 
@@ -155,7 +153,7 @@ class _Search:
         changed = [atom for choice in chosen for atom in choice.part.decided(choice.other)]
         answer = Answer(self.analysis.grounding, (*kept, *changed))
         derived = Derived(self.rulebook, answer)
-        specification = specify(self.project.configuration, self.project.modules, derived)
+        specification = specify(self.project, derived)
         changes = list(difflib.ndiff(own, _lines(specification)))
         return Alternative(
             dict(zip(_LEVELS, extra, strict=True)),

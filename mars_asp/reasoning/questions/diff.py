@@ -24,7 +24,8 @@ from mars_asp.reasoning.synthesis import Node
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
-Signature: TypeAlias = tuple[str, ...]
+#: What a line says, without the identifiers of one file.
+_Said: TypeAlias = tuple[str, ...]
 Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Facts about the whole configuration, which stand at lines that do not say them.
@@ -116,8 +117,9 @@ class _Side:
     """One of the two configurations, solved."""
 
     def __init__(self, reasoner: Reasoner) -> None:
-        self.analysis, self.synthesis = reasoner.resolved
-        self.explainer = reasoner.resolution_explainer
+        evidence = reasoner.evidence(resolved=True)
+        self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
+        self.explainer = evidence.explainer
         self.lines = _lines(reasoner.facts)
         self.changed: frozenset[Span] = frozenset()
 
@@ -167,7 +169,7 @@ class _Side:
                 yield symbol
 
 
-def _lines(facts: Iterable[Fact]) -> Mapping[Span, Signature]:
+def _lines(facts: Iterable[Fact]) -> Mapping[Span, _Said]:
     """Return for each place the facts that stand there, without their identifiers."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}

@@ -19,14 +19,62 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
+from mars_asp.model.declarations import node_kind
+from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
+from mars_asp.reasoning.project import project_facts, project_lookup
 from mars_asp.reasoning.rules import FOLLOWING
-from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
+from mars_asp.reasoning.session import Evidence, Reasoner
+from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, introduced_with
 
 #: A rule and its outlines.
 _Outlined: TypeAlias = tuple[Rule, tuple[Outline, ...]]
+
+
+def sliced_evidence(reasoner: Reasoner, subject: str) -> Evidence | None:
+    """Return what a question about consequences or an atom needs; `None` where that is not told.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    project, rulebook = reasoner.project, reasoner.rulebook
+    part = slice_for(
+        subject,
+        rulebook,
+        lambda names: project_facts(project, wanted=names),
+        lambda names: project_lookup(project, names, vocabulary(rulebook)),
+    )
+    if part is None:
+        return None
+    analysis = analyse(part.facts, part.rulebook, project.configuration.span, subject)
+    return Evidence(part.rulebook, part.facts, analysis)
+
+
+def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
+    """Return what a node needs, of what precedes it in the file; `None` where that is not told.
+
+    Raises:
+        MarsError: clingo refuses the rules, or costs are too large to be added up.
+    """
+    project = reasoner.project
+    named = {each.text for each in project.configuration.modules}
+    if node_kind(name) is None or name in named:
+        return None
+    part = slice_for_resolution(
+        reasoner.rulebook, lambda names: project_facts(project, wanted=names)
+    )
+    if part is None:
+        return None
+    analysis = analyse(part.facts, part.rulebook, project.configuration.span)
+    found = introduced_with(name, project, analysis, part.rulebook, reasoner.budget)
+    if found is None:
+        return None
+    introduced, resolution = found
+    # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
+    analysis.grounding.state(resolution.answer.grounding.decided_predicates())
+    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced)
 
 
 @dataclass(frozen=True, slots=True)

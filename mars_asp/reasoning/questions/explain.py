@@ -12,23 +12,20 @@ from typing import Literal, TypeAlias
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
-from mars_asp.asp.trace import Explainer, Trace
+from mars_asp.asp.trace import Trace
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import node_kind
-from mars_asp.reasoning.analysis import Analysis, Consequence, analyse, read_consequences
-from mars_asp.reasoning.facts.vocabulary import vocabulary
-from mars_asp.reasoning.project import Project, project_facts, project_lookup
-from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
+from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.evidence import preceding_evidence, sliced_evidence
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
-from mars_asp.reasoning.session import Reasoner, explainer_for
+from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Introduced, Node
 from mars_asp.reasoning.synthesis.synthesise import (
     Synthesis,
-    introduced_with,
     is_resolved,
 )
 from mars_asp.spelling import nearest
@@ -71,97 +68,68 @@ def explain(
     if subject is not None and only is not None:
         _check_module(subject, reasoner.project, only)
     elif subject is not None and not reasoner.is_resolved:
-        answer = _explain_slice(reasoner, subject, every)
-        if answer is not None:
-            return answer
+        for find in (sliced_evidence, preceding_evidence):
+            # What a part refuses, the whole says with all that is wrong, if it is.
+            with contextlib.suppress(MarsError):
+                part = find(reasoner, subject)
+                if part is None:
+                    continue
+                chosen = _consequences(part, reasoner.project, subject, None)
+                asked = _asked(reasoner.project, part, None, subject, None, chosen)
+                return Explanation(subject, _topics(part, asked, every), part.analysis, None)
     return _explain_whole(reasoner, subject, every, only)
-
-
-def _explain_slice(reasoner: Reasoner, subject: str, every: bool) -> Explanation | None:
-    """Explain from what a question needs alone; `None` where that cannot be told apart."""
-    project, rulebook = reasoner.project, reasoner.rulebook
-    # What a part refuses, the whole says with all that is wrong, if it is.
-    with contextlib.suppress(MarsError):
-        part = slice_for(
-            subject,
-            rulebook,
-            lambda names: project_facts(project, wanted=names),
-            lambda names: project_lookup(project, names, vocabulary(rulebook)),
-        )
-        answer = None if part is None else _explain_part(project, part, subject, every)
-        if answer is not None and answer.topics:
-            return answer
-        return _explain_node(project, rulebook, subject, reasoner.seconds, every)
-    return None
 
 
 def _explain_whole(
     reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None
 ) -> Explanation:
-    project, rulebook, analysis = reasoner.project, reasoner.rulebook, reasoner.analysis
-    # To read the consequences takes longer than to trace a node.
-    unread = only == "nodes" if subject is None else _is_node(subject, project)
-    chosen = () if unread else _consequences(analysis, project, subject)
-    synthesis = None
+    evidence = reasoner.evidence(resolved=False)
+    chosen = _consequences(evidence, reasoner.project, subject, only)
     resolving = only != "consequences" and (not chosen or not _is_kind(chosen, subject))
     if resolving:
-        analysis, synthesis = reasoner.resolved
-    nodes = _nodes(synthesis, subject, chosen)
+        evidence = reasoner.evidence(resolved=True)
+    synthesis = reasoner.synthesis if resolving else None
+    asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen)
+    # Of thousands of consequences no more is needed, and their traces take as much memory.
+    del chosen
+    return Explanation(subject, _topics(evidence, asked, every), evidence.analysis, synthesis)
+
+
+def _asked(
+    project: Project,
+    evidence: Evidence,
+    synthesis: Synthesis | None,
+    subject: str | None,
+    only: Sort | None,
+    chosen: Sequence[Consequence],
+) -> list[tuple[str, clingo.Symbol]]:
+    """Return the titles and atoms of what a subject names: consequences, nodes, or an atom.
+
+    Consequences are those `chosen`, nodes those of the `synthesis` or, of a part, its own.
+
+    Raises:
+        MarsError: it names nothing.
+    """
+    introduced = evidence.introduced if synthesis is None else synthesis.specification
     asked: list[tuple[str, clingo.Symbol]] = []
     if only != "nodes":
         asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
-    if synthesis is not None:
-        titles = [_node_title(node, synthesis.specification) for node in nodes]
-        atoms = (_node_atom(node, analysis, synthesis) for node in nodes)
-        asked += zip(titles, atoms, strict=True)
+    if only != "consequences" and introduced is not None:
+        asked += [
+            (_node_title(node, introduced), _node_atom(node, evidence, synthesis))
+            for node in _nodes(introduced, subject, chosen)
+        ]
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
-        asked = [_asked_atom(subject, project, analysis, rulebook, synthesis)]
-    # Of thousands of consequences no more is needed, and their traces take as much memory.
-    del chosen
-    explainer = reasoner.resolution_explainer if resolving else reasoner.explainer
-    return Explanation(subject, _topics(explainer, asked, every), analysis, synthesis)
-
-
-def _explain_part(project: Project, part: Slice, subject: str, every: bool) -> Explanation:
-    """Explain what no choice decides from the rules and facts that it needs alone."""
-    analysis = analyse(part.facts, part.rulebook, project.configuration.span, subject)
-    asked = [(f"{c.kind}({c.subject})", c.atom) for c in analysis.consequences]
-    if not asked:
-        with contextlib.suppress(MarsError):
-            asked = [_asked_atom(subject, project, analysis, part.rulebook, None)]
-    explainer = explainer_for(part.rulebook, part.facts, analysis, None)
-    return Explanation(subject, _topics(explainer, asked, every), analysis, None)
-
-
-def _explain_node(
-    project: Project, rulebook: Rulebook, subject: str, seconds: float | None, every: bool
-) -> Explanation | None:
-    """Explain a node from what precedes it in the file; `None` where none was found so."""
-    if not _is_node(subject, project):
-        return None
-    part = slice_for_resolution(rulebook, lambda names: project_facts(project, wanted=names))
-    if part is None:
-        return None
-    configuration, modules = project.configuration, project.modules
-    analysis = analyse(part.facts, part.rulebook, configuration.span)
-    found = introduced_with(subject, configuration, modules, analysis, part.rulebook, seconds)
-    if found is None:
-        return None
-    introduced, resolution = found
-    node = next(node for node in introduced.nodes if node.name == subject)
-    # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
-    analysis.grounding.state(resolution.answer.grounding.decided_predicates())
-    asked = [(_node_title(node, introduced), clingo.parse_term(node.term))]
-    explainer = explainer_for(part.rulebook, part.facts, analysis, resolution)
-    return Explanation(subject, _topics(explainer, asked, every), analysis, None)
+        asked = [_asked_atom(subject, project, evidence, synthesis)]
+    return asked
 
 
 def _topics(
-    explainer: Explainer, asked: Sequence[tuple[str, clingo.Symbol]], every: bool
+    evidence: Evidence, asked: Sequence[tuple[str, clingo.Symbol]], every: bool
 ) -> tuple[Topic, ...]:
-    traces = explainer.why(dict.fromkeys(atom for _, atom in asked), every)
+    traces = evidence.explainer.why(dict.fromkeys(atom for _, atom in asked), every)
     return tuple(Topic(title, traces[atom]) for title, atom in asked)
 
 
@@ -204,38 +172,40 @@ def _is_kind(chosen: Sequence[Consequence], subject: str | None) -> bool:
 
 
 def _consequences(
-    analysis: Analysis, project: Project, subject: str | None
+    evidence: Evidence, project: Project, subject: str | None, only: Sort | None
 ) -> tuple[Consequence, ...]:
+    # To read the consequences takes longer than to trace a node.
+    if only == "nodes" if subject is None else _is_node(subject, project):
+        return ()
     if subject is None:
-        return read_consequences(analysis, participants=False)
+        return read_consequences(evidence.analysis, participants=False)
+    if evidence.analysis.subject is not None:
+        return evidence.analysis.consequences
     return tuple(
         c
-        for c in read_consequences(analysis)
+        for c in read_consequences(evidence.analysis)
         if subject in (c.kind, f"{c.kind}({c.subject})", c.subject, *c.participants, str(c.atom))
     )
 
 
 def _nodes(
-    synthesis: Synthesis | None, subject: str | None, chosen: Sequence[Consequence]
+    introduced: Introduced, subject: str | None, chosen: Sequence[Consequence]
 ) -> tuple[Node, ...]:
-    if synthesis is None:
-        return ()
-    specification = synthesis.specification
     if subject is None:
-        return specification.nodes
-    named = tuple(node for node in specification.nodes if node.name == subject)
+        return introduced.nodes
+    named = tuple(node for node in introduced.nodes if node.name == subject)
     if named:
         return named
     reasons = {f"{c.kind}({c.subject})" for c in chosen}
-    return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
+    return tuple(n for n in introduced.nodes if reasons & set(introduced.resolves[n.name]))
 
 
-def _node_atom(node: Node, analysis: Analysis, synthesis: Synthesis) -> clingo.Symbol:
+def _node_atom(node: Node, evidence: Evidence, synthesis: Synthesis | None) -> clingo.Symbol:
     """Return what decides that there is a node: the atom by which it is called, if it is one."""
-    term = clingo.parse_term(node.term)
-    if analysis.grounding.control.symbolic_atoms[term] is not None:
+    term, grounding = clingo.parse_term(node.term), evidence.analysis.grounding
+    if synthesis is None or grounding.control.symbolic_atoms[term] is not None:
         return term
-    synthesis.derived.hand_to(analysis.grounding)
+    synthesis.derived.hand_to(grounding)
     return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
 
 
@@ -247,8 +217,7 @@ def _node_title(node: Node, introduced: Introduced) -> str:
 def _asked_atom(
     subject: str,
     project: Project,
-    analysis: Analysis,
-    rulebook: Rulebook,
+    evidence: Evidence,
     synthesis: Synthesis | None,
 ) -> tuple[str, clingo.Symbol]:
     """Return the true atom that a subject names.
@@ -256,6 +225,7 @@ def _asked_atom(
     Raises:
         MarsError: it names none.
     """
+    analysis, rulebook = evidence.analysis, evidence.rulebook
     names = {name.text for name in project.configuration.modules}
     symbol = symbol_in(quoted(subject, names))
     if symbol is not None and symbol.type == clingo.SymbolType.Function:

@@ -22,6 +22,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.model.declarations import Configuration, Control, ends_of
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, project_facts, revised
 from mars_asp.reasoning.questions.edits import (
@@ -330,7 +331,7 @@ class _Search:
     def _spent(self, analysis: Analysis) -> Mapping[int, int] | None:
         left = None if self._deadline is None else max(0.1, self._deadline - time.monotonic())
         try:
-            return least_cost(analysis, self._rulebook, left)
+            return least_cost(analysis, self._rulebook, Budget(left))
         except (MarsError, TimeoutError):
             return None
 

@@ -7,7 +7,6 @@
 """
 
 import re
-import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -79,35 +78,28 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
     """
-    project, rulebook, seconds = reasoner.project, reasoner.rulebook, reasoner.seconds
-    deadline = None if seconds is None else time.monotonic() + seconds
+    project, rulebook, deadline = reasoner.project, reasoner.rulebook, reasoner.budget.deadline()
     vocabulary = _Vocabulary(project, rulebook, reasoner.facts)
     pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
-    analysis, synthesis = reasoner.analysis, None
     choosable = pattern is None or is_resolved(rulebook, signature_of(pattern))
-    if choosable:
-        analysis, synthesis = reasoner.resolved
-        if synthesis is None:
-            explainer = reasoner.resolution_explainer
-            against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
-            obstacles = tuple(explainer.why(against).values())
-            shown = subject if pattern is None else shown_pattern(pattern)
-            return WhyNot(
-                subject, shown, Absent(shown), False, True, None, None, analysis, obstacles
-            )
+    evidence = reasoner.evidence(resolved=choosable)
+    analysis, synthesis = evidence.analysis, reasoner.synthesis if choosable else None
+    if choosable and synthesis is None:
+        against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
+        obstacles = tuple(evidence.explainer.why(against).values())
+        shown = subject if pattern is None else shown_pattern(pattern)
+        return WhyNot(subject, shown, Absent(shown), False, True, None, None, analysis, obstacles)
     if pattern is None:
         assert synthesis is not None
         pattern = _node_term(subject, project, synthesis)
-    resolution = None if synthesis is None else synthesis.resolution
     if synthesis is not None and signature_of(pattern) in synthesis.derived.predicates:
         # It follows from the answer that was found; nobody looks for another one.
         synthesis.derived.hand_to(analysis.grounding)
-        explainer, choosable = reasoner.resolution_explainer, False
-    else:
-        explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
+        choosable = False
+    explainer = evidence.explainer
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
-    taken = frozenset() if resolution is None else resolution.taken
+    taken = frozenset() if synthesis is None else synthesis.resolution.taken
     for atom, is_fact in sorted(matching):
         if is_fact or as_term(atom) in taken:
             trace = explainer.why([atom])[atom]

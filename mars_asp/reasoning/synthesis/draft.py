@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from mars_asp.asp.solve.term_ids import Term, text
 from mars_asp.model.declarations import (
     NODE_NAMES,
-    Configuration,
     Conversion,
-    Module,
     Relationship,
     Service,
 )
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.derived import Derived
 
 #: How nodes are named, by kind; of another kind, as it is called.
@@ -37,8 +36,9 @@ class Node:
 class Draft:
     """Collects nodes and lines in the order in which they are printed."""
 
-    def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
+    def __init__(self, project: Project) -> None:
         """Index what the configuration says."""
+        configuration, modules = project.configuration, project.modules
         self.span = configuration.span
         self.relationships = dict(numbered(configuration.relationships))
         places = {id(r): place for place, r in enumerate(configuration.relationships)}

@@ -18,6 +18,7 @@ from mars_asp.model.declarations import (
     Relationship,
     StandIn,
 )
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.control_lines import ControlLines
 from mars_asp.reasoning.synthesis.data_lines import DataLines
 from mars_asp.reasoning.synthesis.derived import Derived
@@ -57,11 +58,9 @@ def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationsh
     return Introduced(tuple(new.values()), resolves)
 
 
-def specify(
-    configuration: Configuration, modules: Mapping[str, Module], derived: Derived
-) -> Specification:
+def specify(project: Project, derived: Derived) -> Specification:
     """Build the specification that the rules derived."""
-    draft = Draft(configuration, modules)
+    configuration, draft = project.configuration, Draft(project)
     introduced = introduce(draft, derived, configuration.relationships)
     nodes = introduced.nodes
     # A specification that needs no more nodes stays in the order in which it is written.
@@ -78,7 +77,7 @@ def specify(
         declared=(),
         conversions=(*configuration.conversions, *conversions),
     )
-    every = {**modules, **{module.name: module for module in configuration.declared}}
+    every = {**project.modules, **{module.name: module for module in configuration.declared}}
     printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
     return Specification(nodes, introduced.resolves, printed)
 

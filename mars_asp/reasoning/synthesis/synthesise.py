@@ -1,7 +1,6 @@
 """From an analysis to its minimal specification."""
 
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -13,9 +12,11 @@ from mars_asp.asp.solve.components import Component
 from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import Configuration, Module, node_kind
+from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis
+from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.facts.vocabulary import vocabulary
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis import (
     Derived,
     Draft,
@@ -52,61 +53,50 @@ class Synthesis:
 
 
 def synthesise(
-    configuration: Configuration,
-    modules: Mapping[str, Module],
-    analysis: Analysis,
-    rulebook: Rulebook,
-    seconds: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    project: Project, analysis: Analysis, rulebook: Rulebook, budget: Budget = ENDLESS
 ) -> Synthesis | None:
     """Find the least specification, or `None` where a consequence cannot be resolved.
 
-    After the seconds given the best found so far is taken, with a bound on what is least.
+    When the budget is spent the best found so far is taken, with a bound on what is least.
 
     Raises:
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    resolution = _resolve(analysis, rulebook, seconds, progress)
+    resolution = _resolve(analysis, rulebook, budget)
     if resolution is None:
         return None
     derived = Derived(rulebook, resolution.answer)
-    return Synthesis(specify(configuration, modules, derived), resolution, derived)
+    return Synthesis(specify(project, derived), resolution, derived)
 
 
 def least_cost(
-    analysis: Analysis, rulebook: Rulebook, seconds: float | None = None
+    analysis: Analysis, rulebook: Rulebook, budget: Budget = ENDLESS
 ) -> Mapping[int, int] | None:
     """Return what `synthesise` would find the least specification to cost, by level.
 
     Raises:
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    resolution = _resolve(analysis, rulebook, seconds)
+    resolution = _resolve(analysis, rulebook, budget)
     if resolution is None:
         return None
     resolution.answer.check()
     return resolution.cost
 
 
-def _resolve(
-    analysis: Analysis,
-    rulebook: Rulebook,
-    seconds: float | None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Resolution | None:
-    deadline = None if seconds is None else time.monotonic() + seconds
+def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resolution | None:
+    grounding, resolving = analysis.grounding, rulebook.text("resolve")
     with costs_of(analysis.facts):
-        resolution = analysis.grounding.resolve(rulebook.text("resolve"), deadline, progress)
+        resolution = grounding.resolve(resolving, budget.deadline(), budget.progress)
     return None if is_unresolvable(analysis) else resolution
 
 
 def introduced_with(
     name: str,
-    configuration: Configuration,
-    modules: Mapping[str, Module],
+    project: Project,
     analysis: Analysis,
     rulebook: Rulebook,
-    seconds: float | None = None,
+    budget: Budget = ENDLESS,
 ) -> tuple[Introduced, Resolution] | None:
     """Return the nodes of the stretch of a configuration that has a node, and its resolution.
 
@@ -128,10 +118,10 @@ def introduced_with(
     apart = kept_apart(rulebook.text("base"), specifying, given.connected)
     if apart is None:
         return None
-    deadline = None if seconds is None else time.monotonic() + seconds
+    deadline = budget.deadline()
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding, given)
-    draft = Draft(configuration, modules)
+    cut = stretches(project.configuration.relationships, analysis.facts, analysis.grounding, given)
+    draft = Draft(project)
     known: dict[Component, Optimum] = {}
     last = len(cut.relationships) - 1
     for number, relationships in enumerate(cut.relationships):

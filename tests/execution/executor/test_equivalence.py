@@ -11,6 +11,7 @@ from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from tests.support.execute_builders import counter, data_out, sensor, sink
@@ -70,7 +71,7 @@ def test_a_specification_delivers_what_its_relationships_would(
     configuration = parse_text(text, "x.mars").configuration
     facts = configuration_facts(configuration, modules)
     analysis = analyse(facts, RULEBOOK, configuration.span)
-    found = synthesise(configuration, modules, analysis, RULEBOOK)
+    found = synthesise(Project(configuration, modules, ()), analysis, RULEBOOK)
     assert found is not None
     specified = deliveries(found.specification.configuration, modules)
     assert specified == deliveries(configuration, modules)

@@ -19,7 +19,7 @@ from mars_asp.reasoning.project import Project, load_project, project_facts, pro
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.session import Reasoner, explainer_for
+from mars_asp.reasoning.session import Evidence, Reasoner
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration
 
@@ -194,7 +194,7 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
             for atom in analysis.grounding.control.symbolic_atoms
             if atom.is_fact and signature_of(atom.symbol) in names
         ]
-        whole = explainer_for(rulebook, facts, analysis, None)
+        whole = Evidence(rulebook, facts, analysis).explainer
         rng = random.Random(number)
         asked = [(str(atom), {atom}) for atom in rng.sample(atoms, min(4, len(atoms)))]
         of_kinds: dict[str, set[clingo.Symbol]] = {}
@@ -207,7 +207,7 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
             found = analyse(part.facts, part.rulebook, project.configuration.span, subject)
             if subject in of_kinds:
                 assert {told.atom for told in found.consequences} == wanted
-            explainer = explainer_for(part.rulebook, part.facts, found, None)
+            explainer = Evidence(part.rulebook, part.facts, found).explainer
             traces, expected = explainer.why(wanted, True), whole.why(wanted, True)
             for atom in wanted:
                 assert trace_json(traces[atom]) == trace_json(expected[atom]), subject

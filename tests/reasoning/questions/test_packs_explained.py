@@ -25,7 +25,7 @@ from mars_asp.reasoning.project import Project, load_project, project_facts, pro
 from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.session import Reasoner, explainer_for
+from mars_asp.reasoning.session import Evidence, Reasoner
 from tests.support.documents import ROOT
 from tests.support.random_configurations import random_configuration
 from tests.support.random_packs import Pack, random_pack
@@ -97,7 +97,7 @@ def wrong_explanations(seed: int, folder: Path) -> tuple[list[str], int]:
     analysis = analyse(facts, rulebook, project.configuration.span)
     found = {told.atom for told in analysis.consequences}
     wrong += [f"analysis: {atom}" for atom in found ^ said]
-    traces = explainer_for(rulebook, facts, analysis, None).why(sorted(mine | said))
+    traces = Evidence(rulebook, facts, analysis).explainer.why(sorted(mine | said))
     wrong += faults(traces.values(), given, true, pack.constants)
     wrong += [f"whole: {a}" for a, trace in traces.items() if not isinstance(trace, Derived)]
     slices = 0

@@ -12,6 +12,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, load_project, project_facts
 from mars_asp.reasoning.questions import repair
 from mars_asp.reasoning.questions.edits import Texts, apply_edits
@@ -209,8 +210,8 @@ def test_solving_takes_the_time_that_is_left(
         begun.append(clock[0])
         return analyse(facts, rulebook, span)
 
-    def solved(analysis: Analysis, rulebook: Rulebook, seconds: float | None) -> dict[int, int]:
-        asked.append(seconds)
+    def solved(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> dict[int, int]:
+        asked.append(budget.seconds)
         return {}
 
     monkeypatch.setattr(repair, "analyse", analysed)

@@ -25,7 +25,7 @@ def test_the_search_finds_what_there_is(part: str) -> None:
     for seed in range(3):
         project = Project(parse_text(PARTS[part](seed), "c.mars").configuration, {}, ())
         analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
-        found = synthesise(project.configuration, {}, analysis, RULEBOOK)
+        found = synthesise(project, analysis, RULEBOOK)
         if found is None or found.cost(NODES) >= MOST_NODES:
             continue
         least = (found.cost(NODES), found.cost(CONVERSION), found.cost(RELATIONSHIPS))

@@ -116,5 +116,5 @@ def test_nothing_is_found_apart_where_nothing_realises_the_whole() -> None:
     project = read(text)
     whole = explain(Reasoner(project, RULEBOOK))
     assert whole.synthesis is None
-    found = introduced_with("DataSplitter1", project.configuration, {}, whole.analysis, RULEBOOK)
+    found = introduced_with("DataSplitter1", project, whole.analysis, RULEBOOK)
     assert found is None

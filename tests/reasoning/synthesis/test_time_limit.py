@@ -9,6 +9,7 @@ from mars_asp.asp.solve import grounding
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, synthesise
@@ -50,11 +51,10 @@ def test_without_time_an_answer_is_found_and_bounded(
     project = Project(parse_text(one_source(8, 6, 9, seed), "c.mars").configuration, {}, ())
     hurried, proven = (
         synthesise(
-            project.configuration,
-            {},
+            project,
             analyse(project_facts(project), RULEBOOK, project.configuration.span),
             RULEBOOK,
-            seconds,
+            Budget(seconds),
         )
         for seconds in (0.0, None)
     )
