@@ -5,8 +5,8 @@ the program runs. A table counts while the files of its maker are those that mad
 holds. What no table holds is made, and kept for the process.
 
 A table's file is a checksum and, in the form of `marshal`, the digest of its maker's files, the
-names of classes, small values, and pairs of keys and values; a value is packed by itself, for most
-commands ask for few.
+names of classes, and pairs of keys and values; a value is packed by itself, for most commands ask
+for few.
 """
 
 import marshal
@@ -16,7 +16,7 @@ from hashlib import sha256
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
@@ -27,10 +27,6 @@ _MOST = 5000
 #: Every Python reads it.
 _VERSION = 2
 _CHECKSUM = sha256().digest_size
-#: What stands for something else where it is packed.
-_FORMS = (list, float)
-#: Names of classes, small values with the numbers of their classes, and pairs.
-_Held: TypeAlias = tuple[Any, ...]
 #: The values that this process knows, and the files of their makers, by the names of tables.
 _known: dict[str, dict[Any, Any]] = {}
 _makers: dict[str, tuple[Path, ...]] = {}
@@ -56,40 +52,11 @@ def made_of(
 class _Table:
     """What a table holds, packed, by its keys."""
 
-    def __init__(self, held: _Held = ((), (), ())) -> None:
-        self._classes, self._small, pairs = held
-        self._made: dict[float, Any] = {}
-        self.packed = {self._unpacked(key): value for key, value in pairs}
+    def __init__(self, packed: dict[Any, bytes], classes: tuple[str, ...]) -> None:
+        self.packed, self._classes = packed, classes
 
     def value(self, key: object) -> Any:
-        return self._unpacked(marshal.loads(self.packed[key]))
-
-    def _unpacked(self, form: Any) -> Any:
-        if type(form) is float:
-            if form not in self._made:
-                number, *fields = self._small[int(form)]
-                self._made[form] = _class(self._classes[number])(*fields)
-            return self._made[form]
-        if type(form) is not list:
-            return form
-        sort, *rest = form
-        parts = [self._unpacked(part) if type(part) in _FORMS else part for part in rest]
-        match sort:
-            case "tuple":
-                return tuple(parts)
-            case "frozenset":
-                return frozenset(parts)
-            case "list":
-                return parts
-            case "dict":
-                half = len(parts) // 2
-                return dict(zip(parts[:half], parts[half:], strict=True))
-        kind = _class(self._classes[sort])
-        if parts[0] is None:
-            return kind(*parts[1:])
-        value = kind.__new__(kind)
-        value.__dict__.update(zip(parts[0], parts[1:], strict=True))
-        return value
+        return _unpacked(marshal.loads(self.packed[key]), self._classes)
 
 
 @cache
@@ -98,11 +65,13 @@ def _held(name: str, files: tuple[Path, ...]) -> _Table:
     try:
         content = (FOLDER / name).read_bytes()
         if sha256(content[_CHECKSUM:]).digest() != content[:_CHECKSUM]:
-            return _Table()
-        maker, *held = marshal.loads(content[_CHECKSUM:])
+            return _Table({}, ())
+        maker, classes, pairs = marshal.loads(content[_CHECKSUM:])
+        if maker != _digest(files):
+            return _Table({}, ())
     except (OSError, ValueError, EOFError, TypeError):  # the last are of another Python's marshal
-        return _Table()
-    return _Table(tuple(held)) if maker == _digest(files) else _Table()
+        return _Table({}, ())
+    return _Table({_unpacked(key, classes): value for key, value in pairs}, classes)
 
 
 def _digest(files: Iterable[Path]) -> bytes:
@@ -131,69 +100,79 @@ def forget(folder: Path) -> None:
 def written() -> Iterator[tuple[str, bytes]]:
     """Yield the name and the file of each table that holds what this process knows."""
     for name, known in sorted(_known.items()):
-        packer = _Packer()
+        classes: dict[str, int] = {}
         pairs = [
-            (packer.packed(key), marshal.dumps(packer.packed(value), _VERSION))
+            (_packed(key, classes), marshal.dumps(_packed(value, classes), _VERSION))
             for key, value in known.items()
         ]
         pairs.sort(key=repr)
-        held = (_digest(_makers[name]), tuple(packer.classes), tuple(packer.small), tuple(pairs))
+        held = (_digest(_makers[name]), tuple(classes), pairs)
         content = marshal.dumps(held, _VERSION)
         yield name, sha256(content).digest() + content
 
 
-class _Packer:
-    """Turns values into what `marshal` takes.
+def _packed(value: Any, classes: dict[str, int]) -> Any:
+    """Return a value as `marshal` takes it; a list stands for what has to be made again.
 
-    A list stands for what has to be made again. It begins with what it stands for, a class by its
-    number in `classes`; behind that stand the names of what a value knows, or `None` where it is
-    made of its fields. A float is the number of a named tuple in `small`, for most stand in many
-    places.
+    A list begins with what it stands for, a class by its number in `classes`. Behind a class stand
+    the names of what a value knows, or `None` where it is made of its fields.
+
+    Raises:
+        TypeError: it is no value of ours.
     """
+    if value is None or isinstance(value, bool | int | str | bytes):
+        return value
+    if type(value) in (tuple, list, dict) or isinstance(value, Set):
+        return _container(value, classes)
+    kind = type(value)
+    if not kind.__module__.startswith("mars_asp."):
+        raise TypeError(f"{value!r} is not for a table")
+    number = classes.setdefault(f"{kind.__module__}:{kind.__qualname__}", len(classes))
+    if isinstance(value, tuple):
+        return [number, None, *(_packed(part, classes) for part in value)]
+    state = value.__getstate__()
+    if isinstance(state, list):  # of a frozen dataclass with slots
+        return [number, None, *(_packed(part, classes) for part in state)]
+    return [number, tuple(state), *(_packed(part, classes) for part in state.values())]
 
-    def __init__(self) -> None:
-        self.classes: dict[str, int] = {}
-        self.small: dict[tuple[Any, ...], float] = {}
 
-    def packed(self, value: Any) -> Any:
-        """Return a value as `marshal` takes it.
+def _container(value: Any, classes: dict[str, int]) -> Any:
+    """Return a container as it is where none of its parts has to be made again."""
+    pairs = value.items() if isinstance(value, dict) else [(None, part) for part in value]
+    keys = [_packed(key, classes) for key, _ in pairs]
+    parts = [_packed(part, classes) for _, part in pairs]
+    plain = not any(type(part) is list for part in (*keys, *parts))
+    match value:
+        case dict():
+            return dict(zip(keys, parts, strict=True)) if plain else ["dict", *keys, *parts]
+        case tuple():
+            return tuple(parts) if plain else ["tuple", *parts]
+        case Set():
+            return frozenset(parts) if plain else ["frozenset", *parts]
+    return ["list", *parts]
 
-        Raises:
-            TypeError: it is no value of ours.
-        """
-        if value is None or isinstance(value, bool | int | str | bytes):
-            return value
-        kind = type(value)
-        if kind in (tuple, list, dict) or isinstance(value, Set):
-            return self._container(value)
-        if not kind.__module__.startswith("mars_asp."):
-            raise TypeError(f"{value!r} is not for a table")
-        name = f"{kind.__module__}:{kind.__qualname__}"
-        number = self.classes.setdefault(name, len(self.classes))
-        if isinstance(value, tuple):
-            fields = [self.packed(part) for part in value]
-            if any(type(field) in (*_FORMS, dict) for field in fields):
-                return [number, None, *fields]
-            return self.small.setdefault((number, *fields), float(len(self.small)))
-        state = value.__getstate__()
-        if isinstance(state, list):  # of a frozen dataclass with slots
-            return [number, None, *map(self.packed, state)]
-        return [number, tuple(state), *map(self.packed, state.values())]
 
-    def _container(self, value: Any) -> Any:
-        """Return a container as it is where none of its parts has to be made again."""
-        pairs = value.items() if isinstance(value, dict) else [(None, part) for part in value]
-        keys = [self.packed(key) for key, _ in pairs]
-        parts = [self.packed(part) for _, part in pairs]
-        plain = not any(type(part) in _FORMS for part in (*keys, *parts))
-        match value:
-            case dict():
-                return dict(zip(keys, parts, strict=True)) if plain else ["dict", *keys, *parts]
-            case tuple():
-                return tuple(parts) if plain else ["tuple", *parts]
-            case Set():
-                return frozenset(parts) if plain else ["frozenset", *parts]
-        return ["list", *parts]
+def _unpacked(form: Any, classes: tuple[str, ...]) -> Any:
+    if type(form) is not list:
+        return form
+    sort, *rest = form
+    parts = [_unpacked(part, classes) if type(part) is list else part for part in rest]
+    match sort:
+        case "tuple":
+            return tuple(parts)
+        case "frozenset":
+            return frozenset(parts)
+        case "list":
+            return parts
+        case "dict":
+            half = len(parts) // 2
+            return dict(zip(parts[:half], parts[half:], strict=True))
+    kind = _class(classes[sort])
+    if parts[0] is None:
+        return kind(*parts[1:])
+    value = kind.__new__(kind)
+    value.__dict__.update(zip(parts[0], parts[1:], strict=True))
+    return value
 
 
 @cache
