@@ -10,6 +10,7 @@ from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
+from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Signature, constant_names, declared
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
@@ -38,9 +39,10 @@ class _File(NamedTuple):
 
 
 class _Read(NamedTuple):
-    """What is made of a built-in file, or why nothing is."""
+    """What a built-in file holds; nothing where `problems` say that it cannot be read."""
 
-    file: RuleFile | None
+    text: str
+    rules: tuple[Rule, ...]
     problems: tuple[Diagnostic, ...]
 
 
@@ -91,33 +93,33 @@ def load_rulebook(
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
     """Return the built-in rules; `problems` say what cannot be read of them."""
-    found = _files(stages)
-    files = []
-    for read in [_read(file, strict) for file in found] if strict else _made(found):
-        problems += read.problems
-        files += [] if read.file is None else [read.file]
+    files = _files(stages)
+    read = [_read(file, strict) for file in files] if strict else _made(files)
+    for each in read:
+        problems += each.problems
+    whole = [(file, each) for file, each in zip(files, read, strict=True) if not each.problems]
     return Rulebook(
-        tuple(rule for file in files for rule in file.rules),
-        tuple((file.stage, file.text) for file in files),
-        paths=tuple(file.shown for file in files),
+        tuple(rule for _, each in whole for rule in each.rules),
+        tuple((file.stage, each.text) for file, each in whole),
+        paths=tuple(file.shown for file, _ in whole),
     )
 
 
 def seal() -> Seal:
     """Return what the built-in rules of all stages have for themselves."""
     folders = (folder for folder in sorted(rules_directory().iterdir()) if folder.is_dir())
-    read = _made(_files(folder.name for folder in folders))
-    files = [each.file for each in read if each.file is not None]
-    named = made_of("named", _makers(), dict.fromkeys(file.text for file in files), _named)
+    files = _files(folder.name for folder in folders)
+    read = _made(files)
+    named = made_of("named", _makers(), dict.fromkeys(each.text for each in read), _named)
     derived: dict[Signature, str] = {}
     given: dict[Signature, str] = {}
     ids: dict[str, Span] = {}
     constants = set(CONSTANTS)
-    for file in files:
-        for rule in file.rules:
+    for file, each in zip(files, read, strict=True):
+        for rule in each.rules:
             derived.update((head, file.stage) for head in rule.heads if head not in derived)
             ids[rule.id] = rule.span
-        own, names = named[file.text]
+        own, names = named[each.text]
         given.update((signature, file.stage) for signature in own if signature not in given)
         constants |= names
     return Seal(derived, given, frozenset(constants), ids)
@@ -139,8 +141,7 @@ def _digest(path: Path) -> bytes:
 def _read(file: _File, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
     read = read_file(*file, problems, strict)
-    # What the text is made of is asked of packs alone.
-    return _Read(None if read is None else read._replace(written=()), tuple(problems))
+    return _Read("", (), tuple(problems)) if read is None else _Read(read.text, read.rules, ())
 
 
 def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
