@@ -50,16 +50,20 @@ def tables() -> Iterator[tuple[str, bytes]]:
     from mars_asp.asp.rules.computed import computations
     from mars_asp.asp.rules.statements import constants_of, statements_of
     from mars_asp.asp.slice.reach import outlines_of
+    from mars_asp.reasoning.facts.vocabulary import given_in
     from mars_asp.reasoning.questions.explain import explain
     from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
     from mars_asp.reasoning.sample import samples
     from mars_asp.reasoning.session import Reasoner
 
     cache.forget(BESIDE / "none")
-    texts = [rule.text for rule in load_rulebook(stages=STAGES).rules]
+    whole = load_rulebook(stages=STAGES)
+    texts = [rule.text for rule in whole.rules]
     for make in (statements_of, outlines_of, constants_of, computations):
         make(texts)
     seal()
+    for stage in ("base", *STAGES):
+        given_in(whole, stage)
     rulebook = load_rulebook()
     for project in samples():
         # What of a rule is open differs between what is explained alone and with all else.

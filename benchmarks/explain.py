@@ -18,6 +18,7 @@ from clingo import ast
 from growth import robot_lines, used
 
 from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.rules import load_rulebook
@@ -60,11 +61,12 @@ class _Named(ast.Transformer):
 def for_xclingo(path: str, folder: Path) -> str:
     """Write the rules and facts behind the asked consequence, its rules with traces."""
     project = load_project(path)
+    rulebook = load_rulebook()
     part = slice_for(
         ASKED,
-        load_rulebook(),
+        rulebook,
         lambda names: project_facts(project, wanted=names),
-        lambda names: project_lookup(project, names),
+        lambda names: project_lookup(project, names, vocabulary(rulebook)),
     )
     assert part is not None
     # Which facts of a predicate are needed is our own answer already.

@@ -23,11 +23,11 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments solve rules messages cases slice trace program",
+    "asp": "cache fragments signature solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule outline metadata read rulebook "
-        "consistency risks"
+        "gate statements checks computed symbols arithmetic rule outline declarations "
+        "metadata read rulebook consistency risks names sorts"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (
@@ -50,9 +50,9 @@ FILES = {
         "facts findings rules cases analysis project sample synthesis verification session "
         "questions capability"
     ),
-    "reasoning/facts": "identifiers compile index motion",
+    "reasoning/facts": "identifiers compile vocabulary index motion",
     "reasoning/synthesis": (
-        "carried_modes draft inheritance_nodes stretches control_lines data_lines specify "
+        "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
     ),
     "reasoning/questions": (

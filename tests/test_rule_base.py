@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import declared
+from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
-from mars_asp.cli.rules import shown, shown_json
+from mars_asp.cli.rules import lint, shown, shown_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -141,7 +141,7 @@ def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(
     rulebook: Rulebook,
 ) -> None:
     known = {head for rule in rulebook.rules for head in rule.heads}
-    known |= {each for _, text in rulebook.texts for each in declared(text)}
+    known |= {each for _, text in rulebook.texts for each in defined(text)}
     for path, (_, outline) in rulebook.outlines.items():
         assert outline.title, path
         assert outline.purpose.endswith("."), path
@@ -161,7 +161,7 @@ def test_the_door_to_the_rules_names_each_stage() -> None:
     assert folders == set(STAGES)
 
 
-def test_cost_alone_reads_what_another_stage_derives(rulebook: Rulebook) -> None:
+def test_few_stages_read_what_another_one_derives(rulebook: Rulebook) -> None:
     derived = {(each, rule.stage) for rule in rulebook.rules for each in rule.heads}
     given = {
         (each, stage) for stage, outline in rulebook.outlines.values() for each in outline.given
@@ -173,7 +173,9 @@ def test_cost_alone_reads_what_another_stage_derives(rulebook: Rulebook) -> None
         for found, other in derived
         if found == each and other not in ("base", stage) and each not in of_base
     }
-    assert read == {("cost", "verify")}
+    # The facts of a specification that is judged are what `specify` derives of a resolution.
+    judging = {("verify", "specify"), ("cost", "specify")}
+    assert read == {("specify", "resolve"), ("cost", "verify")} | judging
 
 
 @pytest.mark.parametrize("words", [["list"], ["show", "e/x"], ["show", "e"], ["doc"]])
@@ -189,3 +191,32 @@ def test_what_a_pack_says_reaches_no_terminal_as_it_is(
     assert "\x1b" not in told
     assert "\\x1b[31m" in told
     assert ("q(\t1)." in told) == (words in (["show", "e/x"], ["doc"]))
+
+
+LINTED = sorted((ROOT / "tests/lint").glob("*.lp"))
+
+
+@pytest.mark.parametrize("path", LINTED, ids=lambda path: path.stem)
+def test_what_lint_tells_an_analysis_does_not(
+    path: Path,
+    update_golden: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is said of each pack in `tests/lint` stands beside it."""
+    monkeypatch.chdir(ROOT)
+    pack = str(path.relative_to(ROOT))
+    assert run_here(["rules", "lint", pack]) == 0
+    told = capsys.readouterr().err
+    if update_golden:
+        path.with_suffix(".txt").write_text(told, encoding="utf-8")
+    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+    robot = "tests/packs/robot.mars"
+    status = run_here(["analyse", robot])
+    said = capsys.readouterr()
+    assert run_here(["analyse", robot, "--rules", pack]) == status
+    assert capsys.readouterr() == said
+
+
+def test_no_name_of_a_built_in_rule_means_two_things() -> None:
+    assert lint([]) == ()

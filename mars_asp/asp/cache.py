@@ -5,18 +5,18 @@ the program runs. A table counts while the files of its maker are those that mad
 holds. What no table holds is made, and kept for the process.
 
 A table's file is a checksum and, in the form of `marshal`, the digest of its maker's files, the
-names of classes, and pairs of keys and values; a value is packed by itself, for most commands ask
-for few.
+names of classes, small values that stand in many others, and pairs of keys and values; a value is
+packed by itself, for most commands ask for few.
 """
 
 import marshal
-from collections.abc import Callable, Hashable, Iterable, Iterator, Set
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache
-from hashlib import sha256
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, TypeVar
+from zlib import adler32, crc32
 
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
@@ -24,9 +24,11 @@ _Value = TypeVar("_Value")
 FOLDER = Path(__file__).parents[1] / "__tables__"
 #: Where more values of one name were made than this, they are forgotten.
 _MOST = 5000
-#: Every Python reads it.
-_VERSION = 2
-_CHECKSUM = sha256().digest_size
+#: Every Python from 3.4 on reads it.
+_VERSION = 4
+_CHECKSUM = 4
+#: Of what a small value is made that many others have.
+_SMALL = (bool, int, str, frozenset, tuple)
 #: The values that this process knows, and the files of their makers, by the names of tables.
 _known: dict[str, dict[Any, Any]] = {}
 _makers: dict[str, tuple[Path, ...]] = {}
@@ -52,11 +54,57 @@ def made_of(
 class _Table:
     """What a table holds, packed, by its keys."""
 
-    def __init__(self, packed: dict[Any, bytes], classes: tuple[str, ...]) -> None:
-        self.packed, self._classes = packed, classes
+    def __init__(
+        self, pairs: Iterable[tuple[Any, bytes]], classes: Sequence[str], shared: Iterable[Any]
+    ) -> None:
+        self._classes = classes
+        self._shared = [_class(classes[number])(*parts) for number, *parts in shared]
+        self.packed = {self._unpacked(key): value for key, value in pairs}
 
     def value(self, key: object) -> Any:
-        return _unpacked(marshal.loads(self.packed[key]), self._classes)
+        return self._unpacked(marshal.loads(self.packed[key]))
+
+    def _unpacked(self, form: Any) -> Any:
+        if type(form) is not list:
+            return form
+        sort, *rest = form
+        if sort in _CONTAINERS:
+            return _CONTAINERS[sort](map(self._shared.__getitem__, rest))
+        if sort == "shared":
+            return self._shared[rest[0]]
+        shared, unpacked = self._shared, self._unpacked
+        # Most of what has to be made again is shared, and each call costs as much as what it does.
+        parts = [
+            part
+            if type(part) is not list
+            else shared[part[1]]
+            if part[0] == "shared"
+            else unpacked(part)
+            for part in rest
+        ]
+        match sort:
+            case "tuple":
+                return tuple(parts)
+            case "frozenset":
+                return frozenset(parts)
+            case "list":
+                return parts
+            case "dict":
+                half = len(parts) // 2
+                return dict(zip(parts[:half], parts[half:], strict=True))
+        kind = _class(self._classes[sort])
+        if parts[0] is None:
+            return kind(*parts[1:])
+        value = kind.__new__(kind)
+        value.__dict__.update(zip(parts[0], parts[1:], strict=True))
+        return value
+
+
+#: How containers are made that hold shared values alone, by their numbers.
+_CONTAINERS: Mapping[str, Callable[[Iterable[Any]], Any]] = {
+    "tuple of shared": tuple,
+    "frozenset of shared": frozenset,
+}
 
 
 @cache
@@ -64,24 +112,35 @@ def _held(name: str, files: tuple[Path, ...]) -> _Table:
     """Return a table; an empty one where its file is not there, not whole, or of other makers."""
     try:
         content = (FOLDER / name).read_bytes()
-        if sha256(content[_CHECKSUM:]).digest() != content[:_CHECKSUM]:
-            return _Table({}, ())
-        maker, classes, pairs = marshal.loads(content[_CHECKSUM:])
-        if maker != _digest(files):
-            return _Table({}, ())
+        held = memoryview(content)[_CHECKSUM:]
+        if _checksum(held) == content[:_CHECKSUM]:
+            maker, classes, shared, pairs = marshal.loads(held)
+            if maker == _digest(files):
+                return _Table(pairs, classes, shared)
     except (OSError, ValueError, EOFError, TypeError):  # the last are of another Python's marshal
-        return _Table({}, ())
-    return _Table({_unpacked(key, classes): value for key, value in pairs}, classes)
+        pass
+    return _Table((), (), ())
+
+
+def _checksum(content: bytes | memoryview) -> bytes:
+    """Return what shows that a file was damaged, which is all that it is for."""
+    return crc32(content).to_bytes(_CHECKSUM, "big")
+
+
+def digest(content: bytes) -> bytes:
+    """Return what changes with a content that somebody edits, without a library to be loaded."""
+    found = (len(content), crc32(content), adler32(content))
+    return b"".join(number.to_bytes(8, "big") for number in found)
 
 
 def _digest(files: Iterable[Path]) -> bytes:
     """Return what changes with any of the files that values are made by."""
-    return sha256(b"".join(map(_digest_of, files))).digest()
+    return b"".join(map(_digest_of, files))
 
 
 @cache
 def _digest_of(file: Path) -> bytes:
-    return sha256(file.read_bytes()).digest()
+    return digest(file.read_bytes())
 
 
 # ---- Building ------------------------------------------------------------------------------------
@@ -100,79 +159,79 @@ def forget(folder: Path) -> None:
 def written() -> Iterator[tuple[str, bytes]]:
     """Yield the name and the file of each table that holds what this process knows."""
     for name, known in sorted(_known.items()):
-        classes: dict[str, int] = {}
+        packer = _Packer()
         pairs = [
-            (_packed(key, classes), marshal.dumps(_packed(value, classes), _VERSION))
+            (packer.packed(key), marshal.dumps(packer.packed(value), _VERSION))
             for key, value in known.items()
         ]
         pairs.sort(key=repr)
-        held = (_digest(_makers[name]), tuple(classes), pairs)
+        shared = [[number, *parts] for number, parts, _ in packer.shared]
+        held = (_digest(_makers[name]), tuple(packer.classes), shared, pairs)
         content = marshal.dumps(held, _VERSION)
-        yield name, sha256(content).digest() + content
+        yield name, _checksum(content) + content
 
 
-def _packed(value: Any, classes: dict[str, int]) -> Any:
-    """Return a value as `marshal` takes it; a list stands for what has to be made again.
+class _Packer:
+    """Packs values for one table."""
 
-    A list begins with what it stands for, a class by its number in `classes`. Behind a class stand
-    the names of what a value knows, or `None` where it is made of its fields.
+    def __init__(self) -> None:
+        #: The names of classes by their numbers, and small values that stand in many others.
+        self.classes: dict[str, int] = {}
+        self.shared: dict[tuple[int, tuple[Any, ...], tuple[type, ...]], int] = {}
 
-    Raises:
-        TypeError: it is no value of ours.
-    """
-    if value is None or isinstance(value, bool | int | str | bytes):
-        return value
-    if type(value) in (tuple, list, dict) or isinstance(value, Set):
-        return _container(value, classes)
-    kind = type(value)
-    if not kind.__module__.startswith("mars_asp."):
-        raise TypeError(f"{value!r} is not for a table")
-    number = classes.setdefault(f"{kind.__module__}:{kind.__qualname__}", len(classes))
-    if isinstance(value, tuple):
-        return [number, None, *(_packed(part, classes) for part in value)]
-    state = value.__getstate__()
-    if isinstance(state, list):  # of a frozen dataclass with slots
-        return [number, None, *(_packed(part, classes) for part in state)]
-    return [number, tuple(state), *(_packed(part, classes) for part in state.values())]
+    def packed(self, value: Any) -> Any:
+        """Return a value as `marshal` takes it; a list stands for what has to be made again.
 
+        A list begins with what it stands for, a class by its number. Behind a class stand the names
+        of what a value knows, or `None` where it is made of its fields.
 
-def _container(value: Any, classes: dict[str, int]) -> Any:
-    """Return a container as it is where none of its parts has to be made again."""
-    pairs = value.items() if isinstance(value, dict) else [(None, part) for part in value]
-    keys = [_packed(key, classes) for key, _ in pairs]
-    parts = [_packed(part, classes) for _, part in pairs]
-    plain = not any(type(part) is list for part in (*keys, *parts))
-    match value:
-        case dict():
-            return dict(zip(keys, parts, strict=True)) if plain else ["dict", *keys, *parts]
-        case tuple():
-            return tuple(parts) if plain else ["tuple", *parts]
-        case Set():
-            return frozenset(parts) if plain else ["frozenset", *parts]
-    return ["list", *parts]
+        Raises:
+            TypeError: it is no value of ours.
+        """
+        if value is None or isinstance(value, bool | int | str | bytes):
+            return value
+        if type(value) in (tuple, list, dict) or isinstance(value, Set):
+            return self._container(value)
+        kind = type(value)
+        if not kind.__module__.startswith("mars_asp."):
+            raise TypeError(f"{value!r} is not for a table")
+        number = self.classes.setdefault(
+            f"{kind.__module__}:{kind.__qualname__}", len(self.classes)
+        )
+        if isinstance(value, tuple):
+            parts = [self.packed(part) for part in value]
+            if all(part is None or isinstance(part, _SMALL) for part in parts):
+                # What is equal, as 1 and True are, need not be the same.
+                key = (number, tuple(parts), tuple(map(type, parts)))
+                return ["shared", self.shared.setdefault(key, len(self.shared))]
+            return [number, None, *parts]
+        state = value.__getstate__()
+        if isinstance(state, list):  # of a frozen dataclass with slots
+            return [number, None, *map(self.packed, state)]
+        return [number, tuple(state), *map(self.packed, state.values())]
 
-
-def _unpacked(form: Any, classes: tuple[str, ...]) -> Any:
-    if type(form) is not list:
-        return form
-    sort, *rest = form
-    parts = [_unpacked(part, classes) if type(part) is list else part for part in rest]
-    match sort:
-        case "tuple":
-            return tuple(parts)
-        case "frozenset":
-            return frozenset(parts)
-        case "list":
-            return parts
-        case "dict":
-            half = len(parts) // 2
-            return dict(zip(parts[:half], parts[half:], strict=True))
-    kind = _class(classes[sort])
-    if parts[0] is None:
-        return kind(*parts[1:])
-    value = kind.__new__(kind)
-    value.__dict__.update(zip(parts[0], parts[1:], strict=True))
-    return value
+    def _container(self, value: Any) -> Any:
+        """Return a container as it is where none of its parts has to be made again."""
+        pairs = value.items() if isinstance(value, dict) else [(None, part) for part in value]
+        keys = [self.packed(key) for key, _ in pairs]
+        parts = [self.packed(part) for _, part in pairs]
+        plain = not any(type(part) is list for part in (*keys, *parts))
+        shared = all(type(part) is list and part[0] == "shared" for part in parts) and bool(parts)
+        numbers = [part[1] for part in parts] if shared else []
+        match value:
+            case dict():
+                return dict(zip(keys, parts, strict=True)) if plain else ["dict", *keys, *parts]
+            case tuple():
+                sort = "tuple"
+            case Set():
+                sort = "frozenset"
+            case _:
+                return ["list", *parts]
+        if shared:
+            return [f"{sort} of shared", *numbers]
+        if plain:
+            return tuple(parts) if sort == "tuple" else frozenset(parts)
+        return [sort, *parts]
 
 
 @cache

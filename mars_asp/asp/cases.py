@@ -22,8 +22,9 @@ from mars_asp.asp.rules.arithmetic import telling, wrapped
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Piece, Signature
+from mars_asp.asp.rules.statements import Piece
 from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
@@ -123,7 +124,7 @@ def run_case(
     return Outcome(path, expected, _answers(control, wanted, speakers, bool(costs)))
 
 
-def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[tuple[str, int]]) -> bool:
+def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[Signature]) -> bool:
     return bool(rule.because and rule.stage in stages and rule.heads.intersection(wanted))
 
 
@@ -132,7 +133,7 @@ def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
     return f"%> {told.rule.id}: {told.message}"
 
 
-def _shown(written: Iterable[Piece]) -> tuple[tuple[str, int], ...]:
+def _shown(written: Iterable[Piece]) -> tuple[Signature, ...]:
     return tuple(each for piece in written if piece.sort == "shown" for each in shows(piece.text))
 
 
@@ -162,7 +163,7 @@ def _grounded(program: Sequence[Fragment]) -> clingo.Control:
 
 def _answers(
     control: clingo.Control,
-    wanted: Sequence[tuple[str, int]],
+    wanted: Sequence[Signature],
     speakers: Sequence[Rule],
     with_costs: bool,
 ) -> tuple[tuple[str, ...], ...]:
@@ -172,7 +173,7 @@ def _answers(
         if model.cost and not model.optimality_proven:
             return
         atoms = model.symbols(atoms=True)
-        answer = {str(a) for a in atoms if (a.name, len(a.arguments)) in wanted}
+        answer = {str(a) for a in atoms if signature_of(a) in wanted}
         answer |= {_message(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
         if with_costs:
             answer.add(_cost(model))

@@ -92,6 +92,7 @@ class Program:
             tuple(rule for file in self.files for rule in file.rules),
             tuple((file.stage, file.text) for file in self.files),
             paths=tuple(file.shown for file in self.files),
+            documented=tuple(file.documented for file in self.files),
         )
 
     @cached_property
@@ -337,7 +338,10 @@ class Answer:
         symbols = ((clingo.parse_term(text), span) for text, span in self.spans.items())
         facts = [Fact(_atom_of(symbol), span) for symbol, span in symbols]
         control, opened = self.grounding.control, self.resolution.answer.true
-        return Explainer(self.program.explained, control, GivenFacts(facts), opened)
+        declared = self.program.explained.declarations.values()
+        origins = {each.signature: each.origin for each in declared if each.origin is not None}
+        given = GivenFacts(facts, origins)
+        return Explainer(self.program.explained, control, given, opened)
 
     @property
     def _path(self) -> str:

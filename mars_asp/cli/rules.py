@@ -7,18 +7,22 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
+from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature
+from mars_asp.asp.rules.sorts import wrong_sorts
+from mars_asp.asp.signature import Signature
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from mars_asp.reasoning.sample import samples
@@ -33,8 +37,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         nargs="?",
-        metavar="ID|PATH",
-        help="of `show`: a rule's id, or a file of rules; of `lint`: files to check",
+        metavar="ID|PREDICATE|PATH",
+        help="of `show`: a rule's id, a predicate or a file of rules; of `lint`: files to check",
     )
     parser.add_argument(
         "--stage", choices=tuple(_PURPOSES), help="list or document the rules of one stage alone"
@@ -90,18 +94,26 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     wrong = [each for each in tried.values() if each.severity == "error"]
     if wrong:
         raise MarsError(wrong)
-    return (*risks(rulebook.rules), *tried.values())
+    large = unbounded(rulebook.declarations.values())
+    return (
+        *wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced),
+        *risks(rulebook.rules, large),
+        *shared_names(rulebook),
+        *tried.values(),
+    )
 
 
 def shown(rulebook: Rulebook, name: str) -> str:
-    """Return what there is to say of the rule of an id, or of a file of rules.
+    """Return what there is to say of the rule of an id, a predicate, or a file of rules.
 
     Raises:
-        MarsError: there is neither.
+        MarsError: there is none of these.
     """
     found = _named(rulebook, name)
     if isinstance(found, Rule):
         return _document(found, "##")
+    if isinstance(found, tuple):
+        return "\n\n".join(map(_predicate_document, found))
     stage, outline = rulebook.outlines[found]
     rules = [rule for rule in _speaking(rulebook, stage) if rule.span.path == found]
     listed = "\n".join(f"- `{rule.id}`: {rule.because}" for rule in rules)
@@ -112,18 +124,20 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     """Return what `shown` tells, for programs.
 
     Raises:
-        MarsError: there is no such rule or file.
+        MarsError: there is no such rule, predicate or file.
     """
     found = _named(rulebook, name)
     if isinstance(found, Rule):
         return _rule_json(found)
+    if isinstance(found, tuple):
+        return {"predicates": list(map(_predicate_json, found))}
     stage, outline = rulebook.outlines[found]
     return {
         "path": found,
         "stage": stage,
         "title": outline.title,
         "purpose": outline.purpose,
-        **{name: list(map(_written, predicates)) for name, predicates in _predicates(outline)},
+        **{name: list(map(str, predicates)) for name, predicates in _predicates(outline)},
         "rules": [rule.id for rule in rulebook.rules if rule.span.path == found],
     }
 
@@ -131,7 +145,7 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
 def _misused(action: str, what: str | None, stage: str | None) -> str | None:
     """Return what is wrong with a call, if anything is."""
     if action == "show" and not what:
-        return "`show` needs the ID of a rule; `list` names them"
+        return "`show` needs the ID of a rule, a predicate or a file; `list` names rules"
     if stage and action in ("show", "lint"):
         return f"--stage says nothing beside `{action}`"
     return None
@@ -145,8 +159,12 @@ def _of_sample(found: Diagnostic) -> Diagnostic:
     return replace(found, severity="warning", message=message)
 
 
-def _named(rulebook: Rulebook, name: str) -> Rule | str:
-    """Return the rule of an id, or the path of a file by that or by what its ids begin with."""
+def _named(rulebook: Rulebook, name: str) -> Rule | tuple[Declaration, ...] | str:
+    """Return the rule of an id, predicates, or the path of a file.
+
+    A file is named by its path or by what its ids begin with, predicates by their name, with or
+    without the number of arguments.
+    """
     rule = rulebook.by_id.get(name)
     if rule is not None:
         return rule
@@ -155,10 +173,15 @@ def _named(rulebook: Rulebook, name: str) -> Rule | str:
         return name
     if name in files:
         return files[name]
-    near = _near(name, (*rulebook.by_id, *files))
+    declared = rulebook.declarations
+    predicates = tuple(each for at, each in declared.items() if name in (at.name, str(at)))
+    if predicates:
+        return predicates
+    near = _near(name, (*rulebook.by_id, *files, *(each.name for each in declared)))
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
     where = point("rules", 1, 1)
-    raise MarsError((Diagnostic("rule", "error", f"there is no rule `{name}`", where, help=hint),))
+    message = f"there is no rule or predicate `{name}`"
+    raise MarsError((Diagnostic("rule", "error", message, where, help=hint),))
 
 
 def _near(name: str, known: Collection[str]) -> str | None:
@@ -195,9 +218,7 @@ def _file_document(path: str, stage: str, outline: Outline) -> str:
     lines = [f"Purpose: {outline.purpose}"] if outline.purpose else []
     for name, predicates in _predicates(outline):
         if predicates:
-            lines.append(
-                f"{name.capitalize()}: {', '.join(f'`{_written(p)}`' for p in predicates)}"
-            )
+            lines.append(f"{name.capitalize()}: {', '.join(f'`{p}`' for p in predicates)}")
     return "\n\n".join(filter(None, [*parts, *lines]))
 
 
@@ -206,11 +227,6 @@ def _predicates(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]
     yield "derives", outline.derives
     yield "decides", outline.decides
     yield "shows", outline.shows
-
-
-def _written(signature: Signature) -> str:
-    name, arity = signature
-    return f"{name}/{arity}"
 
 
 def _safe(text: str) -> str:
@@ -225,6 +241,30 @@ def _document(rule: Rule, heading: str) -> str:
         parts.append(f"Help: {rule.help}")
     parts.append(f"{rule.span.path}:{rule.span.line}")
     return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
+
+
+def _predicate_document(declaration: Declaration) -> str:
+    said = [f"from: {declaration.origin}"] if declaration.origin else []
+    said += ["packs: extend"] if declaration.extensible else []
+    said += [] if declaration.joins else ["joins: nothing"]
+    place = f"{declaration.span.path}:{declaration.span.line}"
+    parts = (f"## {declaration.written}", declaration.words, *said, place)
+    return "\n\n".join(filter(None, parts))
+
+
+def _predicate_json(declaration: Declaration) -> dict[str, object]:
+    return {
+        "predicate": str(declaration.signature),
+        "arguments": [
+            {"name": name, "sorts": sorted(sorts), "constants": list(constants)}
+            for name, sorts, constants in declaration.arguments
+        ],
+        "words": declaration.words,
+        "from": declaration.origin,
+        "packs": "extend" if declaration.extensible else "read",
+        "path": declaration.span.path,
+        "line": declaration.span.line,
+    }
 
 
 def _rule_json(rule: Rule) -> dict[str, object]:

@@ -14,6 +14,7 @@ from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.rules import load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -77,7 +78,9 @@ class Judgement:
 
         What was observed has no line: rules put it in words.
         """
-        given = GivenFacts(fact for fact in self.facts if fact.span != OBSERVED)
+        placed = (fact for fact in self.facts if fact.span != OBSERVED)
+        declared = given_in(self.rulebook, "base")
+        given = GivenFacts(placed, {each.signature: each.origin for each in declared})
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
         traces = explainer.why(dict.fromkeys(c.atom for c in found))
@@ -88,7 +91,9 @@ def run_rulebook() -> Rulebook:
     """Return the rules that judge a run, and no others."""
     every = load_rulebook(stages=("run",))
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
-    return Rulebook(rules, tuple(("base", text) for stage, text in every.texts if stage == "run"))
+    texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
+    documented = (file._replace(stage="base") for file in every.documented if file.stage == "run")
+    return Rulebook(rules, texts, documented=tuple(documented))
 
 
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:

@@ -6,19 +6,20 @@ from mars_asp.asp.messages import Said
 from mars_asp.asp.rules.checks import Contract, placed
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, Statement, argument_place
+from mars_asp.asp.rules.statements import Statement, argument_place
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.spelling import nearest
 
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 #: What rules find: kind, severity, subject and case.
-CONSEQUENCE: Signature = ("consequence", 4)
+CONSEQUENCE = Signature("consequence", 4)
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:
     """Return the kinds of consequence that a rule names; `None` where it can derive any."""
-    return rule.firsts.get(CONSEQUENCE, frozenset())
+    return rule.firsts.get(CONSEQUENCE) if CONSEQUENCE in rule.heads else frozenset()
 
 
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
@@ -39,12 +40,7 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
 
 
 #: What a rule pack from elsewhere may do.
-CONTRACT = Contract(
-    frozenset({CONSEQUENCE, ("participant", 5), ("concerns", 4), ("edit", 5)}),
-    CONSEQUENCE,
-    "consequences",
-    wrong_severities,
-)
+CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities)
 
 
 def check_severities(said: Iterable[Said]) -> None:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.model.declarations import Configuration, Module, Mount
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.index import Lookup
+from mars_asp.reasoning.facts.vocabulary import Vocabulary
 from mars_asp.spelling import resemblances
 
 if TYPE_CHECKING:
@@ -131,9 +133,10 @@ def project_facts(
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
 
 
-def project_lookup(project: Project, wanted: Set[str]) -> Lookup:
+def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -> Lookup:
     """Return the facts of a project of predicates `wanted`, to be made as they are looked for."""
-    return Lookup(project.configuration, project.modules, wanted, lambda: _frame_facts(project))
+    frames = partial(_frame_facts, project)
+    return Lookup(project.configuration, project.modules, wanted, vocabulary, frames)
 
 
 def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:

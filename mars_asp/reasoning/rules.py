@@ -1,18 +1,19 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from mars_asp.asp.cache import made_of
+from mars_asp.asp.cache import digest, made_of
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
+from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import Signature, constant_names, declared
+from mars_asp.asp.rules.statements import constant_names, defined
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONTRACT
@@ -22,12 +23,15 @@ BASE = "what follows from a configuration: its consequences, each with its reaso
 #: The stages behind the base by the names of their folders, and what each is for.
 STAGES: Mapping[str, str] = {
     "resolve": "which nodes and lines the cheapest specification has, and what each is there for",
+    "specify": "what a resolution means: its nodes, the lines between them, and what each states",
     "verify": "whether a specification realises its configuration, clause by clause",
     "cost": "what a specification costs as it is written",
     "run": "what must hold while a specification runs, and what a scenario asks for",
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
 }
+#: Of a stage, the one that reads what it decides, and without which nobody asks for it.
+FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
 
 
 class _File(NamedTuple):
@@ -43,6 +47,7 @@ class _Read(NamedTuple):
 
     text: str
     rules: tuple[Rule, ...]
+    documented: Documented
     problems: tuple[Diagnostic, ...]
 
 
@@ -58,14 +63,16 @@ def load_rulebook(
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
-    The holes of the built-in messages are checked only when `strict`: the tests have done so.
+    The stage that follows one of them is read, too. The holes of the built-in messages are checked
+    only when `strict`: the tests have done so.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
             packs that derive or mean what is not theirs.
     """
     problems: list[Diagnostic] = []
-    own = _built_in(stages, strict, problems)
+    following = (FOLLOWING[stage] for stage in stages if stage in FOLLOWING)
+    own = _built_in(tuple(dict.fromkeys((*stages, *following))), strict, problems)
     packs: list[RuleFile] = []
     for path in pack_files(extra, problems):
         found = read_file(path, str(path), "base", problems, True)
@@ -88,6 +95,7 @@ def load_rulebook(
         len(packs),
         len(rules),
         (*own.paths, *(pack.shown for pack in packs)),
+        (*own.documented, *(pack.documented for pack in packs)),
     )
 
 
@@ -102,6 +110,7 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
         tuple(rule for _, each in whole for rule in each.rules),
         tuple((file.stage, each.text) for file, each in whole),
         paths=tuple(file.shown for file, _ in whole),
+        documented=tuple(each.documented for _, each in whole),
     )
 
 
@@ -114,7 +123,7 @@ def seal() -> Seal:
     derived: dict[Signature, str] = {}
     given: dict[Signature, str] = {}
     ids: dict[str, Span] = {}
-    constants = set(CONSTANTS)
+    constants, extensible = set(CONSTANTS), set[Signature]()
     for file, each in zip(files, read, strict=True):
         for rule in each.rules:
             derived.update((head, file.stage) for head in rule.heads if head not in derived)
@@ -122,7 +131,8 @@ def seal() -> Seal:
         own, names = named[each.text]
         given.update((signature, file.stage) for signature in own if signature not in given)
         constants |= names
-    return Seal(derived, given, frozenset(constants), ids)
+        extensible |= {one.signature for one in each.documented.declarations if one.extensible}
+    return Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
 
 
 def _made(files: Iterable[_File]) -> list[_Read]:
@@ -133,7 +143,7 @@ def _made(files: Iterable[_File]) -> list[_Read]:
 
 def _digest(path: Path) -> bytes:
     try:
-        return sha256(path.read_bytes()).digest()
+        return digest(path.read_bytes())
     except OSError:  # the reader says why
         return b""
 
@@ -141,12 +151,14 @@ def _digest(path: Path) -> bytes:
 def _read(file: _File, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
     read = read_file(*file, problems, strict)
-    return _Read("", (), tuple(problems)) if read is None else _Read(read.text, read.rules, ())
+    if read is None:
+        return _Read("", (), Documented(file.stage, file.shown, ()), tuple(problems))
+    return _Read(read.text, read.rules, read.documented, ())
 
 
 def _named(text: str) -> tuple[tuple[Signature, ...], frozenset[str]]:
     """Return the predicates that a text declares, and the names of its constants."""
-    return tuple(sorted(declared(text))), frozenset(constant_names(text))
+    return tuple(sorted(defined(text))), frozenset(constant_names(text))
 
 
 def _files(stages: Iterable[str]) -> list[_File]:

@@ -16,6 +16,7 @@ from mars_asp.asp.trace import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
@@ -109,4 +110,6 @@ def explainer_for(
 ) -> Explainer:
     """Return an explainer of one analysis and of what later stages chose on top of it."""
     opened = {} if resolution is None else resolution.answer.true
-    return Explainer(rulebook, analysis.grounding.control, GivenFacts(facts), opened)
+    origins = {each.signature: each.origin for each in given_in(rulebook, "base")}
+    given = GivenFacts(facts, origins)
+    return Explainer(rulebook, analysis.grounding.control, given, opened)

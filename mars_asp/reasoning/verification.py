@@ -8,23 +8,25 @@ from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.facts.compile import (
-    WIRING,
     configuration_facts,
     facts_text,
     representation_names,
 )
+from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
-_VIOLATION, _CAUTION = ("violation", 2), ("caution", 1)
+_VIOLATION, _CAUTION = Signature("violation", 2), Signature("caution", 1)
 _STAGE = "verify"
 _CONVERTERS = frozenset({"converts"})
-_SPECIFIED = WIRING - {"place", "in_words"}  # names and lines of a specification judge nothing
+#: What the predicates that facts of a specification give begin with.
+_OF_SPECIFICATION = "spec_"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ def judge_specification(
     if rulebook.packs:
         rulebook, grounding = rulebook.built_in, None
     judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
-    facts = facts_text(specification_facts(specification, project))
+    facts = facts_text(specification_facts(specification, project, rulebook))
     text = f"{rulebook.text('verify')}\n{joined(saying(_STAGE, judges))}\n{facts}"
     if grounding is None:
         given = Fragment(facts_text(project_facts(project)), "facts")
@@ -130,10 +132,24 @@ def written_cost(
         return verification.grounding.resolve(rulebook.text("cost"), deadline)
 
 
-def specification_facts(specification: Configuration, project: Project) -> Iterator[Fact]:
-    """Yield the facts of a specification, each predicate under a name that begins with `spec_`."""
-    for fact in configuration_facts(specification, wanted=_SPECIFIED):
-        yield Fact(Atom(f"spec_{fact.atom.name}", fact.atom.arguments), fact.span)
+def _judged(rulebook: Rulebook) -> frozenset[str]:
+    """Return the predicates of a configuration of which a specification gives facts, too."""
+    base = {each.signature for each in given_in(rulebook, "base")}
+    judged = (each.signature for each in given_in(rulebook, "verify"))
+    given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
+    return frozenset(each.name for each in given if each in base)
+
+
+def specification_facts(
+    specification: Configuration, project: Project, rulebook: Rulebook
+) -> Iterator[Fact]:
+    """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
+
+    Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
+    """
+    for fact in configuration_facts(specification, wanted=_judged(rulebook)):
+        name = f"{_OF_SPECIFICATION}{fact.atom.name}"
+        yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)

@@ -3,7 +3,7 @@
 import marshal
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import given
@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mars_asp.asp import cache
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.statements import Statement, constants_of, statements_of
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.reach import outlines_of
 from mars_asp.diagnostic import Diagnostic, point
 
@@ -100,6 +101,7 @@ def test_what_many_others_replaced_is_made_again(squares: Counted) -> None:
     assert squares.calls == 6001
 
 
+SIGNATURES = st.builds(Signature, st.text(), st.integers() | st.booleans(), st.booleans())
 PLAIN = st.none() | st.booleans() | st.integers() | st.text() | st.binary()
 VALUES = st.recursive(
     PLAIN,
@@ -107,16 +109,24 @@ VALUES = st.recursive(
         st.lists(inner).map(tuple)
         | st.lists(inner)
         | st.dictionaries(st.text(), inner)
-        | st.frozensets(st.tuples(st.text(), st.integers()))
+        | st.frozensets(st.tuples(st.text(), st.integers()) | SIGNATURES)
+        | st.lists(SIGNATURES).map(tuple)
+        | SIGNATURES
     ),
 )
 
 
 @given(VALUES)
 def test_values_come_back_as_they_were(value: object) -> None:
-    classes: dict[str, int] = {}
-    form = marshal.loads(marshal.dumps(cache._packed(value, classes), 2))
-    assert repr_of(cache._unpacked(form, tuple(classes))) == repr_of(value)
+    assert repr_of(packed_and_unpacked(value)) == repr_of(value)
+
+
+def packed_and_unpacked(value: object) -> Any:
+    """Return a value as it comes out of a table."""
+    packer = cache._Packer()
+    form = marshal.dumps(packer.packed(value), 2)
+    shared = [[number, *parts] for number, parts, _ in packer.shared]
+    return cache._Table([("key", form)], tuple(packer.classes), shared).value("key")
 
 
 def repr_of(value: object) -> str:
@@ -132,12 +142,10 @@ def repr_of(value: object) -> str:
 
 def test_values_of_our_classes_come_back_with_what_they_know() -> None:
     (read,) = statements_of([FACT])[FACT]
-    assert read.derives == {("reach", 1)}  # from now on it knows
+    assert read.derives == {Signature("reach", 1)}  # from now on it knows
     found = Diagnostic("code", "error", "told", point("a.lp", 1, 2), ((point("b", 3, 4), "c"),))
     value = (read, found, {"a": frozenset({("p", 1)})})
-    classes: dict[str, int] = {}
-    packed = cache._packed(value, classes)
-    back = cache._unpacked(packed, tuple(classes))
+    back = packed_and_unpacked(value)
     assert back == value
     assert isinstance(back[0], Statement)
     assert "derives" not in vars(Statement) or back[0].__dict__ == read.__dict__
@@ -146,7 +154,7 @@ def test_values_of_our_classes_come_back_with_what_they_know() -> None:
 def test_what_is_no_value_of_ours_is_refused() -> None:
     for value in (Outside(1), Pair(1, 2), object(), 1.5):
         with pytest.raises(TypeError, match="not for a table"):
-            cache._packed(value, {})
+            cache._Packer().packed(value)
 
 
 @pytest.mark.parametrize("make", [statements_of, outlines_of, constants_of, computations])

@@ -16,9 +16,10 @@ from mars_asp.asp.cases import find_cases
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import Signature, Term, as_term
+from mars_asp.asp.solve.term_ids import Term, as_term
 from mars_asp.asp.trace import Derived, Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
@@ -77,7 +78,7 @@ def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
         if explained is None:
             continue
         explainer, true = explained
-        asked = sorted(a for a in true if (a.name, len(a.arguments)) in heads)
+        asked = sorted(a for a in true if signature_of(a).unsigned in heads)
         for atom, trace in explainer.why(asked).items():
             if isinstance(trace, Derived) and trace.rule.span in wanted:
                 yield wanted.pop(trace.rule.span), shown(case, atom, trace)

@@ -9,6 +9,7 @@ from mars_asp.asp.cases import Outcome, find_cases
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import shown as shown_in
+from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import run_case, stages_of
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -29,7 +30,7 @@ def test_case(case: Path, rulebook: Rulebook) -> None:
 
 
 #: What makes a consequence visible: what it is, who takes part, and where it points.
-SHOWN = (("consequence", 4), ("participant", 5), ("concerns", 4))
+SHOWN = (Signature("consequence", 4), Signature("participant", 5), Signature("concerns", 4))
 
 
 @pytest.mark.parametrize(
@@ -45,7 +46,7 @@ def test_a_case_of_the_base_pins_participants_and_places(case: Path) -> None:
         if piece.sort == "shown"
         for each in shown_in(piece.text)
     ]
-    missing = [f"#show {name}/{n}." for name, n in SHOWN if (name, n) not in shown]
+    missing = [f"#show {each}." for each in SHOWN if each not in shown]
     assert not missing, f"{case} lacks {' '.join(missing)}"
 
 
@@ -111,7 +112,7 @@ TOGETHER = (
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
     "hears(R, B, inherited(M))",
-    "voice(M, I, L, V)",
+    "heard_as(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
     "says(C, S, D, F, R)",
     "edit(Kind, M, cycle, drop(R), 3) :- about(mount, W, Kind, M)",
@@ -133,11 +134,11 @@ COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "li
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
     """Two files that mean different things by one name would mix them up unnoticed."""
-    files: dict[tuple[str, int], set[str]] = {}
+    files: dict[Signature, set[str]] = {}
     for rule in rulebook.rules:
-        for name, arity in rule.heads:
-            if name not in COMMON:
-                files.setdefault((name, arity), set()).add(rule.span.path)
+        for head in rule.heads:
+            if head.name not in COMMON:
+                files.setdefault(head, set()).add(rule.span.path)
     assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}
 
 

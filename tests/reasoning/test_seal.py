@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import lint
 from mars_asp.diagnostic import MarsError
@@ -171,7 +173,9 @@ def test_a_rule_of_a_pack_that_has_no_value_in_a_case_is_told_where_it_stands(
 def forged(text: str) -> Rulebook:
     """Return a rulebook with a pack that passed no gate."""
     book = load_rulebook(stages=("resolve", "verify"))
-    return Rulebook(book.rules, (*book.texts, ("base", text)), 1, 0, (*book.paths, "forged.lp"))
+    texts, paths = (*book.texts, ("base", text)), (*book.paths, "forged.lp")
+    documented = (*book.documented, Documented("base", "forged.lp", ()))
+    return Rulebook(book.rules, texts, 1, 0, paths, documented)
 
 
 def test_a_synthesis_is_judged_without_packs(
@@ -195,11 +199,11 @@ def test_a_synthesis_is_judged_without_packs(
 
 def test_the_sample_robots_hold_something_of_all_that_is_given() -> None:
     facts = [fact.atom for project in samples() for fact in project_facts(project)]
-    told = {(atom.name, len(atom.arguments)) for atom in facts}
+    told = {Signature(atom.name, len(atom.arguments)) for atom in facts}
     given = {signature for signature, stage in seal().given.items() if stage == "base"}
     # Findings are derived, and circuits told of what `can` asks for.
-    found = {("consequence", 4), ("participant", 5), ("concerns", 4), ("circuit", 5)}
-    assert given - told == found
+    found = {"consequence/4", "participant/5", "concerns/4", "circuit/5"}
+    assert set(map(str, given - told)) == found
 
 
 def test_the_constants_of_facts_are_known() -> None:
@@ -242,3 +246,15 @@ def test_no_change_of_a_text_ends_the_process(first: int) -> None:
     seen: Counter[str] = Counter()
     assert list(faults(first, 5_000, seen)) == []
     assert seen["taken taken"] > 100
+
+
+def test_a_pack_declares_nothing_of_what_is_not_its_own(tmp_path: Path) -> None:
+    pack = tmp_path / "own.lp"
+    pack.write_text("%*! module(M: city)\nM is.\npacks: extend\n*%\nmodule(a).\n")
+    with pytest.raises(MarsError) as caught:
+        load_rulebook([pack])
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.span[:3]) == ("rule-reserved", (str(pack), 5, 1))
+    pack.write_text("%*! module(M: city)\nM is.\n*%\nmine(M) :- module(M).\n")
+    (argument,) = load_rulebook([pack]).declarations[Signature("module", 1)].arguments
+    assert argument.sorts == {"module"}

@@ -7,9 +7,10 @@ from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.atoms import Term as AtomTerm
-from mars_asp.asp.solve.term_ids import Signature, Term, as_term
+from mars_asp.asp.solve.term_ids import Term, as_term
 from mars_asp.asp.trace import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.diagnostic import Span
@@ -49,9 +50,9 @@ def explainer_of(
     opened: dict[Signature, list[Term]] = {}
     for atom in control.symbolic_atoms:
         if not atom.is_fact:
-            opened[atom.symbol.name, len(atom.symbol.arguments), atom.symbol.positive] = []
+            opened[signature_of(atom.symbol)] = []
     for symbol in found[0]:
-        signature = (symbol.name, len(symbol.arguments), symbol.positive)
+        signature = signature_of(symbol)
         if signature in opened:
             opened[signature].append(as_term(symbol))
     place = Span("facts", 1, 1, 1, 1)

@@ -13,16 +13,15 @@ from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.statements import (
     Piece,
     Place,
-    Signature,
     Statement,
     calls,
-    declared,
+    defined,
     head_pool,
     masked,
     replaced,
-    unsigned,
 )
 from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
@@ -40,20 +39,14 @@ Judge: TypeAlias = Callable[[Sequence[Statement], str, Span], Iterator[Diagnosti
 class Contract:
     """What packs may do beside the built-in rules of a program.
 
-    They derive what is `extensible`, and predicates of their own. What they find they tell by
-    `finding`, of which `findings` is the word for several. `judge` says what is wrong with a head
-    that tells of one.
+    They derive what is declared extensible, and predicates of their own. What they find they tell
+    by `finding`, of which `findings` is the word for several. `judge` says what is wrong with a
+    head that tells of one.
     """
 
-    extensible: frozenset[Signature]
     finding: Signature
     findings: str
     judge: Judge
-
-    @cached_property
-    def arities(self) -> Mapping[str, int]:
-        """Return how many arguments what is extensible has, by its names."""
-        return dict(self.extensible)
 
 
 @dataclass(frozen=True)
@@ -68,6 +61,13 @@ class Seal:
     constants: frozenset[str]
     #: Where the rules stand that have names.
     ids: Mapping[str, Span]
+    #: What packs may derive, too.
+    extensible: frozenset[Signature]
+
+    @cached_property
+    def arities(self) -> Mapping[str, int]:
+        """Return how many arguments what is extensible has, by its names."""
+        return {each.name: each.arity for each in self.extensible}
 
     @cached_property
     def early(self) -> frozenset[Signature]:
@@ -113,29 +113,29 @@ def unknown_predicates(
     A rule that is misspelt, or reads what is decided later, never fires. `span` is where it
     stands, for the places of what it says count from its beginning.
     """
-    literals = {(each.place, unsigned(each.signature)) for one in rule for each in one.read}
-    for place, (name, arity) in sorted(literals):
-        if (name, arity) in seal.later:
+    literals = {(each.place, each.signature.unsigned) for one in rule for each in one.read}
+    for place, signature in sorted(literals):
+        if signature in seal.later:
             # Of what packs derive, too, the head has been told.
-            if (name, arity) not in known or (name, arity) in contract.extensible:
-                yield _too_early((name, arity), seal, contract, placed(span, place))
-        elif (name, arity) not in known:
-            near = nearest(name, sorted({other for other, _ in known}))
-            others = sorted(f"`{other}/{n}`" for other, n in known if other == near)
+            if signature not in known or signature in seal.extensible:
+                yield _too_early(signature, seal, contract, placed(span, place))
+        elif signature not in known:
+            near = nearest(signature.name, sorted({other.name for other in known}))
+            others = sorted(f"`{other}`" for other in known if other.name == near)
             yield Diagnostic(
                 "rule-unknown",
                 "error",
-                f"nothing gives or derives `{name}/{arity}`",
+                f"nothing gives or derives `{signature}`",
                 placed(span, place),
                 help=f"did you mean {' or '.join(others)}?"
                 if others
-                else f"`rules/vocabulary.lp` says what is given; write `#defined {name}/{arity}.` "
+                else f"`rules/vocabulary.lp` says what is given; write `#defined {signature}.` "
                 "where only some facts hold it",
             )
 
 
 def misused_heads(
-    rule: Sequence[Statement], text: str, contract: Contract, span: Span
+    rule: Sequence[Statement], text: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
     """Yield what is wrong with a head that tells of a finding, such as a choice or a pool.
 
@@ -144,35 +144,32 @@ def misused_heads(
     """
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:
-        told = sorted({unsigned(each) for each in statement.derives} & contract.extensible)
+        told = sorted({each.unsigned for each in statement.derives} & seal.extensible)
         if told and not statement.forces:
-            name, arity = told[0]
             negated = len(statement.heads) == 1 and not statement.head.binds
             where = "behind `not`" if negated else "in a choice, disjunction or condition"
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{name}/{arity}` stands {where}",
+                f"`{told[0]}` stands {where}",
                 placed(span, statement.place),
                 help="what is found follows from the facts: write a rule with this head alone",
             )
             return
         if told and pool is not None:
-            name, arity = told[0]
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{name}/{arity}` stands in a pool, or holds one",
+                f"`{told[0]}` stands in a pool, or holds one",
                 placed(span, pool),
                 help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
             )
             return
         if told and statement.head.is_negated:
-            name, arity = told[0]
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`-{name}/{arity}` says what is not found",
+                f"`-{told[0]}` says what is not found",
                 placed(span, statement.place),
                 help="only what is found is reported: leave out the rule",
             )
@@ -190,7 +187,7 @@ def misplaced_statements(
                 message = (
                     f"a minimisation chooses between answers, and {contract.findings} have just one"
                 )
-                advice = f"derive `{_written(contract.finding)}` for what is dear"
+                advice = f"derive `{contract.finding}` for what is dear"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
             case "term":
                 message = "`#show` of a term shows what nothing derives"
@@ -206,13 +203,13 @@ def misplaced_statements(
                     advice = "choose another name: `#const` would replace it everywhere"
                     yield Diagnostic("rule-constant", "error", message, place, help=advice)
             case "shown" | "declaration":
-                for name, arity in sorted(
-                    {*map(unsigned, shows(piece.text)), *declared(piece.text)}
+                for signature in sorted(
+                    {*(each.unsigned for each in shows(piece.text)), *defined(piece.text)}
                 ):
-                    if (name, arity) in seal.later:
-                        yield _too_early((name, arity), seal, contract, place)
-                    elif name.startswith("_"):
-                        yield from _reserved((name, arity), seal, contract, place)
+                    if signature in seal.later:
+                        yield _too_early(signature, seal, contract, place)
+                    elif signature.name.startswith("_"):
+                        yield from _reserved(signature, seal, contract, place)
 
 
 def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
@@ -245,24 +242,24 @@ def reserved_heads(
     """
     heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
     for place, signature in sorted(heads):
-        yield from _reserved(unsigned(signature), seal, contract, placed(span, place))
+        yield from _reserved(signature.unsigned, seal, contract, placed(span, place))
 
 
 def _reserved(
     signature: Signature, seal: Seal, contract: Contract, place: Span
 ) -> Iterator[Diagnostic]:
-    name, arity = signature
-    advice = f"derive a predicate of your own, or `{_written(contract.finding)}`"
-    if signature in contract.extensible:
+    name = signature.name
+    advice = f"derive a predicate of your own, or `{contract.finding}`"
+    if signature in seal.extensible:
         return
     if signature in seal.derived:
-        message = f"`{name}/{arity}` is derived by the built-in rules alone"
+        message = f"`{signature}` is derived by the built-in rules alone"
     elif signature in seal.given:
-        message = f"`{name}/{arity}` is given, and nothing derives it"
+        message = f"`{signature}` is given, and nothing derives it"
     elif name.startswith("_"):
-        message = f"`{name}/{arity}` begins with `_`, as what we add to rules does"
-    elif name in contract.arities:
-        message = f"`{name}` has {contract.arities[name]} arguments, not {arity}"
+        message = f"`{signature}` begins with `_`, as what we add to rules does"
+    elif name in seal.arities:
+        message = f"`{name}` has {seal.arities[name]} arguments, not {signature.arity}"
         advice = "`docs/writing-rules.md` says what each of them is"
     else:
         return
@@ -272,21 +269,15 @@ def _reserved(
 
 
 def _too_early(signature: Signature, seal: Seal, contract: Contract, place: Span) -> Diagnostic:
-    name, arity = signature
     stage = seal.later[signature]
     how = "derived by" if signature in seal.derived else "given to"
     return Diagnostic(
         "rule-later",
         "error",
-        f"`{name}/{arity}` is {how} `rules/{stage}`, after the {contract.findings}",
+        f"`{signature}` is {how} `rules/{stage}`, after the {contract.findings}",
         place,
         help="a rule pack rests on what is given or derived in `rules/*.lp`",
     )
-
-
-def _written(signature: Signature) -> str:
-    name, arity = signature
-    return f"{name}/{arity}"
 
 
 def placed(span: Span, place: Place) -> Span:

@@ -9,7 +9,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import Signature, read_by_costs, shown
+from mars_asp.asp.rules.statements import read_by_costs, shown
+from mars_asp.asp.signature import Signature
 
 _TITLE = re.compile(r"%#\s*(.*)")
 _PURPOSE = re.compile(r"%\s*Purpose:\s*(.*)")

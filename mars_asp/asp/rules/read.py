@@ -19,13 +19,14 @@ from mars_asp.asp.rules.checks import (
     reserved_heads,
     unknown_predicates,
 )
+from mars_asp.asp.rules.declarations import Docstring, Documented, declarations, docstrings
 from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
     Piece,
     RuleSyntaxError,
-    declared,
+    defined,
     pieces,
     statements_of,
 )
@@ -33,13 +34,22 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
 
 class RuleFile(NamedTuple):
-    """A file of rules: its path as it is shown, its stage, text, what that is made of and rules."""
+    """A file of rules: its path as it is shown, its stage, and its text.
+
+    Besides them what the text is made of, its rules, and the comments that declare predicates.
+    """
 
     shown: str
     stage: str
     text: str
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
+    docstrings: tuple[Docstring, ...] = ()
+
+    @property
+    def documented(self) -> Documented:
+        """Return what it declares of predicates."""
+        return Documented(self.stage, self.shown, self.docstrings)
 
     @property
     def name(self) -> str:
@@ -122,7 +132,10 @@ def _rule_file(
     rules = tuple(rules_of(written, shown, stage, problems))
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
-    return RuleFile(shown, stage, text, written, rules)
+    found = tuple(docstrings(written))
+    for _ in declarations(found, shown, problems):
+        pass
+    return RuleFile(shown, stage, text, written, rules, found)
 
 
 def wrong_packs(
@@ -131,7 +144,7 @@ def wrong_packs(
     """Yield all that packs may not do, and what would make nothing of their rules."""
     rules = [rule for file in packs for rule in file.rules]
     read = statements_of(rule.text for rule in rules)
-    known = {each for file in packs for each in declared(file.text)} - sealed.later.keys()
+    known = {each for file in packs for each in defined(file.text)} - sealed.later.keys()
     known |= sealed.early | {signature for rule in rules for signature in rule.heads}
     for file in packs:
         yield from misplaced_statements(file.written, sealed, contract, file.shown)
@@ -141,7 +154,7 @@ def wrong_packs(
     yield from repeated_constants((file.shown, piece) for file in packs for piece in file.written)
     for rule in rules:
         yield from reserved_heads(read[rule.text], sealed, contract, rule.span)
-        yield from misused_heads(read[rule.text], rule.text, contract, rule.span)
+        yield from misused_heads(read[rule.text], rule.text, sealed, contract, rule.span)
         yield from called_functions(rule.text, rule.span)
         yield from unknown_predicates(read[rule.text], known, sealed, contract, rule.span)
     yield from repeated_ids(rules, sealed.ids)

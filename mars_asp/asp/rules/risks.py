@@ -4,38 +4,22 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import (
-    Operand,
-    Operation,
-    Signature,
-    Statement,
-    operands,
-    statements_of,
-)
+from mars_asp.asp.rules.statements import Operand, Operation, Statement, operands, statements_of
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic
 
-#: The positions from 0 of numbers that a user states, however large.
-_STATED: Mapping[Signature, tuple[int, ...]] = {
-    ("period", 1): (0,),
-    ("priority", 2): (1,),
-    ("hold", 2): (1,),
-    ("required_rate", 2): (1,),
-    ("offered_rate", 2): (1,),
-    ("converts", 5): (4,),
-    ("spec_priority", 2): (1,),
-    ("spec_hold", 2): (1,),
-    ("spec_required_rate", 2): (1,),
-}
 
-
-def risks(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+def risks(
+    rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]
+) -> Iterator[Diagnostic]:
     """Yield what rules compute that may not fit: products, and sums of numbers a user states.
 
+    `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.
     A rule that says why what it computes `fits` is taken at its word.
     """
     rules = tuple(rules)
     read = statements_of(rule.text for rule in rules)
-    stated = _stated([statement for variants in read.values() for statement in variants])
+    stated = _stated([statement for variants in read.values() for statement in variants], unbounded)
     for rule in rules:
         if rule.fits is not None:
             continue
@@ -78,9 +62,11 @@ def _variables(operand: Operand) -> frozenset[str]:
     return frozenset({operand}) if isinstance(operand, str) and is_variable else frozenset()
 
 
-def _stated(rules: Iterable[Statement]) -> Mapping[Signature, Set[int]]:
+def _stated(
+    rules: Iterable[Statement], unbounded: Mapping[Signature, Iterable[int]]
+) -> Mapping[Signature, Set[int]]:
     """Return the positions of numbers that users state, handed on from rule to rule."""
-    found = {signature: set(places) for signature, places in _STATED.items()}
+    found = {signature: set(places) for signature, places in unbounded.items()}
     rules, before = tuple(rules), -1
     while before != sum(map(len, found.values())):
         before = sum(map(len, found.values()))

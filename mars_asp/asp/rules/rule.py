@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 
-from mars_asp.asp.rules.statements import Signature, Statement, Tree, statements, tree, unsigned
+from mars_asp.asp.rules.statements import Statement, Tree, statements, tree
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
 _HOLE = re.compile(r"\{([^{}]*)\}")
@@ -42,17 +43,17 @@ class Rule:
     @cached_property
     def heads(self) -> frozenset[Signature]:
         """Return the predicates that the head can derive, without signs of classical negation."""
-        return frozenset(unsigned(each) for one in self.statements for each in one.derives)
+        return frozenset(each.unsigned for one in self.statements for each in one.derives)
 
     def derives(self, signature: Signature) -> bool:
         """Whether the head can derive a predicate, or its contrary."""
         # What does not name it need not be read.
-        return signature[0] in self.text and signature in self.heads
+        return signature.name in self.text and signature in self.heads
 
     @cached_property
     def reads(self) -> frozenset[Signature]:
         """Return the predicates that the rule reads, without signs, and those that it offers."""
-        read = frozenset(unsigned(each) for one in self.statements for each in one.reads)
+        read = frozenset(each.unsigned for one in self.statements for each in one.reads)
         return read | self.heads if self.is_choice else read
 
     @cached_property
@@ -61,10 +62,10 @@ class Rule:
         return any(statement.offers for statement in self.statements)
 
     @cached_property
-    def firsts(self) -> Mapping[Signature, frozenset[str] | None]:
+    def firsts(self) -> Mapping[Signature, frozenset[str]]:
         """Return, by the predicates of its head, the constants that their first arguments are.
 
-        `None` where one can be anything.
+        Predicates of which one can be anything are left out.
         """
         found: dict[Signature, set[str | None]] = {}
         for statement in self.statements:
@@ -73,8 +74,9 @@ class Rule:
                 first = literal.terms[0].constant if literal.terms else None
                 found.setdefault(literal.signature, set()).add(first)
         return {
-            signature: None if None in firsts else frozenset(filter(None, firsts))
+            signature: frozenset(filter(None, firsts))
             for signature, firsts in found.items()
+            if None not in firsts
         }
 
     def __getstate__(self) -> dict[str, object]:

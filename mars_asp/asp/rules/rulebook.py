@@ -9,9 +9,11 @@ from typing import TypeAlias
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
+from mars_asp.asp.rules.declarations import Declaration, Documented
 from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import replaced
+from mars_asp.asp.signature import Signature
 
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]
@@ -23,7 +25,7 @@ class Rulebook:
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
     `packs` texts and `pack_rules` rules, all of the base, are from elsewhere. `paths` are those of
-    the texts, as they are shown.
+    the texts, as they are shown. `documented` says of each what it declares of predicates.
     """
 
     rules: tuple[Rule, ...]
@@ -31,6 +33,7 @@ class Rulebook:
     packs: int = 0
     pack_rules: int = 0
     paths: tuple[str, ...] = ()
+    documented: tuple[Documented, ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -59,7 +62,22 @@ class Rulebook:
         if not self.packs:
             return self
         rules = self.rules[: len(self.rules) - self.pack_rules]
-        return Rulebook(rules, self.texts[: -self.packs], paths=self.paths[: -self.packs])
+        texts, paths = self.texts[: -self.packs], self.paths[: -self.packs]
+        return Rulebook(rules, texts, paths=paths, documented=self.documented[: -self.packs])
+
+    @cached_property
+    def declarations(self) -> Mapping[Signature, Declaration]:
+        """Return what is declared of predicates; packs say nothing of those that are not theirs."""
+        found: dict[Signature, Declaration] = {}
+        for file in self.documented:
+            for each in file.declarations:
+                found.setdefault(each.signature, each)
+        return found
+
+    def declared_in(self, stage: str) -> tuple[Declaration, ...]:
+        """Return what the texts of one stage declare of predicates."""
+        files = (file for file in self.documented if file.stage == stage)
+        return tuple(each for file in files for each in file.declarations)
 
     @cached_property
     def asked(self) -> tuple[Asked, ...]:

@@ -16,9 +16,8 @@ from typing import NamedTuple, TypeAlias
 from clingo import SymbolType, ast
 
 from mars_asp.asp.cache import made_of
+from mars_asp.asp.signature import Signature
 
-#: A predicate: its name, with `-` before if it is classically negated, and its arity.
-Signature: TypeAlias = tuple[str, int]
 #: A line and a column in the text of a rule, both from 1; columns count characters.
 Place: TypeAlias = tuple[int, int]
 #: A function by its name and arity.
@@ -123,7 +122,7 @@ class Literal(NamedTuple):
     @property
     def is_negated(self) -> bool:
         """Whether the predicate is classically negated."""
-        return self.signature[0].startswith("-")
+        return not self.signature.positive
 
 
 class Scope(NamedTuple):
@@ -310,7 +309,7 @@ def program_of(text: str) -> Program | None:
     projected = []
     for node in parsed(text):
         if node.ast_type == _TYPE.ProjectSignature:
-            projected.append((node.name if node.positive else f"-{node.name}", node.arity))
+            projected.append(Signature(node.name, node.arity, bool(node.positive)))
         elif node.ast_type in (_TYPE.Rule, _TYPE.Minimize):
             found += (_statement(each, lambda _: _NO_PLACE) for each in node.unpool())
         elif node.ast_type not in _SILENT:
@@ -359,12 +358,6 @@ def argument_place(text: str, variant: int, at: int) -> Place:
     return _places(text)(tree(text).unpool()[variant].head.atom.symbol.arguments[at])
 
 
-def unsigned(signature: Signature) -> Signature:
-    """Return a predicate without the sign of classical negation."""
-    name, arity = signature
-    return name.removeprefix("-"), arity
-
-
 def masked(text: str) -> str:
     """Return a text with one byte for each character that has several, for clingo counts bytes."""
     return _NOT_ASCII.sub("`", text)
@@ -409,11 +402,13 @@ def _says(piece: str, node: ast.AST) -> bool:
     return len(found) == 2 and found[1] == node
 
 
-def declared(text: str) -> set[Signature]:
-    """Return the predicates that a text declares as given, by `#defined`, without signs."""
+def defined(text: str) -> set[Signature]:
+    """Return the predicates that a text says are given, by `#defined`, without signs."""
     if "#defined" not in text:
         return set()
-    return {(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined}
+    return {
+        Signature(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined
+    }
 
 
 def shown(text: str) -> tuple[Signature, ...]:
@@ -421,7 +416,7 @@ def shown(text: str) -> tuple[Signature, ...]:
     if "#show" not in text:
         return ()
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.ShowSignature)
-    return tuple((node.name if node.positive else f"-{node.name}", node.arity) for node in nodes)
+    return tuple(Signature(node.name, node.arity, bool(node.positive)) for node in nodes)
 
 
 def read_by_costs(text: str) -> frozenset[Signature]:
@@ -430,7 +425,7 @@ def read_by_costs(text: str) -> frozenset[Signature]:
         return frozenset()
     costs = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
     read = (_statement(each, lambda _: _NO_PLACE) for node in costs for each in node.unpool())
-    return frozenset(unsigned(signature) for statement in read for signature in statement.reads)
+    return frozenset(signature.unsigned for statement in read for signature in statement.reads)
 
 
 def constant_names(text: str) -> frozenset[str]:
@@ -675,7 +670,9 @@ class _Reader:
         sign, symbol = sign_and_function(literal.atom.symbol)
         terms = tuple(map(_term, symbol.arguments))
         binds = literal.sign == ast.Sign.NoSign
-        return Literal((sign + symbol.name, len(terms)), terms, binds, self._place(symbol))
+        return Literal(
+            Signature(symbol.name, len(terms), not sign), terms, binds, self._place(symbol)
+        )
 
 
 def _is_plain(literal: ast.AST) -> bool:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from mars_asp.asp.rules.statements import Function, Literal, Scope, Signature, Statement
+from mars_asp.asp.rules.statements import Function, Literal, Scope, Statement
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice import shapes
 from mars_asp.asp.slice.shapes import NOTHING, OWN, UNKNOWN, Shape
 
@@ -27,9 +28,10 @@ def shapes_of(statements: Sequence[Statement], given: Positions) -> Shapes:
     seen after as many rounds as rules build on each other.
     """
     derived = (signature for statement in statements for signature in statement.derives)
-    own = {signature: (UNKNOWN,) * signature[1] for signature in derived}
-    for (name, arity), positions in given.items():
-        own[name, arity] = tuple(OWN if at in positions else NOTHING for at in range(arity))
+    own = {signature: (UNKNOWN,) * signature.arity for signature in derived}
+    for signature, positions in given.items():
+        places = range(signature.arity)
+        own[signature] = tuple(OWN if at in positions else NOTHING for at in places)
     changed = True
     while changed:
         changed = False

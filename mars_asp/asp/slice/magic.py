@@ -31,29 +31,23 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from mars_asp.asp.rules.statements import Literal, Signature, Statement, Term
+from mars_asp.asp.rules.statements import Literal, Statement, Term
+from mars_asp.asp.signature import Signature
 
 
 class Asked(NamedTuple):
     """A predicate of which some arguments are bound, by their positions from 0."""
 
-    name: str
-    arity: int
+    signature: Signature
     bound: tuple[int, ...]
 
     def atom(self, kind: str, terms: Iterable[str]) -> str:
         """Return an atom about this: `_need`, what is asked, or `_may`, what could be true."""
-        sign = "n" if self.name.startswith("-") else "p"
+        name, arity, positive = self.signature
+        sign = "p" if positive else "n"
         places = "_".join(map(str, self.bound))
         inside = ",".join(terms)
-        return f"{kind}{self.arity}{sign}{places}_{self.name.removeprefix('-')}" + (
-            f"({inside})" if inside else ""
-        )
-
-    @property
-    def signature(self) -> Signature:
-        """Return the predicate."""
-        return self.name, self.arity
+        return f"{kind}{arity}{sign}{places}_{name}" + (f"({inside})" if inside else "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +88,8 @@ def demand_of(
     return Demand(
         "\n".join((*facts, *lines)),
         "\n".join(writer.guarded()),
-        frozenset(name for name, arity in writer.whole if (name, arity) in keys),
-        frozenset(name for name, arity, _ in writer.seen if (name, arity) in keys),
+        frozenset(each.name for each in writer.whole if each in keys),
+        frozenset(each.signature.name for each in writer.seen if each.signature in keys),
     )
 
 
@@ -233,7 +227,7 @@ class _Writer:
         # A constant stands in very many atoms, an identifier or a name in few facts, and a fact
         # without variables, as what the architecture is, alone.
         if not any(literal.terms[place].is_variable for place in asked.bound):
-            return 1 if is_derived or len(asked.bound) < asked.arity else 4
+            return 1 if is_derived or len(asked.bound) < asked.signature.arity else 4
         return 2 if is_derived else 3
 
     def _way(self, literal: Literal, bound: Set[str]) -> Asked | None:
@@ -244,7 +238,7 @@ class _Writer:
         if not self.is_derived(signature):
             keys = () if signature in self.rules else self.keys.get(signature, ())
             ways = [place for place in places if place in keys]
-        return Asked(*signature, tuple(places)) if ways else None
+        return Asked(signature, tuple(places)) if ways else None
 
     def _take_whole(self, signature: Signature) -> None:
         """Note that everything is needed of a predicate, and so of all that its rules read."""
@@ -273,9 +267,10 @@ def _is_known(term: Term, bound: Set[str]) -> bool:
 
 def _lookup(asked: Asked) -> Iterator[str]:
     """Yield the rule that finds given facts by their arguments."""
-    names = [f"V{place}" for place in range(asked.arity)]
+    names = [f"V{place}" for place in range(asked.signature.arity)]
     values = [names[place] for place in asked.bound]
-    found = f'@given("{asked.name}",({",".join(map(str, asked.bound))},),({",".join(values)},))'
+    positions = ",".join(map(str, asked.bound))
+    found = f'@given("{asked.signature.name}",({positions},),({",".join(values)},))'
     yield (
         f"{asked.atom('_may', names)} :- {asked.atom('_need', values)}, "
         f"({','.join(names)},) = {found}."

@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import statements
-from mars_asp.asp.rules.statements import Cost, Program, Scope, Signature, Statement, program_of
+from mars_asp.asp.rules.statements import Cost, Program, Scope, Statement, program_of
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice import groups, shapes
 from mars_asp.asp.slice.groups import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
 from mars_asp.asp.slice.shapes import OWN
@@ -172,7 +173,7 @@ def _meet(one: Cost, other: Cost) -> bool:
 def _text(each: Iterable[Statement], projected: Iterable[Signature]) -> str:
     each = tuple(each)
     told = sorted(frozenset(projected) & _derived(each))
-    return "\n".join([s.text for s in each] + [f"#project {name}/{arity}." for name, arity in told])
+    return "\n".join([s.text for s in each] + [f"#project {each}." for each in told])
 
 
 def _portion(text: str, each: Iterable[Statement], of_parts: Mapping[Signature, int]) -> Portion:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import statements as reader
-from mars_asp.asp.rules.statements import Signature, Statement, constants, statements
+from mars_asp.asp.rules.statements import Statement, constants, statements
+from mars_asp.asp.signature import Signature
 
 
 class Outline(NamedTuple):
@@ -79,9 +80,10 @@ def _outline(statement: Statement) -> Outline:
     heads = (head.literal for head in statement.heads)
     return Outline(
         tuple(
-            (each.signature[0], each.terms[0].constant if each.terms else None) for each in heads
+            (each.signature.signed, each.terms[0].constant if each.terms else None)
+            for each in heads
         ),
-        frozenset(literal.signature[0] for literal in statement.body.positive),
+        frozenset(literal.signature.signed for literal in statement.body.positive),
         statement.derives,
         statement.reads,
         constants(statement.text).names,

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import clingo
 
 from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.components import Component, partition
 from mars_asp.asp.solve.observer import Recorded, record
 from mars_asp.asp.solve.optimum import (
@@ -23,7 +24,7 @@ from mars_asp.asp.solve.optimum import (
     least_with,
     optimise,
 )
-from mars_asp.asp.solve.term_ids import Labelled, Signature, Term, as_symbol, labelled, state
+from mars_asp.asp.solve.term_ids import Labelled, Term, as_symbol, labelled, state
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 # What is least is found component by component; the whole is never minimised.
@@ -51,16 +52,6 @@ class Answer:
     decided: tuple[int, ...]
 
     @cached_property
-    def shown(self) -> tuple[clingo.Symbol, ...]:
-        """Return the true atoms that these rules show, facts among them."""
-        with self._model() as model:
-            return tuple(
-                as_symbol(atom)
-                for atom, literal, is_fact in self.grounding.shown_atoms()
-                if is_fact or model.is_true(literal)
-            )
-
-    @cached_property
     def true(self) -> Mapping[Signature, Sequence[Term]]:
         """Return the true atoms of each predicate of which not all are facts."""
         with self._model() as model:
@@ -69,10 +60,23 @@ class Answer:
                 for signature, atoms in self.grounding.open_predicates()
             }
 
-    def count(self, predicate: tuple[str, int]) -> int:
+    def true_of(self, predicates: Iterable[Signature]) -> Mapping[Signature, Sequence[Term]]:
+        """Return the true atoms of some predicates, facts among them."""
+        control = self.grounding.control
+        with self._model() as model:
+            return {
+                signature: [
+                    atom
+                    for atom, literal, is_fact in labelled(control, *signature)
+                    if is_fact or model.is_true(literal)
+                ]
+                for signature in predicates
+            }
+
+    def count(self, predicate: Signature) -> int:
         """Return how many atoms of a predicate are true that costs something."""
         true = self.grounding.facts.union(self.decided)
-        found = labelled(self.grounding.control, *predicate, True)
+        found = labelled(self.grounding.control, *predicate)
         return sum(is_fact or literal in true for _, literal, is_fact in found)
 
     @cached_property
@@ -159,7 +163,6 @@ class Grounding:
         self.parts: list[Part] = []
         self._program = Recorded()
         self._names: dict[int, Term] = {}
-        self._shown: list[tuple[str, str]] = []
         self._steps = 0
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
@@ -243,7 +246,6 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
-        self._shown = _SHOWN.findall(rules)
         self.add([Fragment(_SHOWN.sub("", rules), "rules")])
         self._names = {
             literal: atom
@@ -321,11 +323,6 @@ class Grounding:
         """Return what is a fact in spite of all choices, by its numbers in the ground program."""
         return frozenset(self._program.facts)
 
-    def shown_atoms(self) -> Iterator[Labelled]:
-        """Yield the atoms of the predicates that rules that choose show."""
-        for name, arity in self._shown:
-            yield from labelled(self.control, name, int(arity), True)
-
     def open_predicates(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         """Yield the predicates that the rules leave open, at least in part, and their atoms."""
         for signature, found in self._resolved():
@@ -343,7 +340,7 @@ class Grounding:
     def _resolved(self) -> Iterator[tuple[Signature, Sequence[Labelled]]]:
         for signature in self.control.symbolic_atoms.signatures:
             if signature not in self._settled:
-                yield signature, labelled(self.control, *signature)
+                yield Signature(*signature), labelled(self.control, *signature)
 
     def extra_cost(
         self, symbol: clingo.Symbol, deadline: float | None = None

@@ -14,10 +14,6 @@ import clingo
 Term = NewType("Term", int)
 
 
-#: A predicate: its name, its arity, and whether it is not classically negated.
-Signature: TypeAlias = tuple[str, int, bool]
-
-
 #: An atom, its literal in the ground program, and whether it is a fact.
 Labelled: TypeAlias = tuple[Term, int, bool]
 

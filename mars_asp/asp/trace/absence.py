@@ -7,6 +7,7 @@ import clingo
 
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing
@@ -44,7 +45,7 @@ def _come_near(
     lines = []
     asked: dict[str, list[Term]] = {}
     for index, pattern in enumerate(patterns):
-        kind = (pattern.name, len(pattern.arguments))
+        kind = signature_of(pattern).unsigned
         parts = clingo.Function("w", fixed_parts(pattern))
         asked.setdefault(NEAR, []).append(as_term(clingo.Tuple_([clingo.Number(index), parts])))
         for number, rule in enumerate(explainer.rules):

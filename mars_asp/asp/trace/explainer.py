@@ -8,8 +8,9 @@ import clingo
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.reach import outlines_of, reachable_rules
-from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_symbol, as_term, atoms, state
+from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, as_term, atoms, state
 from mars_asp.asp.trace.firing_rules import QUESTION, Rewriter, asking_name
 from mars_asp.asp.trace.firings import Firing, read_firings
 from mars_asp.asp.trace.given import GivenFacts
@@ -38,12 +39,12 @@ class Explainer:
         """
         self.rules: Sequence[Rule] = rulebook.rules
         self._rulebook = rulebook
-        self.rewriter = Rewriter(frozenset((name, arity) for name, arity, _ in opened))
+        self.rewriter = Rewriter(frozenset(Signature(name, arity) for name, arity, _ in opened))
         self._control = control
         self._given = given
         self._opened = opened
         self._question = 0
-        self._copied: set[tuple[str, int]] = set()
+        self._copied: set[Signature] = set()
 
     def why(
         self, atoms: Iterable[clingo.Symbol], every: bool = False
@@ -93,22 +94,20 @@ class Explainer:
     def _present(self) -> frozenset[str]:
         """Return the names of the predicates that have an atom."""
         atoms = self._control.symbolic_atoms
-        opened = {(name, positive) for (name, _, positive), true in self._opened.items() if true}
-        found = {
-            (name, positive)
-            for name, arity, positive in atoms.signatures
-            if any(True for _ in atoms.by_signature(name, arity, positive))
-        }
-        return frozenset(name if positive else f"-{name}" for name, positive in opened | found)
+        found = [signature for signature, true in self._opened.items() if true]
+        for each in atoms.signatures:
+            if any(True for _ in atoms.by_signature(*each)):
+                found.append(Signature(*each))
+        return frozenset(signature.signed for signature in found)
 
     def _copy_open(self, text: str) -> None:
         """Copy the true atoms of the open predicates that rules read, once."""
         named = set(_COPIED.findall(text))
-        copied = {(name, arity) for name, arity in self.rewriter.open if name in named}
+        copied = {each for each in self.rewriter.open if each.name in named}
         stated: dict[tuple[str, bool], list[Term]] = {}
-        for name, arity in sorted(copied - self._copied):
+        for name, arity, _ in sorted(copied - self._copied):
             for positive in (True, False):
-                true = self._opened.get((name, arity, positive))
+                true = self._opened.get(Signature(name, arity, positive))
                 if true is None:
                     true = atoms(self._control, name, arity, positive)
                 stated.setdefault((f"_t_{name}", positive), []).extend(true)

@@ -35,6 +35,7 @@ from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import term_text
 from mars_asp.asp.trace import counting_rules, scope
 from mars_asp.asp.trace.counting_rules import elements_of, group_key, needed_of
@@ -48,7 +49,6 @@ from mars_asp.asp.trace.scope import (
     variables_of,
 )
 
-Signature: TypeAlias = tuple[str, int]
 _TYPE = ast.ASTType
 _HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction)
 #: Stand for the numbers of a rule and of a question where explanation rules are kept; no rule can
@@ -340,7 +340,7 @@ class Terms:
 
 def _signature(symbol: ast.AST) -> Signature:
     _, symbol = sign_and_function(symbol)
-    return symbol.name, len(symbol.arguments)
+    return Signature(symbol.name, len(symbol.arguments))
 
 
 def _text(sign: str, symbol: ast.AST, arguments: Sequence[str]) -> str:

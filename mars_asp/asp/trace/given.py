@@ -1,7 +1,10 @@
 """Facts of the input, found by their atoms."""
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Mapping, Set
+from types import MappingProxyType
 
+from mars_asp.asp.rules.declarations import Origin
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace.tree import Given
@@ -11,8 +14,13 @@ from mars_asp.diagnostic import Span
 class GivenFacts:
     """The facts of the input by their texts, for predicates that somebody asks about."""
 
-    def __init__(self, facts: Iterable[Fact]) -> None:
-        """Sort facts by their predicates."""
+    def __init__(
+        self,
+        facts: Iterable[Fact],
+        origins: Mapping[Signature, Origin] = MappingProxyType({}),
+    ) -> None:
+        """Sort facts by their predicates; `origins` says where those are from."""
+        self._origins = origins
         self._facts: dict[str, list[Fact]] = {}
         for fact in facts:
             self._facts.setdefault(fact.atom.name, []).append(fact)
@@ -32,4 +40,7 @@ class GivenFacts:
         if name not in self._spans:
             self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
         span = self._spans[name].get(written)
-        return None if span is None else Given(written, span)
+        if span is None:
+            return None
+        signature = Signature(name, len(term_ids.arguments(atom)))
+        return Given(written, span, self._origins.get(signature, "stated"))

@@ -29,6 +29,7 @@ from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
 from mars_asp.asp.trace.literal_order import in_order, needs, provided
 from mars_asp.asp.trace.patterns import has_holes, is_hole, pattern_term
@@ -242,8 +243,8 @@ class _Match:
     def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
         """Match an atom; return whether that can succeed."""
         sign, function = sign_and_function(head)
-        kind = (function.name, len(function.arguments), not sign)
-        if kind != (pattern.name, len(pattern.arguments), pattern.positive):
+        kind = Signature(function.name, len(function.arguments), not sign)
+        if kind != signature_of(pattern):
             return False
         return all(map(self._term, function.arguments, pattern.arguments))
 

@@ -31,7 +31,7 @@ class Proofs:
         self._rules = rules
         self._unsupported = unsupported
         # What is given has no reasons, whatever else derives it.
-        told = {n for n, r in enumerate(rules) if any(p in given.predicates for p, _ in r.heads)}
+        told = {n for n, r in enumerate(rules) if any(p.name in given.predicates for p in r.heads)}
         firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
         self._best, heights = least_heights(firings)
         self._counted = CountedBelow(heights)

@@ -207,8 +207,13 @@ def _step_json(step: Trace | Attempt) -> dict[str, object]:
     entry: dict[str, object] = {"atom": atom, "message": atom, "kind": "given"}
     entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
     match step:
-        case Given(_, span) if span is not None:
-            entry["location"] = {"path": span.path, "line": span.line, "column": span.column}
+        case Given(_, span, origin) if span is not None:
+            place = {"path": span.path, "line": span.line, "column": span.column}
+            entry["location"] = place
+            if origin != "stated":
+                entry["kind"] = origin
+            if origin == "computed":
+                entry["computed_from"] = [place]
         case Absent(atom):
             entry |= {"kind": "absent", "message": f"no {atom}"}
         case Missing():

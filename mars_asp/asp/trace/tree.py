@@ -8,6 +8,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.declarations import Origin
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, text
 from mars_asp.diagnostic import Span
@@ -15,10 +16,14 @@ from mars_asp.diagnostic import Span
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A fact and where it comes from; no place where nobody knows it."""
+    """A fact and where it comes from; no place where nobody knows it.
+
+    What was computed has the place of what it was computed from.
+    """
 
     atom: str
     span: Span | None
+    origin: Origin = "stated"
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,76 +14,20 @@ from mars_asp.asp.solve.atoms import Fact, Term
 from mars_asp.model.declarations import Configuration, Module, Name, ends_of
 from mars_asp.reasoning.facts.compile import ANNOTATIONS, FRAMES, RELATIONSHIPS, Compiler
 from mars_asp.reasoning.facts.identifiers import annotations_of
-
-#: Given predicates, by name and arity, and the positions from 0 of the arguments by which their
-#: facts are found: identifiers, and names of modules.
-_SINGLY: Mapping[tuple[str, int], tuple[int, ...]] = {
-    ("module", 1): (0,),
-    ("node", 2): (0,),
-    ("place", 4): (0,),
-    ("uses_data_from", 3): (0, 1, 2),
-    ("required_mode", 2): (0,),
-    ("required_rate", 2): (0,),
-    ("is_controlled_by", 3): (0, 1, 2),
-    ("priority", 2): (0,),
-    ("stated_priority", 1): (0,),
-    ("hold", 2): (0,),
-    ("allocation", 2): (0,),
-    ("is_mounted_on", 5): (0, 1, 3),
-    ("described", 1): (0,),
-    ("class", 2): (0,),
-    ("native", 3): (0, 1),
-    ("converts", 5): (0, 1),
-    ("commands", 3): (0, 1),
-    ("unknown_input", 3): (0, 1),
-    ("input", 4): (0, 1),
-    ("ambiguous_name", 4): (0, 1),
-    ("delivers", 2): (0, 1),
-    ("output", 3): (0, 1),
-    ("offered_mode", 3): (0,),
-    ("offered_rate", 2): (0,),
-}
-#: Those of which all facts are made together, so that any argument finds them.
-_TOGETHER = {
-    "architecture": 1,
-    "period": 1,
-    "in_words": 3,
-    "resembles": 2,
-    "closed_walk": 6,
-    "entangled": 3,
-    "spelt": 3,
-    "rooted": 3,
-    "appears": 5,
-    "appears_in_part": 5,
-    "lever_arm": 4,
-    "combines": 5,
-    "support": 4,
-    "shares": 5,
-    "circuit": 5,
-}
-#: All given predicates, and the positions of the arguments by which their facts are found.
-KEYS: Mapping[tuple[str, int], Sequence[int]] = {
-    **_SINGLY,
-    **{(name, arity): range(arity) for name, arity in _TOGETHER.items()},
-}
-#: The positions of what a fact connects: modules, relationships and annotations of one part of a
-#: configuration. A converter is for whoever needs it.
-CONNECTED: Mapping[tuple[str, int], tuple[int, ...]] = {
-    signature: () if signature == ("converts", 5) else _SINGLY.get(signature, ())
-    for signature in KEYS
-}
+from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 _Group: TypeAlias = dict[tuple[Term, ...], list[Fact]]
 
 
 class Lookup:
-    """The facts of some predicates, found by `KEYS`."""
+    """The facts of some predicates, found by the keys of their vocabulary."""
 
     def __init__(
         self,
         configuration: Configuration,
         modules: Mapping[str, Module],
         wanted: Set[str],
+        vocabulary: Vocabulary,
         frame_facts: Callable[[], Iterable[Fact]] = tuple,
     ) -> None:
         """Look for facts of the predicates `wanted`; nothing is made yet.
@@ -91,6 +35,7 @@ class Lookup:
         `frame_facts` gives what mounts do to motions, when it is asked for.
         """
         self._configuration = configuration
+        self._by_thing = vocabulary.by_thing
         self._compiler = Compiler(configuration, modules, wanted)
         self._frame_facts = frame_facts
         self._told: dict[int | Name | str, Sequence[Fact]] = {}
@@ -105,14 +50,14 @@ class Lookup:
     def find(
         self, name: str, positions: tuple[int, ...], values: tuple[Term, ...]
     ) -> Sequence[Fact]:
-        """Return the facts of a predicate with values at positions, one of which is of its `KEYS`.
+        """Return the facts of a predicate with values at positions, one of which is of its keys.
 
         They are looked for by one value and grouped by all, so that each fact is seen once only.
         """
         by: tuple[object, ...] = (name, positions)
         key, value = 0, None
-        if name not in _TOGETHER:
-            keys = next(keys for (known, _), keys in _SINGLY.items() if known == name)
+        keys = self._by_thing.get(name)
+        if keys is not None:
             key, value = next(
                 pair for pair in zip(positions, values, strict=True) if pair[0] in keys
             )

@@ -17,7 +17,9 @@ from typing import NamedTuple, TypeAlias
 import clingo
 
 from mars_asp.asp.messages import shown
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -25,11 +27,9 @@ from mars_asp.language.print import print_configuration
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis import Specification, specify
+from mars_asp.reasoning.synthesis import Derived, Specification, specify
 from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, Synthesis
 from mars_asp.spelling import nearest
-
-_DOCSTRING = re.compile(r"^%\*!\s*(\w+)\(([^)]*)\)\s*\n(.*?)\n\*%", re.MULTILINE | re.DOTALL)
 
 #: The levels that are a cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
@@ -154,7 +154,8 @@ class _Search:
             kept.difference_update(choice.part.decided(choice.part.best))
         changed = [atom for choice in chosen for atom in choice.part.decided(choice.other)]
         answer = Answer(self.analysis.grounding, (*kept, *changed))
-        specification = specify(self.project.configuration, self.project.modules, answer.shown)
+        derived = Derived(self.rulebook, answer)
+        specification = specify(self.project.configuration, self.project.modules, derived)
         changes = list(difflib.ndiff(own, _lines(specification)))
         return Alternative(
             dict(zip(_LEVELS, extra, strict=True)),
@@ -164,14 +165,14 @@ class _Search:
         )
 
     def _needs(self, part: Part, names: Mapping[clingo.Symbol, str]) -> Iterator[Need]:
-        documented = _docstrings(self.rulebook)
+        declared = self.rulebook.declarations
         symbol_of = self.analysis.grounding.symbol_of
         for atoms in disjoint_needs(part.component, NODES, self.deadline):
             told = [
                 symbol_of[number] for atom in atoms if (number := part.atoms[atom - 1]) in symbol_of
             ]
             yield Need(
-                tuple(_words(symbol, documented) for symbol in told),
+                tuple(_words(symbol, declared) for symbol in told),
                 tuple(names[symbol] for symbol in told if symbol in names),
             )
 
@@ -229,24 +230,12 @@ def _taken(part: Part) -> set[int]:
     return {a for at, _, a in part.component.costs if at == NODES and a in part.best.true}
 
 
-def _docstrings(rulebook: Rulebook) -> Mapping[tuple[str, int], tuple[list[str], str]]:
-    """Return what `%*! p(X, Y) ... *%` says of each predicate: its arguments and the words."""
-    found: dict[tuple[str, int], tuple[list[str], str]] = {}
-    for _, text in rulebook.texts:
-        for match in _DOCSTRING.finditer(text):
-            arguments = [argument.strip() for argument in match[2].split(",")]
-            # What a pack says of a predicate of ours, it says too late.
-            found.setdefault((match[1], len(arguments)), (arguments, " ".join(match[3].split())))
-    return found
-
-
-def _words(
-    symbol: clingo.Symbol, documented: Mapping[tuple[str, int], tuple[list[str], str]]
-) -> str:
-    """Return what a predicate's docstring says, with an atom's arguments for its variables."""
-    known = documented.get((symbol.name, len(symbol.arguments)))
+def _words(symbol: clingo.Symbol, declared: Mapping[Signature, Declaration]) -> str:
+    """Return what is declared of a predicate, with an atom's arguments for its variables."""
+    known = declared.get(signature_of(symbol))
     if known is None:
         return str(symbol)
-    values = dict(zip(known[0], map(shown, symbol.arguments), strict=True))
+    names = (argument.name for argument in known.arguments)
+    values = dict(zip(names, map(shown, symbol.arguments), strict=True))
     pattern = "|".join(rf"(?<!\w){re.escape(name)}(?![\w'])" for name in values)
-    return re.sub(pattern, lambda match: f"`{values[match[0]]}`", known[1]).split(".")[0]
+    return re.sub(pattern, lambda match: f"`{values[match[0]]}`", known.words).split(".")[0]

@@ -15,11 +15,14 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.reasoning.facts.index import KEYS, Lookup
+from mars_asp.reasoning.facts.index import Lookup
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
+from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE
 
 #: A rule and its outlines.
@@ -52,25 +55,29 @@ def slice_for(
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
-    if not any(name == head for rule in rules for head, _ in rule.heads):
+    if not any(name == head.name for rule in rules for head in rule.heads):
         return None
     asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
-    demand = _demand(subject, name, _statements(rule for rule, _ in possible))
+    demand = _demand(
+        subject, name, _statements(rule for rule, _ in possible), vocabulary(rulebook).keys
+    )
     if demand is None:
         facts = tuple(facts_of(_read(possible, name)))
         text = None
     else:
         facts, text = _needed(demand, facts_of, lookup_of)
-    derived = {head for _, variants in base for one in variants for head, _ in one.derives}
+    derived = {head.signed for _, variants in base for one in variants for head in one.derives}
     behind = _behind(base, asked, derived | {fact.atom.name for fact in facts})
     names = _read(behind, name)
     needed = tuple(fact for fact in facts if fact.atom.name in names)
     sliced = tuple(rule for rule, _ in behind)
     if text is None:
         text = "\n".join(rule.text for rule in sliced)
-    return Slice(Rulebook(sliced, (("base", text),)), needed)
+    return Slice(
+        Rulebook(sliced, (("base", text),), documented=rulebook.built_in.documented), needed
+    )
 
 
 def slice_for_resolution(
@@ -83,7 +90,8 @@ def slice_for_resolution(
     if rulebook.packs:
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
-    resolving = tuple(rule for rule in rulebook.rules if rule.stage == "resolve")
+    stages = ("resolve", FOLLOWING["resolve"])
+    resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
     read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
     behind: dict[str, Rule] = {}
     new = resolving
@@ -101,10 +109,11 @@ def slice_for_resolution(
     rules = tuple(rule for rule in base if rule.text in behind)
     texts = (
         ("base", "\n".join(rule.text for rule in rules)),
-        ("resolve", rulebook.text("resolve")),
+        *((stage, rulebook.text(stage)) for stage in stages),
     )
-    facts = tuple(facts_of({name for name, _ in read}))
-    return Slice(Rulebook((*rules, *resolving), texts), facts)
+    facts = tuple(facts_of({each.name for each in read}))
+    documented = rulebook.documented
+    return Slice(Rulebook((*rules, *resolving), texts, documented=documented), facts)
 
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
@@ -146,7 +155,12 @@ def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
     return not any(statement.head.is_negated for statement in every)
 
 
-def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | None:
+def _demand(
+    subject: str,
+    name: str,
+    rules: Sequence[Statement],
+    keys: Mapping[Signature, Sequence[int]],
+) -> Demand | None:
     """Return how to find out which instances a question needs, if that can be told."""
     symbol = _term(subject)
     if name == "consequence" and (symbol is None or symbol.name != name):
@@ -155,13 +169,11 @@ def _demand(subject: str, name: str, rules: Sequence[Statement]) -> Demand | Non
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
-        return demand_of(rules, Asked("consequence", 4, (0, 2)), values, KEYS)
+        return demand_of(rules, Asked(CONSEQUENCE, (0, 2)), values, keys)
     if symbol is None or not symbol.arguments:
         return None
-    sign = "" if symbol.positive else "-"
-    count = len(symbol.arguments)
-    asked = Asked(f"{sign}{symbol.name}", count, tuple(range(count)))
-    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], KEYS)
+    asked = Asked(signature_of(symbol), tuple(range(len(symbol.arguments))))
+    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], keys)
 
 
 def _needed(
@@ -204,7 +216,7 @@ def _behind(
 
 
 def _read(rules: Iterable[_Outlined], asked: str) -> frozenset[str]:
-    names = (name for _, variants in rules for name, _ in reads(variants))
+    names = (each.signed for _, variants in rules for each in reads(variants))
     return frozenset({asked, *names})
 
 

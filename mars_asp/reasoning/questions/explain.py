@@ -14,11 +14,13 @@ import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_in
+from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse, read_consequences
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
@@ -84,7 +86,7 @@ def _explain_slice(reasoner: Reasoner, subject: str, every: bool) -> Explanation
             subject,
             rulebook,
             lambda names: project_facts(project, wanted=names),
-            lambda names: project_lookup(project, names),
+            lambda names: project_lookup(project, names, vocabulary(rulebook)),
         )
         answer = None if part is None else _explain_part(project, part, subject, every)
         if answer is not None and answer.topics:
@@ -110,8 +112,8 @@ def _explain_whole(
         asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
     if synthesis is not None:
         titles = [_node_title(node, synthesis.specification) for node in nodes]
-        terms = [clingo.parse_term(node.term) for node in nodes]
-        asked += zip(titles, terms, strict=True)
+        atoms = (_node_atom(node, analysis, synthesis) for node in nodes)
+        asked += zip(titles, atoms, strict=True)
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
@@ -228,6 +230,15 @@ def _nodes(
     return tuple(n for n in specification.nodes if reasons & set(specification.resolves[n.name]))
 
 
+def _node_atom(node: Node, analysis: Analysis, synthesis: Synthesis) -> clingo.Symbol:
+    """Return what decides that there is a node: the atom by which it is called, if it is one."""
+    term = clingo.parse_term(node.term)
+    if analysis.grounding.control.symbolic_atoms[term] is not None:
+        return term
+    synthesis.derived.hand_to(analysis.grounding)
+    return clingo.Function("spec_node", [term, clingo.Function(node.kind)])
+
+
 def _node_title(node: Node, introduced: Introduced) -> str:
     resolves = introduced.resolves[node.name]
     return f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
@@ -249,8 +260,11 @@ def _asked_atom(
     symbol = symbol_in(quoted(subject, names))
     if symbol is not None and symbol.type == clingo.SymbolType.Function:
         taken = frozenset() if synthesis is None else synthesis.resolution.taken
+        derived = frozenset() if synthesis is None else synthesis.derived.predicates
+        if synthesis is not None and signature_of(symbol) in derived:
+            synthesis.derived.hand_to(analysis.grounding)
         atom = analysis.grounding.control.symbolic_atoms[symbol]
-        if synthesis is None and is_resolved(rulebook, symbol.name, len(symbol.arguments)):
+        if synthesis is None and is_resolved(rulebook, signature_of(symbol)):
             raise _unrealised(subject, project)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol

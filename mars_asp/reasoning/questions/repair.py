@@ -16,6 +16,7 @@ from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language.text_edits import LineEdit
@@ -45,7 +46,7 @@ ONE_IN_FOR_EACH, ONE_IN_FOR_FURTHER = 4, 10
 #: Up to this weight an edit may stand beside others; a heavier one is tried alone, and last.
 HEAVIEST = 3
 _STAGE = "repair"
-_EDIT = ("edit", 5)
+_EDIT = Signature("edit", 5)
 
 
 @dataclass(frozen=True, slots=True)

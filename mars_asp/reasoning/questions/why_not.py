@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import clingo
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import constants_of, declared
+from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
@@ -36,7 +37,7 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
     "data_splitter": lambda name: clingo.Function("splitter", [name, hole()]),
     "data_transformer": lambda name: clingo.Function("transformer", [name, hole()]),
     "arbitration_node": lambda name: clingo.Function(
-        "full", [name, clingo.Function("run", [hole()])]
+        "receives", [name, clingo.Function("run", [hole()])]
     ),
     "control_splitter": lambda name: clingo.Function(
         "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]
@@ -83,13 +84,12 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     vocabulary = _Vocabulary(project, rulebook, reasoner.facts)
     pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
     analysis, synthesis = reasoner.analysis, None
-    signature = ("", 0) if pattern is None else (pattern.name, len(pattern.arguments))
-    choosable = pattern is None or is_resolved(rulebook, *signature)
+    choosable = pattern is None or is_resolved(rulebook, signature_of(pattern))
     if choosable:
         analysis, synthesis = reasoner.resolved
         if synthesis is None:
             explainer = reasoner.resolution_explainer
-            against = sorted(analysis.grounding.symbols(*UNRESOLVABLE))
+            against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
             obstacles = tuple(explainer.why(against).values())
             shown = subject if pattern is None else shown_pattern(pattern)
             return WhyNot(
@@ -99,7 +99,12 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         assert synthesis is not None
         pattern = _node_term(subject, project, synthesis)
     resolution = None if synthesis is None else synthesis.resolution
-    explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
+    if synthesis is not None and signature_of(pattern) in synthesis.derived.predicates:
+        # It follows from the answer that was found; nobody looks for another one.
+        synthesis.derived.hand_to(analysis.grounding)
+        explainer, choosable = reasoner.resolution_explainer, False
+    else:
+        explainer = reasoner.resolution_explainer if choosable else reasoner.explainer
     atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
     matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
     taken = frozenset() if resolution is None else resolution.taken
@@ -110,7 +115,7 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     shown = shown_pattern(pattern)
     trace = _of_named_kind(absence.why_not(explainer, pattern, depth), pattern)
     offered, extra = None, None
-    if synthesis is not None:
+    if synthesis is not None and choosable:
         offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
     return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
 
@@ -178,10 +183,10 @@ class _Vocabulary:
             self._constants |= found.names
             self._strings |= found.strings
         for _, text in rulebook.texts:
-            self._predicates |= declared(text)
+            self._predicates |= defined(text)
         for fact in facts:
             symbol = symbol_of(fact.atom)
-            self._predicates.add((symbol.name, len(symbol.arguments)))
+            self._predicates.add(signature_of(symbol))
             self._note(symbol)
 
     def _note(self, symbol: clingo.Symbol) -> None:
@@ -228,7 +233,7 @@ class _Vocabulary:
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:
-        return any(name == known for known, _ in self._predicates)
+        return any(name == known.name for known in self._predicates)
 
     def _atom(self, subject: str) -> clingo.Symbol:
         found = pattern_in(subject)
@@ -236,9 +241,9 @@ class _Vocabulary:
             raise self._wrong(
                 f"`{subject}` is no atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
             )
-        kind = (found.name, len(found.arguments))
+        kind = signature_of(found).unsigned
         if kind not in self._predicates:
-            raise self._other_arity(*kind)
+            raise self._other_arity(kind)
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
 
     def _known(self, term: clingo.Symbol) -> clingo.Symbol:
@@ -261,8 +266,9 @@ class _Vocabulary:
             raise self._wrong(f"there is no name `{name}`", help_text)
         return clingo.String(name)
 
-    def _other_arity(self, name: str, arity: int) -> MarsError:
-        same = sorted(f"{name}/{n}" for other, n in self._predicates if other == name)
+    def _other_arity(self, signature: Signature) -> MarsError:
+        name, arity, _ = signature
+        same = sorted(str(other) for other in self._predicates if other.name == name)
         if not same:
             return self._unknown_predicate(name)
         return self._wrong(
@@ -275,7 +281,7 @@ class _Vocabulary:
             return self._wrong(
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
-        known = {known for known, _ in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        known = {known.name for known in self._predicates} | self._kinds | set(NODE_NAMES.values())
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:

@@ -1,10 +1,11 @@
 """Answer sets of the resolution rules turned into specifications."""
 
-from mars_asp.reasoning.synthesis.draft import NODE_PREDICATES, Draft, Node
+from mars_asp.reasoning.synthesis.derived import Derived
+from mars_asp.reasoning.synthesis.draft import Draft, Node
 from mars_asp.reasoning.synthesis.specify import Introduced, Specification, introduce, specify
 
 __all__ = [
-    "NODE_PREDICATES",
+    "Derived",
     "Draft",
     "Introduced",
     "Node",

@@ -1,136 +1,99 @@
-"""The data lines of a specification: each source's tree, at its first relationship's place."""
+"""The data lines of a specification in order: each source's tree where its first relationship is.
 
+Which lines there are, and what they state, `rules/specify` says.
+"""
+
+from collections.abc import Mapping
 from decimal import Decimal
+from functools import cache
 from typing import NamedTuple
 
-from clingo import String, Symbol, SymbolType
+from clingo import String
 
-from mars_asp.model.declarations import Conversion, Data, Mode
-from mars_asp.reasoning.facts.identifiers import PERIODIC, mode_of
+from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
+from mars_asp.model.declarations import Data, Mode
+from mars_asp.reasoning.facts.identifiers import mode_of
+from mars_asp.reasoning.synthesis.derived import Derived
 from mars_asp.reasoning.synthesis.draft import Draft
 
 
-class _Client(NamedTuple):
-    """What a point feeds: the client of a relationship."""
+class _Line(NamedTuple):
+    """One data line."""
 
-    feeder: str
-    number: int
-
-
-class _Transformer(NamedTuple):
-    """What a point feeds: the transformer to another point, by an annotation or by none."""
-
-    feeder: str
-    point: Symbol
-    annotation: Symbol
+    line: Term
+    client: Term
+    feeder: Term
 
 
 class DataLines:
     """Writes the lines of each source once."""
 
-    def __init__(self, draft: Draft) -> None:
-        """Index the tree of each source by its points."""
-        self._draft = draft
-        self._splitters = {(s.string, t) for s, t in draft.rows("splitter", 2)}
-        self._clients: dict[tuple[str, Symbol], list[int]] = {}
-        for number, source, point in draft.rows("at", 3):
-            self._clients.setdefault((source.string, point), []).append(number.number)
-        self._edges: dict[tuple[str, Symbol], list[tuple[Symbol, Symbol]]] = {}
-        for source, start, end, annotation in draft.rows("edge", 4):
-            self._edges.setdefault((source.string, start), []).append((end, annotation))
-        self._lowered = {(s.string, t): f.number for s, t, f in draft.rows("lowers", 3)}
-        self._made = {(s.string, t): (d, f) for s, t, d, f in draft.rows("makes_for", 4)}
-        self._needs = {n.number: (d, f) for n, d, f in draft.rows("states_need", 3)}
-        self._own = {s.string: p.string for s, p in draft.rows("own", 2)}
-        self._done: set[str] = set()
+    def __init__(self, draft: Draft, derived: Derived) -> None:
+        """Index the lines by what feeds them."""
+        self._draft, self._derived = draft, derived
+        self._out_of: dict[Term, list[_Line]] = {}
+        for line, client, feeder in derived.rows("spec_uses_data_from", 3):
+            self._out_of.setdefault(feeder, []).append(_Line(line, client, feeder))
+        self._modes = derived.of_each("spec_required_mode")
+        self._rates = derived.of_each("spec_required_rate")
+        self._done: set[Term] = set()
 
     def write(self, relationship: Data) -> None:
         """Write all lines of a relationship's source, unless they are written already."""
-        source = relationship.source
+        source = as_term(String(relationship.source))
         if source in self._done:
             return
         self._done.add(source)
-        origin = _function("origin")
-        first = self._first_places(source, origin)
+        place = self._places(source)
         # A stack instead of recursion: chains of converters may be long.
-        stack = self._outputs(source, origin, source, first)
+        stack = self._outputs(source, place)
         while stack:
-            output = stack.pop()
-            if isinstance(output, _Client):
-                self._write_client(output)
-            else:
-                name = self._write_transformer(source, output)
-                stack += self._outputs(source, output.point, name, first)
+            line = stack.pop()
+            self._write_line(line)
+            if line.client in self._derived.kinds:
+                stack += self._outputs(line.client, place)
 
-    def _outputs(
-        self, source: str, point: Symbol, feeder: str, first: dict[Symbol, int]
-    ) -> list[_Client | _Transformer]:
-        """Return what a point feeds, last first, behind its splitter where it has one."""
+    def _outputs(self, feeder: Term, place: Mapping[Term, int]) -> list[_Line]:
+        """Return what a source or node feeds, last first."""
+        return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
+
+    def _places(self, source: Term) -> Mapping[Term, int]:
+        """Return the place of each line behind a source: that of the first client it leads to."""
+        lines = list(self._out_of.get(source, ()))
+        for line in lines:
+            if line.client in self._derived.kinds:
+                lines += self._out_of.get(line.client, ())
+        place: dict[Term, int] = {}
+        for line in reversed(lines):
+            own = self._draft.place_of(line.line, self._derived)
+            if own is None:
+                behind = (place[each.line] for each in self._out_of.get(line.client, ()))
+                own = min(behind, default=0)
+            place[line.line] = own
+        return place
+
+    def _write_line(self, line: _Line) -> None:
         draft = self._draft
-        if (source, point) in self._splitters:
-            name = draft.node("data_splitter", f"splitter({String(source)},{point})")
-            draft.lines.append(Data(name, feeder, draft.span))
-            feeder = name
-        placed: list[tuple[int, _Client | _Transformer]] = [
-            (draft.place[number], _Client(feeder, number))
-            for number in self._clients.get((source, point), ())
-        ]
-        placed += [
-            (first[end], _Transformer(feeder, end, annotation))
-            for end, annotation in self._edges.get((source, point), ())
-        ]
-        placed.sort(key=lambda item: item[0], reverse=True)
-        return [output for _, output in placed]
+        client = draft.name(line.client, self._derived)
+        mode, hz = self._service(line.line)
+        feeder = draft.name(line.feeder, self._derived)
+        draft.lines.append(Data(client, feeder, draft.span, mode, hz))
 
-    def _first_places(self, source: str, origin: Symbol) -> dict[Symbol, int]:
-        """Return for each point the place in the file of the first client behind it."""
-        order = [origin]
-        for point in order:
-            order += [end for end, _ in self._edges.get((source, point), ())]
-        first: dict[Symbol, int] = {}
-        for point in reversed(order):
-            places = [self._draft.place[n] for n in self._clients.get((source, point), ())]
-            places += [first[end] for end, _ in self._edges.get((source, point), ())]
-            first[point] = min(places, default=0)
-        return first
-
-    def _write_client(self, client: _Client) -> None:
-        stated = self._draft.relationships[client.number]
-        assert isinstance(stated, Data)
-        mode, hz = stated.mode, stated.hz
-        if client.number in self._needs:
-            term, rate = self._needs[client.number]
-            mode, hz = mode_of(term), _hertz(rate)
-        span = self._draft.span
-        self._draft.lines.append(Data(stated.client, client.feeder, span, mode, hz))
-
-    def _write_transformer(self, source: str, output: _Transformer) -> str:
-        draft = self._draft
-        term = f"transformer({String(source)},{output.point})"
-        name = draft.node("data_transformer", term, self._conversion(source, output))
-        rate = self._lowered.get((source, output.point))
-        mode = None if rate is None else Mode(PERIODIC, text=PERIODIC)
-        hz = None if rate is None else Decimal(rate) / 1000
-        if (source, output.point) in self._made:
-            made, made_rate = self._made[source, output.point]
-            mode, hz = mode_of(made), _hertz(made_rate)
-        draft.lines.append(Data(name, output.feeder, draft.span, mode, hz))
-        return name
-
-    def _conversion(self, source: str, output: _Transformer) -> Conversion:
-        target = output.point.arguments[0].string
-        if output.annotation.type != SymbolType.Number:
-            return Conversion("", None, self._own.get(source, ""), target, self._draft.span)
-        name, service = self._draft.services[output.annotation.number]
-        given = next((i for i in service.inputs if i is not None), "")
-        return Conversion("", name, given, service.output or target, self._draft.span)
+    def _service(self, line: Term) -> tuple[Mode | None, Decimal | None]:
+        """Return the mode and frequency that a line states, in the words of its relationship."""
+        if line not in self._modes:
+            return None, None
+        for number in self._derived.written_at.get(line, ()):
+            stated = self._draft.relationships[number]
+            if isinstance(stated, Data) and stated.mode is not None:
+                return stated.mode, stated.hz
+        return _mode(self._modes[line]), _hertz(self._rates.get(line))
 
 
-def _function(name: str) -> Symbol:
-    from clingo import Function  # noqa: PLC0415 -- the name is this project's own word elsewhere
+@cache
+def _mode(term: Term) -> Mode:
+    return mode_of(as_symbol(term))
 
-    return Function(name, [])
 
-
-def _hertz(rate: Symbol) -> Decimal | None:
-    return Decimal(rate.number) / 1000 if rate.type == SymbolType.Number else None
+def _hertz(rate: Term | None) -> Decimal | None:
+    return None if rate is None else Decimal(as_symbol(rate).number) / 1000

@@ -1,30 +1,23 @@
 """A specification while it is written: nodes get names, lines get their order."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
-from clingo import Symbol
-
+from mars_asp.asp.solve.term_ids import Term, text
 from mars_asp.model.declarations import (
     NODE_NAMES,
     Configuration,
     Conversion,
     Module,
-    NodeKind,
     Relationship,
     Service,
 )
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
+from mars_asp.reasoning.synthesis.derived import Derived
 
-#: The predicate of `rules/resolve` that has one atom for each node of a kind.
-NODE_PREDICATES: Mapping[NodeKind, tuple[str, int]] = {
-    "data_splitter": ("splitter", 2),
-    "data_transformer": ("transformer", 2),
-    "arbitration_node": ("arbiter", 1),
-    "control_splitter": ("control_splitter", 1),
-    "inheritance_node": ("inheritance_node", 1),
-}
+#: How nodes are named, by kind; of another kind, as it is called.
+NAMES: Mapping[str, str] = dict(NODE_NAMES.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +28,7 @@ class Node:
     """
 
     name: str
-    kind: NodeKind
+    kind: str
     term: str
     conversion: Conversion | None = None
     stands_for: str | None = None
@@ -47,56 +40,40 @@ class Draft:
     def __init__(self, configuration: Configuration, modules: Mapping[str, Module]) -> None:
         """Index what the configuration says."""
         self.span = configuration.span
-        self.architecture = configuration.architecture
         self.relationships = dict(numbered(configuration.relationships))
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
         #: The place of each relationship in the file, by its identifier.
         self.place = {number: places[id(r)] for number, r in self.relationships.items()}
-        self.number = {place: number for number, place in self.place.items()}
         described = described_modules(configuration, modules)
         self.services: dict[int, tuple[str, Service]] = {
             number: (module.name, annotation)
             for number, module, annotation in numbered_annotations(configuration, described)
             if isinstance(annotation, Service)
         }
-        self.nodes: dict[str, Node] = {}
         self.lines: list[Relationship] = []
-        self._atoms: dict[str, list[Symbol]] = {}
+        #: The nodes in the order in which they were named.
+        self.nodes: dict[Term, Node] = {}
         declared = {module.name for module in configuration.declared}
-        self._names = {name.text for name in configuration.modules} | set(modules) | declared
-        self._next: dict[NodeKind, int] = {}
+        self._taken = {name.text for name in configuration.modules} | set(modules) | declared
+        self._next: dict[str, int] = {}
 
-    def tell(self, atoms: Iterable[Symbol]) -> None:
-        """Index the true atoms of an answer set, for what is written from now on."""
-        self._atoms = {}
-        for atom in atoms:
-            self._atoms.setdefault(atom.name, []).append(atom)
-
-    def atoms(self, name: str) -> tuple[Symbol, ...]:
-        """Return the true atoms with a name."""
-        return tuple(self._atoms.get(name, ()))
-
-    def rows(self, name: str, arity: int) -> list[Sequence[Symbol]]:
-        """Return the arguments of the true atoms of a predicate."""
-        found = (atom.arguments for atom in self.atoms(name))
-        return [arguments for arguments in found if len(arguments) == arity]
-
-    def node(
-        self,
-        kind: NodeKind,
-        term: str,
-        conversion: Conversion | None = None,
-        stands_for: str | None = None,
-    ) -> str:
-        """Return the name of a node, introducing it where it is new."""
+    def name(self, term: Term, derived: Derived) -> str:
+        """Return the name of a module or of a node, introducing this where it is new."""
         if term not in self.nodes:
+            kind = derived.kinds.get(term)
+            if kind is None:
+                return derived.string(term)
             name = self._free_name(kind)
-            if conversion is not None:
-                conversion = replace(conversion, transformer=name)
-            self.nodes[term] = Node(name, kind, term, conversion, stands_for)
+            conversion = self._conversion(term, name, derived)
+            stands_for = derived.stands_for.get(term)
+            self.nodes[term] = Node(name, kind, text(term), conversion, stands_for)
         return self.nodes[term].name
 
-    def pass_over(self, kind: NodeKind, count: int, name: str) -> bool:
+    def place_of(self, line: Term, derived: Derived) -> int | None:
+        """Return where the first relationship stands for which a line does, if there is one."""
+        return min(map(self.place.__getitem__, derived.written_at.get(line, ())), default=None)
+
+    def pass_over(self, kind: str, count: int, name: str) -> bool:
         """Count nodes that are not written here, unless one of them would have a name."""
         before = self._next.get(kind, 1)
         if name not in [self._free_name(kind) for _ in range(count)]:
@@ -104,12 +81,25 @@ class Draft:
         self._next[kind] = before
         return False
 
-    def _free_name(self, kind: NodeKind) -> str:
+    def _conversion(self, node: Term, name: str, derived: Derived) -> Conversion | None:
+        """Return what a transformer does: in the words of its annotation, where it has one."""
+        if node not in derived.converts:
+            return None
+        source, target = derived.converts[node]
+        annotation = derived.annotations.get(node)
+        if annotation is None:
+            return Conversion(name, None, source, target, self.span)
+        converter, service = self.services[annotation]
+        given = next((i for i in service.inputs if i is not None), "")
+        return Conversion(name, converter, given, service.output or target, self.span)
+
+    def _free_name(self, kind: str) -> str:
         """Return the next name of a kind that no module has."""
+        word = NAMES.get(kind) or "".join(map(str.capitalize, kind.split("_")))
         while True:
             number = self._next.get(kind, 1)
             self._next[kind] = number + 1
             plain = kind == "arbitration_node" and number == 1
-            name = NODE_NAMES[kind] + ("" if plain else str(number))
-            if name not in self._names:
+            name = word + ("" if plain else str(number))
+            if name not in self._taken:
                 return name

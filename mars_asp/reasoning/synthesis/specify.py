@@ -1,14 +1,12 @@
-"""From the true atoms of `rules/resolve` to a specification.
+"""From what `rules/specify` derives to a specification.
 
-What is introduced, and where, the rules have decided; here nodes get their names and lines their
+Which nodes and lines there are the rules have decided; here nodes get their names and lines their
 order, as in the figures of the paper.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-
-from clingo import Symbol
+from itertools import islice
 
 from mars_asp.model.declarations import (
     Configuration,
@@ -22,25 +20,17 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.reasoning.synthesis.control_lines import ControlLines
 from mars_asp.reasoning.synthesis.data_lines import DataLines
+from mars_asp.reasoning.synthesis.derived import Derived
 from mars_asp.reasoning.synthesis.draft import Draft, Node
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 
 @dataclass(frozen=True)
 class Introduced:
-    """Nodes that were introduced; `purposes` are atoms resolves(Node, Kind, Subject)."""
+    """Nodes that were introduced, and what each resolves, by its name."""
 
     nodes: tuple[Node, ...]
-    purposes: tuple[Symbol, ...]
-
-    @cached_property
-    def resolves(self) -> Mapping[str, tuple[str, ...]]:
-        """Return what each node resolves, by its name."""
-        found: dict[str, set[str]] = {}
-        for purpose in self.purposes:
-            term, kind, subject = purpose.arguments
-            found.setdefault(str(term), set()).add(f"{kind.name}({subject.string})")
-        return {node.name: tuple(sorted(found.get(node.term, ()))) for node in self.nodes}
+    resolves: Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -50,13 +40,10 @@ class Specification(Introduced):
     configuration: Configuration
 
 
-def introduce(
-    draft: Draft, atoms: Iterable[Symbol], relationships: Iterable[Relationship]
-) -> Introduced:
-    """Write relationships as the true atoms of `rules/resolve` describe; return the new nodes."""
+def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationship]) -> Introduced:
+    """Write relationships as `rules/specify` says; return the new nodes."""
     before = len(draft.nodes)
-    draft.tell(atoms)
-    data, control = DataLines(draft), ControlLines(draft)
+    data, control = DataLines(draft, derived), ControlLines(draft, derived)
     for relationship in relationships:
         match relationship:
             case Data():
@@ -65,15 +52,17 @@ def introduce(
                 control.write(relationship)
             case Mount():
                 draft.lines.append(relationship)
-    return Introduced(tuple(draft.nodes.values())[before:], draft.atoms("resolves"))
+    new = dict(islice(draft.nodes.items(), before, None))
+    resolves = {node.name: tuple(derived.resolved.get(term, ())) for term, node in new.items()}
+    return Introduced(tuple(new.values()), resolves)
 
 
 def specify(
-    configuration: Configuration, modules: Mapping[str, Module], atoms: Iterable[Symbol]
+    configuration: Configuration, modules: Mapping[str, Module], derived: Derived
 ) -> Specification:
-    """Build the specification that the true atoms of `rules/resolve` describe."""
+    """Build the specification that the rules derived."""
     draft = Draft(configuration, modules)
-    introduced = introduce(draft, atoms, configuration.relationships)
+    introduced = introduce(draft, derived, configuration.relationships)
     nodes = introduced.nodes
     # A specification that needs no more nodes stays in the order in which it is written.
     stays = configuration.kind == "specification" and not nodes
@@ -91,7 +80,7 @@ def specify(
     )
     every = {**modules, **{module.name: module for module in configuration.declared}}
     printed = replace(printed, stand_ins=(*printed.stand_ins, *_stand_ins(nodes, printed, every)))
-    return Specification(nodes, introduced.purposes, printed)
+    return Specification(nodes, introduced.resolves, printed)
 
 
 def _stand_ins(

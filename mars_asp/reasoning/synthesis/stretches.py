@@ -8,13 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import Signature, Term, arguments, as_term, atoms
+from mars_asp.asp.solve.term_ids import Term, arguments, as_term, atoms
 from mars_asp.model.declarations import Relationship, ends_of
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 #: A stretch has at least this share of all relationships, for each takes time of its own.
 _MOST = 16
@@ -33,13 +34,11 @@ class Stretches:
     def ground(self, number: int, portion: Portion) -> Grounding:
         """Return a grounding of what a portion of the resolution reads about one stretch."""
         stated: dict[Signature, Sequence[Term]] = {}
-        for predicate, at in portion.of_parts.items():
-            signature = _signature(predicate)
+        for signature, at in portion.of_parts.items():
             if signature not in self._found:
                 self._found[signature] = self._apart(signature, at)
             stated[signature] = self._found[signature][number]
-        for predicate in portion.of_all:
-            signature = _signature(predicate)
+        for signature in portion.of_all:
             stated[signature] = atoms(self._grounding.control, *signature)
         return Grounding((), stated)
 
@@ -54,7 +53,10 @@ class Stretches:
 
 
 def stretches(
-    relationships: Sequence[Relationship], facts: Iterable[Fact], grounding: Grounding
+    relationships: Sequence[Relationship],
+    facts: Iterable[Fact],
+    grounding: Grounding,
+    vocabulary: Vocabulary,
 ) -> Stretches:
     """Cut relationships into stretches; one alone has them all where no cut can be made.
 
@@ -63,7 +65,7 @@ def stretches(
     parts: DisjointSets[int | str] = DisjointSets()
     for fact in facts:
         told = fact.atom.arguments
-        connected = CONNECTED.get((fact.atom.name, len(told)), ())
+        connected = vocabulary.connected.get(Signature(fact.atom.name, len(told)), ())
         if len(connected) > 1:
             parts.join([value for at in connected if not isinstance(value := told[at], Atom)])
     roots = [parts.find(ends_of(each)[0]) for each in relationships]
@@ -88,8 +90,3 @@ def _ends(roots: Sequence[int | str]) -> Iterator[int]:
         if furthest == place and (_MOST * (place - start) >= len(roots) or place == len(roots)):
             yield place
             start = place
-
-
-def _signature(predicate: tuple[str, int]) -> Signature:
-    name, arity = predicate
-    return name.removeprefix("-"), arity, not name.startswith("-")

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
@@ -14,22 +15,23 @@ from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import Configuration, Module, node_kind
 from mars_asp.reasoning.analysis import Analysis
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.synthesis import (
-    NODE_PREDICATES,
+    Derived,
     Draft,
     Introduced,
     Specification,
     introduce,
     specify,
 )
+from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
 from mars_asp.reasoning.synthesis.stretches import stretches
 
 #: The levels of the minimisation in `rules/resolve`.
 NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
 COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 #: What the rules derive of each relationship that stands against every specification.
-UNRESOLVABLE = ("unresolvable", 1)
+UNRESOLVABLE = Signature("unresolvable", 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,7 @@ class Synthesis:
 
     specification: Specification
     resolution: Resolution
+    derived: Derived
 
     def cost(self, level: int) -> int:
         """Return the cost at a level."""
@@ -66,7 +69,8 @@ def synthesise(
     resolution = _resolve(analysis, rulebook, seconds, progress)
     if resolution is None:
         return None
-    return Synthesis(specify(configuration, modules, resolution.answer.shown), resolution)
+    derived = Derived(rulebook, resolution.answer)
+    return Synthesis(specify(configuration, modules, derived), resolution, derived)
 
 
 def least_cost(
@@ -115,13 +119,18 @@ def introduced_with(
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
     kind, resolving = node_kind(name), rulebook.text("resolve")
-    apart = None if rulebook.packs else kept_apart(rulebook.text("base"), resolving, CONNECTED)
-    if kind is None or apart is None or is_unresolvable(analysis):
+    predicate = None if kind is None else decided_by(rulebook, kind)
+    if kind is None or predicate is None or rulebook.packs or is_unresolvable(analysis):
+        return None
+    given = vocabulary(rulebook)
+    # What follows from an answer is read of one stretch, too.
+    specifying = f"{resolving}\n{rulebook.text(STAGE)}"
+    apart = kept_apart(rulebook.text("base"), specifying, given.connected)
+    if apart is None:
         return None
     deadline = None if seconds is None else time.monotonic() + seconds
-    predicate = NODE_PREDICATES[kind]
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding)
+    cut = stretches(configuration.relationships, analysis.facts, analysis.grounding, given)
     draft = Draft(configuration, modules)
     known: dict[Component, Optimum] = {}
     last = len(cut.relationships) - 1
@@ -137,7 +146,7 @@ def introduced_with(
         grounding = cut.ground(number, apart.whole)
         with costs_of(analysis.facts):
             resolution = grounding.resolve(resolving, deadline, known=known)
-        introduced = introduce(draft, resolution.answer.shown, relationships)
+        introduced = introduce(draft, Derived(rulebook, resolution.answer), relationships)
         named = any(node.name == name for node in introduced.nodes)
         return (introduced, resolution) if named and resolution.proven else None
     return None
@@ -179,13 +188,15 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
 
 def is_unresolvable(analysis: Analysis) -> bool:
     """Say whether something can never be resolved, so that there is no specification."""
-    return any(True for _ in analysis.grounding.symbols(*UNRESOLVABLE))
+    return any(True for _ in analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
-def is_resolved(rulebook: Rulebook, name: str, arity: int) -> bool:
-    """Say whether the rules of the resolution derive a predicate.
+def is_resolved(rulebook: Rulebook, signature: Signature) -> bool:
+    """Say whether the rules of the resolution, or of what it means, derive a predicate.
 
     Then no atom of it holds where nothing realises the configuration. Some may be derived all the
     same, for what stands against a part does not stop the others.
     """
-    return any((name, arity) in rule.heads for rule in rulebook.rules if rule.stage == "resolve")
+    stages = ("resolve", STAGE)
+    resolving = (rule for rule in rulebook.rules if rule.stage in stages)
+    return any(signature.unsigned in rule.heads for rule in resolving)

@@ -11,6 +11,7 @@ from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
 
@@ -75,6 +76,10 @@ def test_what_fits_is_what_clingo_computes(sign: str) -> None:
                 assert atom.symbol.arguments[0].number == exact, text
 
 
+#: Numbers that a user may state however large.
+STATED = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
+
+
 @pytest.mark.parametrize(
     ("text", "risky"),
     [
@@ -100,8 +105,8 @@ def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[
         for each in pieces(text)
         if each.sort == "rule"
     ]
-    found = [(each.message.split("`")[1], each.span.column) for each in risks(rules)]
-    assert not list(risks(replace(rule, fits="it does") for rule in rules))
+    found = [(each.message.split("`")[1], each.span.column) for each in risks(rules, STATED)]
+    assert not list(risks((replace(rule, fits="it does") for rule in rules), STATED))
     assert [written for written, _ in found] == risky
     assert all(text.startswith(written, column - 1) for written, column in found)
 

@@ -8,6 +8,7 @@ import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Statement
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, demand_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace import Explainer
@@ -17,7 +18,7 @@ from mars_asp.diagnostic import Span
 from tests.support.programs import atom_of, rulebook_of
 
 #: Given predicates, and the arguments by which their facts are found.
-KEYS = {("e", 2): (0, 1), ("f", 2): (0,), ("g", 1): ()}
+KEYS = {Signature("e", 2): (0, 1), Signature("f", 2): (0,), Signature("g", 1): ()}
 DERIVED = {"p": 1, "q": 2, "r": 1, "s": 2, "t": 2}
 MOST = 7
 
@@ -27,7 +28,7 @@ def random_rules(rng: random.Random) -> Iterator[str]:
     names = list(DERIVED)
     for place, name in enumerate(names):
         for _ in range(rng.randint(1, 3)):
-            lower = [(each, DERIVED[each]) for each in names[:place]] + list(KEYS)
+            lower = [(each, DERIVED[each]) for each in names[:place]] + [each[:2] for each in KEYS]
             readable = [*lower, (name, DERIVED[name])] if rng.random() < 0.4 else lower
             bound: list[str] = []
             body = []
@@ -88,7 +89,7 @@ class Given:
         self, name: clingo.Symbol, positions: clingo.Symbol, values: clingo.Symbol
     ) -> list[clingo.Symbol]:
         places = [place.number for place in positions.arguments]
-        assert any(place in KEYS[name.string, 2] for place in places)
+        assert any(place in KEYS[Signature(name.string, 2)] for place in places)
         found = [
             fact
             for fact in self.facts
@@ -134,7 +135,7 @@ def _checked(seed: int) -> tuple[int, int]:
     numbers = range(MOST)
     given = [
         clingo.Function(name, [clingo.Number(rng.choice(numbers)) for _ in range(arity)])
-        for (name, arity), count in zip(KEYS, (8, 8, 3), strict=True)
+        for (name, arity, _), count in zip(KEYS, (8, 8, 3), strict=True)
         for _ in range(count)
     ]
     given = sorted(set(given))
@@ -144,8 +145,7 @@ def _checked(seed: int) -> tuple[int, int]:
     never = [clingo.Function(name, [clingo.Number(6)] * arity) for name, arity in DERIVED.items()]
     used = count = 0
     for atom in [*rng.sample(told, min(3, len(told))), rng.choice(never)]:
-        arity = len(atom.arguments)
-        asked = Asked(atom.name, arity, tuple(range(arity)))
+        asked = Asked(signature_of(atom), tuple(range(len(atom.arguments))))
         demand = demand_of(read(rulebook), asked, [tuple(map(str, atom.arguments))], KEYS)
         assert demand is not None
         context = Given(given)
@@ -184,12 +184,12 @@ REFUSED = [
 @pytest.mark.parametrize("text", REFUSED)
 def test_choices_and_loops_through_negation_have_no_demand(text: str) -> None:
     rules = read(rulebook_of(text))
-    assert demand_of(rules, Asked("a", 1, (0,)), [("1",)], KEYS) is None
+    assert demand_of(rules, Asked(Signature("a", 1), (0,)), [("1",)], KEYS) is None
 
 
 def test_only_what_leads_to_the_question_is_asked_for() -> None:
     rules = read(rulebook_of("a(X) :- e(X, Y), not f(Y, _), not g(_). c(X) :- f(X, _)."))
-    demand = demand_of(rules, Asked("a", 1, (0,)), [("1",)], KEYS)
+    demand = demand_of(rules, Asked(Signature("a", 1), (0,)), [("1",)], KEYS)
     assert demand is not None
     assert demand.found == {"e", "f"}
     assert demand.whole == {"g"}

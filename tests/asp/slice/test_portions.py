@@ -7,10 +7,11 @@ from itertools import product
 import clingo
 import pytest
 
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 
 #: `e(R,A,B)` connects A and B by R; what `p` and `c` say of anything connects nothing.
-GIVEN = {("e", 3): (0, 1, 2), ("p", 2): (0,), ("c", 1): ()}
+GIVEN = {Signature("e", 3): (0, 1, 2), Signature("p", 2): (0,), Signature("c", 1): ()}
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,11 @@ import clingo
 import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
-from mars_asp.reasoning.facts.index import KEYS
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
@@ -24,6 +25,8 @@ from tests.support.random_configurations import random_configuration
 
 CONFIGURATIONS = sorted((ROOT / "examples").glob("*/config.mars"))
 RULEBOOK = load_rulebook()
+VOCABULARY = vocabulary(RULEBOOK)
+KEYS = VOCABULARY.keys
 
 
 def sliced(project: Project, subject: str, rulebook: Rulebook) -> Slice | None:
@@ -32,7 +35,7 @@ def sliced(project: Project, subject: str, rulebook: Rulebook) -> Slice | None:
         subject,
         rulebook,
         lambda names: project_facts(project, wanted=names),
-        lambda names: project_lookup(project, names),
+        lambda names: project_lookup(project, names, vocabulary(rulebook)),
     )
 
 
@@ -70,7 +73,7 @@ def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     reader = RULEBOOK.by_id["resolve/data/splitter-copies"]
     text = "splitter(S, origin) :- consequence(K, _, S, _), data_kind(K)."
     rules = (*RULEBOOK.rules, replace(reader, text=text))
-    part = slice_for_resolution(Rulebook(rules, RULEBOOK.texts), lambda _: ())
+    part = slice_for_resolution(replace(RULEBOOK, rules=rules), lambda _: ())
     assert part is not None
     assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rulebook.rules)
 
@@ -122,15 +125,16 @@ def test_facts_are_found_one_by_one(tmp_path: Path) -> None:
     for path in [*CONFIGURATIONS, ROOT / "tests" / "mixed.mars", rare]:
         project = load_project(str(path))
         facts = project_facts(project)
-        lookup = project_lookup(project, {name for name, _ in KEYS})
+        lookup = project_lookup(project, {each.name for each in KEYS}, VOCABULARY)
         for fact in facts:
             name, arguments = fact.atom.name, fact.atom.arguments
-            for place in KEYS[name, len(arguments)]:
+            keys = KEYS[Signature(name, len(arguments))]
+            for place in keys:
                 value = arguments[place]
                 assert fact in lookup.find(name, (place,), (value,))
                 assert lookup.find(name, (place,), ("nobody",)) == ()
             every = tuple(range(len(arguments)))
-            if KEYS[name, len(arguments)]:
+            if keys:
                 assert fact in lookup.find(name, every, arguments)
         assert sorted(lookup.facts, key=str) == sorted(facts, key=str)
 
@@ -139,7 +143,7 @@ def test_every_given_predicate_can_be_found() -> None:
     text = (ROOT / "rules" / "vocabulary.lp").read_text(encoding="utf-8")
     defined = re.findall(r"^#defined (\w+)/(\d+)\.", text, re.MULTILINE)
     derived = {signature for rule in RULEBOOK.rules for signature in rule.heads}
-    assert {(name, int(arity)) for name, arity in defined} - derived == set(KEYS)
+    assert {Signature(name, int(arity)) for name, arity in defined} - derived == set(KEYS)
 
 
 #: Rules of all sorts, of which `even` cannot be told apart by what it needs.
@@ -188,7 +192,7 @@ def test_every_atom_is_explained_from_what_it_needs(tmp_path: Path) -> None:
         atoms = [
             atom.symbol
             for atom in analysis.grounding.control.symbolic_atoms
-            if atom.is_fact and (atom.symbol.name, len(atom.symbol.arguments)) in names
+            if atom.is_fact and signature_of(atom.symbol) in names
         ]
         whole = explainer_for(rulebook, facts, analysis, None)
         rng = random.Random(number)

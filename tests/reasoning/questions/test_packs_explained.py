@@ -20,6 +20,7 @@ from mars_asp.asp.trace import Derived
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
 from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.questions.explain import explain
@@ -47,7 +48,9 @@ def rulebook_with(pack: Path) -> Rulebook:
     own = [ROOT / name for name in KEPT]
     rules = [rule for rule in whole.rules if rule.span.path in (*KEPT, str(pack))]
     texts = [("base", path.read_text(encoding="utf-8")) for path in own]
-    return Rulebook(tuple(rules), (*texts, whole.texts[-1]), 1, whole.pack_rules)
+    documented = tuple(file for file in whole.documented if file.path in (*KEPT, str(pack)))
+    texts.append(whole.texts[-1])
+    return Rulebook(tuple(rules), tuple(texts), 1, whole.pack_rules, documented=documented)
 
 
 def derived(rulebook: Rulebook, facts: str) -> frozenset[clingo.Symbol]:
@@ -154,7 +157,7 @@ def asked_of(
             subject,
             rulebook,
             lambda names: project_facts(project, wanted=names),
-            lambda names: project_lookup(project, names),
+            lambda names: project_lookup(project, names, vocabulary(rulebook)),
         )
         is not None
     )

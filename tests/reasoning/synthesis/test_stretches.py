@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import pytest
 
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.text import trace_json
 from mars_asp.language import parse_text
-from mars_asp.reasoning.facts.index import CONNECTED
+from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
@@ -20,19 +21,20 @@ from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()
+SPLITTER, ARBITER = Signature("splitter", 2), Signature("arbiter", 1)
 
 
 def test_the_rules_keep_parts_apart() -> None:
     resolution = RULEBOOK.text("resolve")
-    apart = kept_apart(RULEBOOK.text("base"), resolution, CONNECTED)
+    apart = kept_apart(RULEBOOK.text("base"), resolution, vocabulary(RULEBOOK).connected)
     assert apart is not None
     assert apart.whole.text == resolution
     portions = [portion.derived for portion in apart.deciding]
-    assert [("splitter", 2) in derived for derived in portions].count(True) == 1
-    assert [("arbiter", 1) in derived for derived in portions].count(True) == 1
-    assert not any({("splitter", 2), ("arbiter", 1)} <= derived for derived in portions)
+    assert [SPLITTER in derived for derived in portions].count(True) == 1
+    assert [ARBITER in derived for derived in portions].count(True) == 1
+    assert not any({SPLITTER, ARBITER} <= derived for derived in portions)
     # What decides nothing is left out where nodes are only counted.
-    assert not any(("resolves", 3) in derived for derived in portions)
+    assert not any(Signature("resolves", 3) in derived for derived in portions)
 
 
 # ---- Random configurations -----------------------------------------------------------------------
@@ -98,7 +100,7 @@ def test_stretches_hold_whole_parts() -> None:
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
     facts = project_facts(project)
-    cut = stretches(project.configuration.relationships, facts, Grounding(()))
+    cut = stretches(project.configuration.relationships, facts, Grounding(()), vocabulary(RULEBOOK))
     assert [len(each) for each in cut.relationships] == [3, 1]
 
 

@@ -1,0 +1,218 @@
+"""What `%*! predicate(Arguments) ... *%` declares of a predicate, read by machine.
+
+    %*! required_rate(R: relationship, F: millihertz)
+    Data relationship R states a frequency of F.
+    from: stated
+    *%
+
+A sort behind an argument says what its values are: one word or several (`relationship |
+annotation`), or the constants that there are (`{flat, hierarchical}`). Behind the words for readers
+stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
+that rules from elsewhere may derive it, and `joins: nothing` that its facts do not bring together
+what they name. Names of arguments and words are enough, as for what rules derive.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias, get_args
+
+from mars_asp.asp.rules.statements import Piece
+from mars_asp.asp.signature import Signature
+from mars_asp.diagnostic import Diagnostic, Span, point
+from mars_asp.spelling import nearest
+
+#: Who says that a fact holds: the user, a method outside of the rules, or a run.
+Origin: TypeAlias = Literal["stated", "computed", "observed"]
+
+# Most commands declare nothing, so these are compiled when they are wanted.
+_MARK = r"(?s)%\*!(.*)\*%"
+_HEADER = r"(?s)\s*(-?[a-z_][A-Za-z0-9_']*)\s*(?:\((.*)\))?\s*"
+#: A variable, or a term with some inside, and its sort.
+_ARGUMENT = r"(?s)([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?"
+_SORT = r"[a-z][a-z_]*"
+_CONSTANTS = r"\{([^{}]*)\}"
+_LINE = r"([a-z]+):\s+(.*)"
+#: The keys of the lines behind the words, and what each can say.
+_SAID: Mapping[str, tuple[str, ...]] = {
+    "from": get_args(Origin),
+    "packs": ("extend",),
+    "joins": ("nothing",),
+}
+
+
+class Argument(NamedTuple):
+    """An argument: its name, and the sorts or constants that its values are of; none: any."""
+
+    name: str
+    sorts: frozenset[str] = frozenset()
+    constants: tuple[str, ...] = ()
+
+
+class Docstring(NamedTuple):
+    """A comment that declares a predicate, and where it begins."""
+
+    text: str
+    line: int
+    column: int
+
+
+class Documented(NamedTuple):
+    """A file's comments that declare predicates; its stage, and its path as it is shown."""
+
+    stage: str
+    path: str
+    docstrings: tuple[Docstring, ...]
+
+    @property
+    def declarations(self) -> "Iterator[Declaration]":
+        """Yield what they declare; what is wrong with them was noted as they were read."""
+        return declarations(self.docstrings, self.path, [])
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """What is declared of a predicate; `origin` is `None` where nobody says it."""
+
+    name: str
+    arguments: tuple[Argument, ...]
+    words: str
+    span: Span
+    origin: Origin | None = None
+    extensible: bool = False
+    joins: bool = True
+
+    @property
+    def signature(self) -> Signature:
+        """Return the predicate."""
+        positive = not self.name.startswith("-")
+        return Signature(self.name.removeprefix("-"), len(self.arguments), positive)
+
+    @property
+    def written(self) -> str:
+        """Return the predicate with the names and sorts of its arguments."""
+        inside = ", ".join(map(_written, self.arguments))
+        return f"{self.name}({inside})" if inside else self.name
+
+    def places(self, *sorts: str) -> tuple[int, ...]:
+        """Return the positions from 0 of the arguments that are of one of some sorts."""
+        asked = frozenset(sorts)
+        return tuple(at for at, each in enumerate(self.arguments) if each.sorts & asked)
+
+
+def docstrings(written: Iterable[Piece]) -> Iterator[Docstring]:
+    """Yield the comments of a file that declare predicates."""
+    for piece in written:
+        if piece.sort == "comment" and re.fullmatch(_MARK, piece.text):
+            yield Docstring(piece.text, *piece.begin)
+
+
+def declarations(
+    found_in: Iterable[Docstring], shown: str, problems: list[Diagnostic]
+) -> Iterator[Declaration]:
+    """Yield what the comments of a file declare, each predicate once; note what is wrong."""
+    first: dict[Signature, Span] = {}
+    for text, line, column in found_in:
+        place = point(shown, line, column)
+        found = _declaration(text.removeprefix("%*!").removesuffix("*%"), place, problems)
+        if found is None:
+            continue
+        earlier = first.setdefault(found.signature, place)
+        if earlier is not place:
+            message = f"`{found.signature}` is documented twice"
+            labels = ((earlier, "first documented here"),)
+            problems.append(_problem(message, place, "leave out one of them", labels))
+            continue
+        yield found
+
+
+def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declaration | None:
+    header, _, rest = text.partition("\n")
+    # Arguments may go on in further lines.
+    while header.count("(") > header.count(")") and rest:
+        more, _, rest = rest.partition("\n")
+        header = f"{header}\n{more}"
+    match = re.fullmatch(_HEADER, header)
+    if match is None:
+        message = f"`{' '.join(header.split())}` is no predicate with its arguments"
+        problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
+        return None
+    arguments = [] if match[2] is None else tuple(_split(match[2]))
+    read = tuple(filter(None, (_argument(each, place, problems) for each in arguments)))
+    if len(read) < len(arguments):
+        return None
+    words, said = _lines(rest, place, problems)
+    origin = next((each for each in get_args(Origin) if each == said.get("from")), None)
+    joins, extensible = "joins" not in said, "packs" in said
+    return Declaration(match[1], read, words, place, origin, extensible, joins)
+
+
+def _split(written: str) -> Iterator[str]:
+    """Yield what stands between the commas outside of brackets."""
+    depth = begin = 0
+    for at, character in enumerate(written):
+        depth += (character in "({") - (character in ")}")
+        if character == "," and not depth:
+            yield written[begin:at]
+            begin = at + 1
+    yield written[begin:]
+
+
+def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument | None:
+    text = " ".join(written.split())
+    match = re.fullmatch(_ARGUMENT, text)
+    if match is None:
+        message = f"`{text}` is no argument of a documented predicate"
+        problems.append(_problem(message, place, "write a variable, or `Variable: sort`"))
+        return None
+    if match[2] is None:
+        return Argument(match[1])
+    constants = re.fullmatch(_CONSTANTS, match[2])
+    if constants:
+        return Argument(match[1], constants=tuple(c.strip() for c in constants[1].split(",")))
+    sorts = [each.strip() for each in match[2].split("|")]
+    wrong = [each for each in sorts if not re.fullmatch(_SORT, each)]
+    if wrong:
+        advice = "write a word in small letters, several with `|`, or `{constants}`"
+        problems.append(_problem(f"`{wrong[0]}` is no sort", place, advice))
+        return None
+    return Argument(match[1], frozenset(sorts))
+
+
+def _lines(text: str, place: Span, problems: list[Diagnostic]) -> tuple[str, dict[str, str]]:
+    """Return the words for readers, and what the lines behind them say by their keys."""
+    lines = text.rstrip().split("\n")
+    said: dict[str, str] = {}
+    while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
+        key, value = match[1], match[2].strip()
+        near_key = key if key in _SAID else nearest(key, _SAID)
+        if near_key is None:
+            break
+        lines.pop()
+        if near_key != key or value not in _SAID[key]:
+            choices = _SAID[near_key]
+            near = nearest(value, choices) or choices[0]
+            message = f"`{key}: {value}` says nothing of a predicate"
+            advice = f"did you mean `{near_key}: {near}`?"
+            problems.append(_problem(message, place, advice))
+        elif key in said:
+            problems.append(_problem(f"`{key}` stands twice", place, "leave out one of them"))
+        else:
+            said[key] = value
+    return " ".join(" ".join(lines).split()), said
+
+
+def _written(argument: Argument) -> str:
+    if argument.constants:
+        return f"{argument.name}: {{{', '.join(argument.constants)}}}"
+    return (
+        f"{argument.name}: {' | '.join(sorted(argument.sorts))}"
+        if argument.sorts
+        else argument.name
+    )
+
+
+def _problem(
+    message: str, place: Span, advice: str, labels: tuple[tuple[Span, str], ...] = ()
+) -> Diagnostic:
+    return Diagnostic("rule-declaration", "error", message, place, labels, help=advice)

@@ -1,0 +1,101 @@
+"""What `rules/specify` derives of an answer: a specification whose nodes have no names yet."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache, cached_property
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.grounding import Answer, Grounding
+from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, text
+
+STAGE = "specify"
+_NODE = Signature("spec_node", 2)
+#: What the rules of the resolution say already.
+_RESOLVES = Signature("resolves", 3)
+
+
+class Derived:
+    """The atoms that the rules of `STAGE` derive of what holds in an answer."""
+
+    def __init__(self, rulebook: Rulebook, answer: Answer) -> None:
+        """Ground the rules over what they read: what follows from an answer needs no search.
+
+        Raises:
+            MarsError: the rules are refused, or there is no such answer.
+        """
+        rules = [rule for rule in rulebook.rules if rule.stage == STAGE]
+        #: The predicates that the rules derive.
+        self.predicates = frozenset().union(*(rule.heads for rule in rules))
+        read = frozenset({_RESOLVES}).union(*(rule.reads for rule in rules)) - self.predicates
+        self._grounding = Grounding((), answer.true_of(sorted(read)))
+        self._grounding.derive(rulebook.text(STAGE))
+        #: The text of a term, and of one that is a string; few terms stand in very many atoms.
+        self.text, self.string = cache(text), cache(_string)
+
+    def hand_to(self, grounding: Grounding) -> None:
+        """State what was derived in the grounding of the answer, for it to be explained there."""
+        control = self._grounding.control
+        found = sorted(self.predicates)
+        grounding.state({signature: atoms(control, *signature) for signature in found})
+
+    def rows(self, name: str, arity: int) -> list[Sequence[Term]]:
+        """Return the arguments of the atoms of a predicate."""
+        return [arguments(atom) for atom in atoms(self._grounding.control, name, arity, True)]
+
+    def of_each(self, name: str) -> dict[Term, Term]:
+        """Return what a predicate says of each thing."""
+        return {thing: said for thing, said in self.rows(name, 2)}
+
+    @cached_property
+    def kinds(self) -> Mapping[Term, str]:
+        """Return the kinds of the nodes."""
+        return {node: self.text(kind) for node, kind in self.rows(_NODE.name, _NODE.arity)}
+
+    @cached_property
+    def stands_for(self) -> Mapping[Term, str]:
+        """Return for which module each InheritanceNode stands."""
+        return {node: self.string(module) for node, module in self.rows("spec_stands_for", 2)}
+
+    @cached_property
+    def converts(self) -> Mapping[Term, tuple[str, str]]:
+        """Return what each transformer converts: from one representation to another."""
+        rows = self.rows("spec_converts", 3)
+        return {node: (self.string(source), self.string(target)) for node, source, target in rows}
+
+    @cached_property
+    def annotations(self) -> Mapping[Term, int]:
+        """Return the identifier of the annotation of what each transformer does."""
+        rows = self.rows("does_conversion", 2)
+        return {node: as_symbol(annotation).number for node, annotation in rows}
+
+    @cached_property
+    def written_at(self) -> Mapping[Term, Sequence[int]]:
+        """Return for which relationships each line stands, by their identifiers."""
+        found: dict[Term, list[int]] = {}
+        for line, relationship in self.rows("written_at", 2):
+            found.setdefault(line, []).append(as_symbol(relationship).number)
+        return found
+
+    @cached_property
+    def resolved(self) -> Mapping[Term, Sequence[str]]:
+        """Return what each node resolves, in the order of the words."""
+        found: dict[Term, set[str]] = {}
+        for node, kind, subject in self.rows(_RESOLVES.name, _RESOLVES.arity):
+            found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
+        return {node: sorted(words) for node, words in found.items()}
+
+
+def _string(term: Term) -> str:
+    return as_symbol(term).string
+
+
+def decided_by(rulebook: Rulebook, kind: str) -> Signature | None:
+    """Return the predicate of which each atom is a node of a kind; `None` where that is not one."""
+    found = [
+        [literal.signature for literal in statement.read]
+        for rule in rulebook.rules
+        if rule.stage == STAGE and rule.derives(_NODE)
+        for statement in rule.statements
+        if statement.head.signature == _NODE and statement.head.terms[1].constant in (kind, None)
+    ]
+    return found[0][0] if len(found) == len(found[0]) == 1 else None

@@ -1,0 +1,85 @@
+import pytest
+
+from mars_asp.asp.rules.declarations import Argument, Declaration, declarations, docstrings
+from mars_asp.asp.rules.statements import pieces
+from mars_asp.diagnostic import Diagnostic
+
+
+def read(text: str) -> tuple[list[Declaration], list[str]]:
+    problems: list[Diagnostic] = []
+    found = list(declarations(docstrings(pieces(text)), "a.lp", problems))
+    return found, [f"{each.span.line}: {each.message}: {each.help}" for each in problems]
+
+
+def test_a_declaration_is_read_whole() -> None:
+    text = """\
+% before
+%*! weighs(M: module | part, W: grams,
+    K: {net, gross})
+M weighs W, which says
+what it is worth: nothing.
+from: computed
+packs: extend
+joins: nothing
+*%
+#defined weighs/3.
+"""
+    (found,), problems = read(text)
+    assert not problems
+    assert found.arguments == (
+        Argument("M", frozenset({"module", "part"})),
+        Argument("W", frozenset({"grams"})),
+        Argument("K", constants=("net", "gross")),
+    )
+    assert found.words == "M weighs W, which says what it is worth: nothing."
+    assert (found.origin, found.extensible, found.joins) == ("computed", True, False)
+    assert str(found.signature) == "weighs/3"
+    assert found.written == "weighs(M: module | part, W: grams, K: {net, gross})"
+    assert found.places("part") == (0,)
+    assert found.places("grams", "part") == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("header", "signature"),
+    [
+        ("it", "it/0"),
+        ("p(X)", "p/1"),
+        ("-p(X)", "-p/1"),
+        ("p(A, (B, C), f(D, E), A')", "p/4"),
+        ("  p( _X )  ", "p/1"),
+    ],
+)
+def test_words_and_arguments_are_enough(header: str, signature: str) -> None:
+    (found,), problems = read(f"%*! {header}\nWords.\n*%\n")
+    assert not problems
+    assert str(found.signature) == signature
+    assert (found.origin, found.extensible, found.joins) == (None, False, True)
+
+
+def test_what_is_no_mark_is_no_declaration() -> None:
+    assert read('%* p(X) *%\n% p(X)\nq("%*! p(X) *%").\n') == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("%*! P(X)\nWords.\n*%", "`P(X)` is no predicate with its arguments"),
+        ("%*! p(x)\nWords.\n*%", "`x` is no argument of a documented predicate"),
+        ("%*! p(X:)\nWords.\n*%", "`X:` is no argument of a documented predicate"),
+        ("%*! p(X: Y)\nWords.\n*%", "`Y` is no sort"),
+        ("%*! p(X: a |)\nWords.\n*%", "`` is no sort"),
+        ("%*! p(X)\nfrom: state\n*%", "`from: state` says nothing of a predicate"),
+        ("%*! p(X)\nfron: stated\n*%", "`fron: stated` says nothing of a predicate"),
+        ("%*! p(X)\nfrom: stated\nfrom: computed\n*%", "`from` stands twice"),
+        ("%*! p(X)\nWords.\n*%\n%*! p(Y)\nWords.\n*%", "`p/1` is documented twice"),
+    ],
+)
+def test_what_is_wrong_is_told(text: str, problem: str) -> None:
+    _, (told,) = read(text)
+    assert told.split(": ", 1)[1].startswith(problem)
+
+
+def test_words_that_look_like_a_line_are_words() -> None:
+    (found,), problems = read("%*! p(X)\nWords, as in\nexample: such.\n*%")
+    assert not problems
+    assert found.words == "Words, as in example: such."

@@ -1,0 +1,80 @@
+import pytest
+
+from mars_asp.asp.rules.read import read_rules
+from mars_asp.asp.rules.sorts import wrong_sorts
+from mars_asp.diagnostic import Diagnostic
+
+#: Cities and roads between them.
+DECLARED = """\
+%*! city(C: city)
+C is one.
+*%
+#defined city/1.
+%*! road(R: road, C: city, D: city, K: {paved, gravel})
+R leads from C to D.
+*%
+#defined road/4.
+%*! place(X: city | road, L: line)
+X stands in line L.
+*%
+#defined place/2.
+"""
+
+
+def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
+    problems: list[Diagnostic] = []
+    file = read_rules(DECLARED + rules, "a.lp", "base", problems)
+    assert file is not None
+    assert not problems
+    declared = {each.signature: each for each in file.documented.declarations}
+    found = wrong_sorts(file.rules, declared, replaced)
+    first = DECLARED.count("\n")
+    return [f"{each.span.line - first}:{each.span.column} {each.message}" for each in found]
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "near(C, D) :- road(_, C, D, paved).",
+        "told(X) :- place(X, _), city(X).\ntold(X) :- place(X, _), road(X, _, _, _).",
+        # What is derived for both is either.
+        "thing(X) :- city(X).\nthing(X) :- road(X, _, _, _).\np(X) :- thing(X), road(X, _, _, _).",
+        # Each condition has variables of its own.
+        "p :- city(X) : city(X); road(X, _, _, _) : road(X, _, _, _).",
+        "p(N) :- N = #count { X : city(X) ; X : road(X, _, _, _) }.",
+        # Nothing is known of what is computed, or of what nobody derives.
+        "#defined other/1.\np(X) :- city(X), other(X).",
+        "q(f(X)) :- city(X).\np(X) :- q(X), road(X, _, _, _).",
+        "q(X) :- X = 1..2.\np(X) :- q(X), road(X, _, _, _).",
+        # A predicate that reads itself is of what it begins with.
+        "on(C) :- city(C).\non(D) :- on(C), road(_, C, D, _).\np(C) :- on(C), city(C).",
+    ],
+)
+def test_values_of_one_sort_are_as_they_should_be(rules: str) -> None:
+    assert found_in(rules) == []
+
+
+@pytest.mark.parametrize(
+    ("rules", "problem"),
+    [
+        ("p(C) :- city(C), road(C, _, _, _).", "1:18 `C` is a city in `city/1` and a road in"),
+        ("p(C) :- city(C), not road(C, _, _, _).", "1:22 `C` is a city in `city/1` and a road"),
+        ("p :- city(C), #count { D : road(C, _, D, _) } > 1.", "1:28 `C` is a city in `city/1`"),
+        ("p :- city(C), road(C, D, D, _) : city(D).", "1:15 `C` is a city in `city/1`"),
+        ("{ road(C, C, C, paved) } :- city(C).", "1:3 `C` is a city in `city/1` and a road in"),
+        ("q(R) :- road(R, _, _, _).\np(R) :- q(R), city(R).", "2:15 `R` is a road in `q/1` and"),
+        (
+            "q(R) :- road(R, _, _, _).\nr(R) :- q(R).\nq(R) :- r(R).\np(R) :- r(R), city(R).",
+            "4:15 `R` is a road in `r/1` and a city in `city/1`",
+        ),
+        ("p(L) :- place(_, L), city(L).", "1:22 `L` is a line in `place/2` and a city in"),
+        ("p(C) :- road(_, C, _, dirt).", "1:9 `K` of `road/4` is never `dirt`"),
+    ],
+)
+def test_a_value_of_two_sorts_is_told(rules: str, problem: str) -> None:
+    (told,) = found_in(rules)
+    assert told.startswith(problem)
+
+
+def test_a_constant_that_is_replaced_may_be_any() -> None:
+    assert found_in("p(C) :- road(_, C, _, dirt).", frozenset({"dirt"})) == []

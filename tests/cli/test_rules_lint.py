@@ -1,0 +1,46 @@
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+
+PACK = """\
+%*! own(M: module)
+M is one of ours.
+*%
+#defined own/1.
+slow(R) :- module(R), required_rate(R, F), F < 3.
+odd(M) :- class(M, sensr).
+both(P) :- own(P), output(_, _, P).
+"""
+
+
+def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text(PACK)
+    assert run_here(["rules", "lint", str(pack)]) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
+    assert told == [
+        f"{pack}:5:23: warning: `R` is a module in `module/1` and a relationship in "
+        "`required_rate/2` [rule-sort]",
+        f"{pack}:6:11: warning: `K` of `class/2` is never `sensr` [rule-sort]",
+        f"{pack}:7:20: warning: `P` is a module in `own/1` and a representation in `output/3` "
+        "[rule-sort]",
+    ]
+
+
+def test_lint_has_nothing_against_our_own_rules(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "lint"]) == 0
+    assert capsys.readouterr().out == "nothing wrong\n"
+
+
+def test_a_wrong_declaration_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text(PACK.replace("ours.\n", "ours.\nfron: stated\n"))
+    assert run_here(["rules", "lint", str(pack)]) == 2
+    assert f"{pack}:1:1: error: `fron: stated` says nothing" in capsys.readouterr().err
+
+
+def test_predicates_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["rules", "show", "architecture/1"]) == 0
+    assert "architecture(K: {flat, hierarchical})" in capsys.readouterr().out
