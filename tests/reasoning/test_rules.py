@@ -154,4 +154,4 @@ def test_rules_of_a_table_are_those_that_were_read(tables: Path) -> None:
     assert [rule.heads for rule in held.rules] == [rule.heads for rule in read.rules]
     assert [rule.firsts for rule in held.rules] == [rule.firsts for rule in read.rules]
     assert str(held.rules[-1].ast) == str(read.rules[-1].ast)
-    assert dict(cache.written()) == made
+    assert dict(cache.written()).keys() == made.keys()
