@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import mean, stdev
 
 from mars_asp.execution.scenario.read import load_scenario
-from mars_asp.execution.trial import stage_trial, with_seed
+from mars_asp.execution.trial import stage_trial
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import analyse
@@ -72,7 +72,7 @@ def one_world(task: tuple[Configuration, int]) -> Row:
     """Return collisions, least clearance, mm driven and seconds of turning while driving."""
     specification, seed = task
     scenario = load_scenario(EXAMPLES / "level1/scenario.toml")
-    trial = stage_trial(specification, {}, with_seed(replace(scenario, duration=SECONDS), seed))
+    trial = stage_trial(specification, {}, replace(scenario, duration=SECONDS, seed=seed))
     trial.run_until(SECONDS)
     body = trial.body
     return body.collisions, body.clearance, body.driven, body.both

@@ -32,7 +32,7 @@ FILES = {
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (
         "firings scope tree absence_text counted counting_rules given heights literal_order "
-        "others_text patterns dominators firing_rules text near_misses proofs explainer absence"
+        "patterns dominators firing_rules text near_misses proofs explainer absence"
     ),
     "model": "cycles declarations described ranges modes transformation",
     "annotations": (
@@ -71,7 +71,7 @@ FILES = {
     "execution/scenario": "schema toml_places read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
-        "deliver encode lines live progress style outputs report extract limits worker reason "
+        "deliver encode lines live progress outputs report extract limits worker reason "
         "alternatives analyse can check draw export facts fmt import rules run synthesise test "
         "verify diff repair explain"
     ),

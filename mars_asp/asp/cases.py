@@ -133,26 +133,8 @@ def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
     return f"%> {told.rule.id}: {told.message}"
 
 
-def shown_by(path: Path) -> tuple[Signature, ...]:
-    """Return the predicates that a case names in `#show` lines, none where it has no such line.
-
-    Raises:
-        MarsError: the case may not be given to clingo.
-    """
-    return _shown(read_case(path)[1])
-
-
 def _shown(written: Iterable[Piece]) -> tuple[Signature, ...]:
     return tuple(each for piece in written if piece.sort == "shown" for each in shows(piece.text))
-
-
-def case_facts(path: Path) -> str:
-    """Return the facts of a case, with what it shows.
-
-    Raises:
-        MarsError: the case may not be given to clingo.
-    """
-    return read_case(path)[0]
 
 
 def _grounded(program: Sequence[Fragment]) -> clingo.Control:

@@ -133,12 +133,12 @@ def _common_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--format", choices=("text", "json"), default="text", help="of the output")
     group.add_argument(
-        "--time-limit", metavar="SECONDS", type=_positive, help="stop after this long (status 3)"
+        "--time-limit", metavar="SECONDS", type=positive, help="stop after this long (status 3)"
     )
     group.add_argument(
         "--memory-limit",
         metavar="MB",
-        type=_positive,
+        type=positive,
         help="stop beyond this much (status 3); by default half of what container or machine have",
     )
     group.add_argument("--color", choices=("auto", "always", "never"), default="auto")
@@ -146,7 +146,8 @@ def _common_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--version", action="version", version=f"mars-asp {__version__}")
 
 
-def _positive(text: str) -> float:
+def positive(text: str) -> float:
+    """Read a number above 0 of a command line."""
     try:
         value = float(text)
     except ValueError:

@@ -11,8 +11,7 @@ from mars_asp.cli.reason import (
     read_project,
     rulebook_for,
 )
-from mars_asp.cli.report import colours
-from mars_asp.cli.style import paint
+from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence

@@ -7,8 +7,7 @@ from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
-from mars_asp.cli.report import colours
-from mars_asp.cli.style import paint
+from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.capability import QUERY, Answer, capability

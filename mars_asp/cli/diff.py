@@ -9,8 +9,7 @@ from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
-from mars_asp.cli.report import colours
-from mars_asp.cli.style import paint
+from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget

@@ -12,8 +12,7 @@ from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
-from mars_asp.cli.report import colours
-from mars_asp.cli.style import paint
+from mars_asp.cli.report import colours, paint
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -53,7 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--alternatives",
         nargs="?",
         const=5,
-        type=_positive,
+        type=_count,
         metavar="N",
         help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
@@ -196,7 +195,7 @@ def _price(answer: "WhyNot") -> str:
     return f"the cheapest realisation that has `{answer.offered}` {price}"
 
 
-def _positive(text: str) -> int:
+def _count(text: str) -> int:
     if text.isdigit() and 0 < int(text) <= MOST_ALTERNATIVES:
         return int(text)
     raise argparse.ArgumentTypeError(f"`{text}` is no number from 1 to {MOST_ALTERNATIVES}")

@@ -8,8 +8,7 @@ from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
-from mars_asp.cli.report import colours
-from mars_asp.cli.style import paint
+from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible

@@ -8,7 +8,12 @@ from mars_asp.cli.encode import encoded
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.output import visible
 
-_COLOURS = {"error": "\x1b[31m", "warning": "\x1b[33m", "note": "\x1b[36m"}
+_CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1"}
+
+
+def paint(text: str, style: str, coloured: bool) -> str:
+    """Return a text in a style, where colours are wanted."""
+    return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if coloured else text
 
 
 def report_error(error: MarsError, arguments: argparse.Namespace) -> None:
@@ -28,7 +33,7 @@ def report(diagnostics: Iterable[Diagnostic], arguments: argparse.Namespace) -> 
 
 
 def colours(arguments: argparse.Namespace, stream: object) -> bool:
-    """Say whether a stream is to be coloured."""
+    """Whether a stream is to be coloured."""
     if arguments.color != "auto":
         return bool(arguments.color == "always")
     isatty = getattr(stream, "isatty", None)
@@ -52,9 +57,7 @@ def diagnostic_json(diagnostic: Diagnostic) -> dict[str, object]:
 def diagnostic_text(diagnostic: Diagnostic, coloured: bool = False) -> str:
     """Return a diagnostic as `path:line:column: severity: message`, the line, a caret and help."""
     span = diagnostic.span
-    severity: str = diagnostic.severity
-    if coloured:
-        severity = f"{_COLOURS[severity]}{severity}\x1b[0m"
+    severity = paint(diagnostic.severity, diagnostic.severity, coloured)
     place = visible(f"{span.path}:{span.line}:{span.column}")
     lines = [f"{place}: {severity}: {visible(diagnostic.message)} [{visible(diagnostic.code)}]"]
     if diagnostic.excerpt is not None:

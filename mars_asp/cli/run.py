@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mars_asp.cli import _positive
+from mars_asp.cli import positive
 from mars_asp.cli.deliver import runs_code_of
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line
@@ -47,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_file(parser)
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
-    parser.add_argument("--duration", metavar="SECONDS", type=_positive, help="simulated time")
+    parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )

@@ -3,9 +3,12 @@
 from bisect import bisect_right, insort
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from itertools import product
+from operator import itemgetter
 
 _SWEEPS, _PATIENCE = 24, 6
-#: Swapping neighbours costs the square of their links; beyond this many vertices it is left out.
+#: Swapping neighbours costs the square of their links; beyond this many vertices it is left out,
+#: and one beginning is enough.
 _MOST_SWAPPED = 4000
 
 
@@ -13,14 +16,36 @@ def order_layers(layers: list[list[int]], arcs: Sequence[tuple[int, int]]) -> No
     """Order the vertices of each layer, in place, so that arcs between layers cross rarely.
 
     Arcs lead from one layer to the next. Barycentres and swaps of neighbours, down and up, as in
-    Gansner et al., "A technique for drawing directed graphs" (1993); the best order is kept.
+    Gansner et al., "A technique for drawing directed graphs" (1993), from the order in which a
+    search meets the vertices from the first layer, or from the last; the best order is kept.
     """
     below: dict[int, list[int]] = defaultdict(list)
     above: dict[int, list[int]] = defaultdict(list)
     for upper, lower in arcs:
         below[upper].append(lower)
         above[lower].append(upper)
-    _begin(layers, below)
+    tried: list[tuple[int, list[list[int]]]] = []
+    ways = list(product((below, above), (False, True)))
+    for begin, turning in ways if sum(map(len, layers)) <= _MOST_SWAPPED else ways[:1]:
+        start = [list(layer) for layer in (layers if begin is below else layers[::-1])]
+        _begin(start, begin)
+        start = start if begin is below else start[::-1]
+        tried.append((_sweep(start, below, above, turning), start))
+        if not tried[-1][0]:
+            break
+    layers[:] = min(tried, key=itemgetter(0))[1]
+
+
+def _sweep(
+    layers: list[list[int]],
+    below: Mapping[int, list[int]],
+    above: Mapping[int, list[int]],
+    turning: bool,
+) -> int:
+    """Order layers, in place, down and up; return how many crossings are left.
+
+    When `turning`, those that tie change places every other time.
+    """
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
     swapping = len(place) <= _MOST_SWAPPED
     best = [list(layer) for layer in layers]
@@ -32,6 +57,8 @@ def order_layers(layers: list[list[int]], arcs: Sequence[tuple[int, int]]) -> No
         down = sweep % 2 == 0
         near = above if down else below
         for layer in layers[1:] if down else layers[-2::-1]:
+            if turning and sweep % 4 > 1:
+                layer.reverse()
             _sort(layer, near, place)
         if swapping:
             for layer in layers:
@@ -40,6 +67,7 @@ def order_layers(layers: list[list[int]], arcs: Sequence[tuple[int, int]]) -> No
         if crossings < fewest:
             best, fewest, found = [list(layer) for layer in layers], crossings, sweep
     layers[:] = best
+    return fewest
 
 
 def _begin(layers: list[list[int]], below: Mapping[int, list[int]]) -> None:

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, hypot, inf, radians, sin
 from random import Random
@@ -182,11 +182,6 @@ def _check_faults(able: Set[str], scenario: Scenario) -> None:
         problems.append(Diagnostic("scenario", "error", message, place, (), hint))
     if problems:
         raise MarsError(problems)
-
-
-def with_seed(scenario: Scenario, seed: int) -> Scenario:
-    """Return the scenario with another seed, hence other noise and another scattered world."""
-    return replace(scenario, seed=seed)
 
 
 def make_world(scenario: Scenario) -> World:

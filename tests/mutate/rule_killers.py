@@ -17,7 +17,8 @@ import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.asp.cases import case_facts, find_cases
+from mars_asp.asp.cases import find_cases
+from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function
@@ -149,7 +150,7 @@ def _useful(
         stages = [stage for stage in _stages(path) if stage in _DETERMINISTIC]
         mine = [entry for stage in stages for entry in probed.get(stage, ())]
         rules = [rulebook.text(stage) for stage in stages]
-        return _different(mine, "\n".join([case_facts(path), *rules]), circular, holes)
+        return _different(mine, "\n".join([read_case(path)[0], *rules]), circular, holes)
 
     for path, found in ask(paths, answer, jobs):
         everything = {number for entries in probed.values() for number, _ in entries}

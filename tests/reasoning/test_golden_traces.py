@@ -12,8 +12,9 @@ import clingo
 import pytest
 from clingo import ast
 
-from mars_asp.asp.cases import case_facts, find_cases
+from mars_asp.asp.cases import find_cases
 from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
@@ -40,7 +41,7 @@ def cases_of(stage: str) -> list[Path]:
 def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
     """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
     rulebook = load_rulebook(stages=() if stage == "base" else (stage,))
-    text = case_facts(case)
+    text = read_case(case)[0]
     given: list[Fact] = []
 
     def note(statement: ast.AST) -> None:

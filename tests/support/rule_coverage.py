@@ -12,7 +12,7 @@ from pathlib import Path
 import clingo
 from clingo import ast
 
-from mars_asp.asp.cases import case_facts
+from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children
@@ -43,7 +43,7 @@ def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
             for kind, probe in probes[number]
             if number not in (fired if kind == "_fired" else near)
         )
-        program = "\n".join([case_facts(path), *(rulebook.text(s) for s in stages), text])
+        program = "\n".join([read_case(path)[0], *(rulebook.text(s) for s in stages), text])
         for name, number in _held(program):
             (fired if name == "_fired" else near).add(number)
     numbered = list(enumerate(rulebook.rules))
@@ -124,7 +124,7 @@ def _refuses(rule: Rule, probe: str, rulebook: Rulebook, cases: Sequence[Path]) 
         stages = [s for s in texts if s in ("base", *stages_of(path))]
         rules = "\n".join(rulebook.text(stage) for stage in stages)
         assert rules.count(rule.text) == 1
-        program = [case_facts(path), rules.replace(rule.text, f"{probe} :- not _fired(_).")]
+        program = [read_case(path)[0], rules.replace(rule.text, f"{probe} :- not _fired(_).")]
         control = clingo.Control(["--opt-mode=ignore", "--warn=none"])
         control.add("base", [], "\n".join(program))
         control.ground()

@@ -1,11 +1,13 @@
 """Traces as text of 80 columns and as JSON, without recursion."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+import clingo
+
+from mars_asp.asp.messages import shown
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
-from mars_asp.asp.trace.others_text import numbered
 from mars_asp.asp.trace.tree import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
 from mars_asp.diagnostic import Span
 
@@ -106,7 +108,7 @@ def _entries(
             case Derived():
                 remark = ", chosen as the cheapest" if step.chosen else ""
                 if step.others:
-                    said_of |= numbered(step)
+                    said_of |= _numbered(step)
                     stack += [(other, level) for other in reversed(step.others)]
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
@@ -126,6 +128,33 @@ def _entries(
                     yield _Entry(level, line)
                 continue
         stack += [(premise, level + 1) for premise in reversed(below)]
+
+
+def _numbered(step: Derived) -> dict[int, str]:
+    """Return what is said of a step and of its others, by their `id`: `derivation 1 of 2`.
+
+    Where the same rule says the same in several, the values that are not the same in all of these
+    follow.
+    """
+    every = (step, *step.others)
+    alike: dict[tuple[int, str | None], list[Derived]] = {}
+    for one in every:
+        alike.setdefault((id(one.rule), one.message), []).append(one)
+    values: dict[int, str] = {}
+    for group in alike.values():
+        bindings = [one.bindings for one in group]
+        names = [name for name in bindings[0] if _differs(name, bindings)]
+        for one, bound in zip(group, bindings, strict=True):
+            pairs = [f"{name} = {shown(bound[name])}" for name in names]
+            values[id(one)] = f" for {', '.join(pairs)}" if pairs else ""
+    return {
+        id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
+        for number, one in enumerate(every, 1)
+    }
+
+
+def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool:
+    return len({bound.get(name) for bound in bindings}) > 1
 
 
 def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:

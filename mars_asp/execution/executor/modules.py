@@ -164,7 +164,6 @@ class Effector:
         self.awaited: Link | None = None
         self.failures = Failures()
         self.applied: list[tuple[int, str, dict[str, float]]] = []
-        self.timeouts = 0
         self.ways: dict[str, float] = {}
         self.rates: dict[str, float] = {}
         self.since = 0
@@ -213,7 +212,6 @@ class Effector:
     def expire(self, message: Message) -> None:
         """Rest, if no command has come since."""
         if message is self.message:
-            self.timeouts += 1
             self.message = Message({}, self.schedule.now, "")
             self.apply(self.message, None)
 
