@@ -10,8 +10,6 @@ from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, text
 
 STAGE = "specify"
 _NODE: Signature = ("spec_node", 2)
-#: What the rules of the resolution say already.
-_RESOLVES: Signature = ("resolves", 3)
 
 
 class Derived:
@@ -26,7 +24,7 @@ class Derived:
         rules = [rule for rule in rulebook.rules if rule.stage == STAGE]
         #: The predicates that the rules derive.
         self.predicates = frozenset().union(*(rule.heads for rule in rules))
-        read = frozenset({_RESOLVES}).union(*(rule.reads for rule in rules)) - self.predicates
+        read = frozenset().union(*(rule.reads for rule in rules)) - self.predicates
         self._grounding = Grounding((), answer.true_of(sorted(read)))
         self._grounding.derive(rulebook.text(STAGE))
         #: The text of a term, and of one that is a string; few terms stand in very many atoms.
@@ -80,7 +78,7 @@ class Derived:
     def resolved(self) -> Mapping[Term, Sequence[str]]:
         """Return what each node resolves, in the order of the words."""
         found: dict[Term, set[str]] = {}
-        for node, kind, subject in self.rows(*_RESOLVES):
+        for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
         return {node: sorted(words) for node, words in found.items()}
 

@@ -23,7 +23,7 @@ RULEBOOK = load_rulebook()
 
 
 def test_the_rules_keep_parts_apart() -> None:
-    resolution = RULEBOOK.text("resolve")
+    resolution = f"{RULEBOOK.text('resolve')}\n{RULEBOOK.text('specify')}"
     apart = kept_apart(RULEBOOK.text("base"), resolution, CONNECTED)
     assert apart is not None
     assert apart.whole.text == resolution
