@@ -7,8 +7,10 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Signature
 from mars_asp.asp.solve.grounding import Answer, Grounding
 from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, text
+from mars_asp.reasoning.rules import FOLLOWING
 
-STAGE = "specify"
+#: The stage that follows the resolution.
+STAGE = FOLLOWING["resolve"]
 _NODE: Signature = ("spec_node", 2)
 
 
