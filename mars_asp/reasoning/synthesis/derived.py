@@ -69,20 +69,12 @@ class Derived:
         return {node: as_symbol(annotation).number for node, annotation in rows}
 
     @cached_property
-    def written_at(self) -> Mapping[Term, Sequence[int]]:
-        """Return for which relationships each line stands, by their identifiers."""
-        found: dict[Term, list[int]] = {}
-        for line, relationship in self.rows("written_at", 2):
-            found.setdefault(line, []).append(as_symbol(relationship).number)
-        return found
-
-    @cached_property
-    def resolved(self) -> Mapping[Term, Sequence[str]]:
+    def resolved(self) -> Mapping[Term, tuple[str, ...]]:
         """Return what each node resolves, in the order of the words."""
         found: dict[Term, set[str]] = {}
         for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
-        return {node: sorted(words) for node, words in found.items()}
+        return {node: tuple(sorted(words)) for node, words in found.items()}
 
 
 def _string(term: Term) -> str:
