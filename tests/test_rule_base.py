@@ -121,20 +121,20 @@ def test_the_document_has_each_file_and_each_rule_that_speaks(
     assert sorted(files) == sorted(path.with_suffix("").as_posix() for path in written)
 
 
-@pytest.mark.parametrize("name", ["resolve/rates", "rules/resolve/rates.lp"])
+@pytest.mark.parametrize("name", ["specify/rates", "rules/specify/rates.lp"])
 def test_a_file_of_rules_is_shown(name: str, rulebook: Rulebook) -> None:
     """Read from the file by hand."""
     found = shown_json(rulebook, name)
     rules = found.pop("rules")
     assert isinstance(rules, list)
-    assert {"resolve/rates/lowers", "resolve/rates/makes"} <= set(rules)
-    assert (found["path"], found["stage"]) == ("rules/resolve/rates.lp", "resolve")
+    assert {"specify/rates/lowers", "specify/rates/makes"} <= set(rules)
+    assert (found["path"], found["stage"]) == ("rules/specify/rates.lp", "specify")
     assert found["shows"] == ["lowers/3", "makes_for/4", "states_need/3"]
     assert found["decides"] == []
     told = shown(rulebook, name)
     assert "Shows: `lowers/3`, `makes_for/4`, `states_need/3`" in told
     assert "Decides" not in told
-    assert "- `resolve/rates/lowers`: " in told
+    assert "- `specify/rates/lowers`: " in told
 
 
 def test_each_file_says_what_it_is_for_and_leaves_the_rest_to_its_rules(

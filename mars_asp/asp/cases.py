@@ -95,7 +95,7 @@ def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
 def run_case(
     path: Path, rulebook: Rulebook, stages: Collection[str], finding: Signature
 ) -> Outcome:
-    """Run one case with the rules of the base and of those `stages` that its folders name.
+    """Run one case with the rules of the base and of `stages`.
 
     `finding` is the predicate that is compared where the case shows none.
 
@@ -110,7 +110,7 @@ def run_case(
         sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
     )
     wanted = _shown(written) or (finding,)
-    stages = ("base", *stages_of(path, stages))
+    stages = ("base", *stages)
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
     program = [Fragment(text, str(path))]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]

@@ -50,7 +50,7 @@ def _changes_are_refused(rulebook: Rulebook) -> None:
         refuses_every_mutation(carried(seed), seed)
 
 
-_REASONING = frozenset({"base", "resolve", "verify"})
+_REASONING = frozenset({"base", "resolve", "specify", "verify"})
 CHECKS = (
     Check("exhaustive search", _REASONING, 60, _costs_are_least),
     Check("exhaustive search with mounts", _REASONING, 60, _supports_are_least),

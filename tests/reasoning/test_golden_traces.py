@@ -25,7 +25,8 @@ from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.reasoning.cases import stages_of
-from mars_asp.reasoning.rules import STAGES, load_rulebook
+from mars_asp.reasoning.rules import FOLLOWING, STAGES, load_rulebook
+from mars_asp.reasoning.synthesis import derived
 from tests.support.documents import ROOT
 from tests.support.programs import atom_of
 
@@ -35,11 +36,14 @@ CHOOSING = ("resolve", "can", "cost")
 
 
 def cases_of(stage: str) -> list[Path]:
-    return [p for p in CASES if stage == next(iter(stages_of(p)), "base")]
+    """Return the cases of a stage and of the one that it follows."""
+    first = {path: next(iter(stages_of(path)), "base") for path in CASES}
+    return [path for path in CASES if stage in (first[path], FOLLOWING.get(first[path]))]
 
 
 def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
     """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
+    stage = next(iter(stages_of(case)), stage)
     rulebook = load_rulebook(stages=() if stage == "base" else (stage,))
     text = read_case(case)[0]
     given: list[Fact] = []
@@ -59,9 +63,12 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     opened: Mapping[Signature, Sequence[Term]] = {}
     if stage in CHOOSING:
         try:
-            opened = grounding.resolve(rulebook.text(stage)).answer.true
+            answer = grounding.resolve(rulebook.text(stage)).answer
+            opened = answer.true
         except MarsError:  # a case may ask for what has no answer
             return None
+        if stage in FOLLOWING:
+            derived.Derived(rulebook, answer).hand_to(grounding)
     atoms = grounding.control.symbolic_atoms
     taken = {term for terms in opened.values() for term in terms}
     true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)

@@ -92,10 +92,11 @@ def test_a_wrong_case_is_shown_as_a_difference() -> None:
 def test_what_the_current_folder_is_called_gives_a_case_no_stage(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "verify" / "resolve").mkdir(parents=True)
+    (tmp_path / "verify" / "can").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "verify")
     assert stages_of(Path("case.lp")) == ()
-    assert stages_of(tmp_path / "verify" / "resolve" / "case.lp") == ("resolve",)
+    assert stages_of(tmp_path / "verify" / "can" / "case.lp") == ("can",)
+    assert stages_of(tmp_path / "resolve" / "case.lp") == ("resolve", "specify")
     monkeypatch.chdir(tmp_path)
     assert stages_of(Path("verify/case.lp")) == ("verify",)
 

@@ -28,14 +28,13 @@ class _Line(NamedTuple):
 class ControlLines:
     """Writes the lines into each module once, with all that leads there."""
 
-    def __init__(self, draft: Draft, derived: Derived) -> None:
-        """Index the lines by their ends."""
+    def __init__(self, draft: Draft, derived: Derived, places: Mapping[Term, int]) -> None:
+        """Index the lines by their ends; `places` are those of lines in the file."""
         self._draft, self._derived = draft, derived
         self._into: dict[Term, list[_Line]] = {}
         self._out_of: dict[Term, list[_Line]] = {}
         for line, controlled, controller in derived.rows("spec_is_controlled_by", 3):
-            place = draft.place_of(line, derived)
-            each = _Line(line, controlled, controller, -1 if place is None else place)
+            each = _Line(line, controlled, controller, places.get(line, -1))
             self._into.setdefault(controlled, []).append(each)
             self._out_of.setdefault(controller, []).append(each)
         self._priorities = derived.of_each("spec_priority")

@@ -28,9 +28,9 @@ class _Line(NamedTuple):
 class DataLines:
     """Writes the lines of each source once."""
 
-    def __init__(self, draft: Draft, derived: Derived) -> None:
-        """Index the lines by what feeds them."""
-        self._draft, self._derived = draft, derived
+    def __init__(self, draft: Draft, derived: Derived, places: Mapping[Term, int]) -> None:
+        """Index the lines by what feeds them; `places` are those of lines in the file."""
+        self._draft, self._derived, self._places = draft, derived, places
         self._out_of: dict[Term, list[_Line]] = {}
         for line, client, feeder in derived.rows("spec_uses_data_from", 3):
             self._out_of.setdefault(feeder, []).append(_Line(line, client, feeder))
@@ -44,7 +44,7 @@ class DataLines:
         if source in self._done:
             return
         self._done.add(source)
-        place = self._places(source)
+        place = self._places_behind(source)
         # A stack instead of recursion: chains of converters may be long.
         stack = self._outputs(source, place)
         while stack:
@@ -57,7 +57,7 @@ class DataLines:
         """Return what a source or node feeds, last first."""
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
-    def _places(self, source: Term) -> Mapping[Term, int]:
+    def _places_behind(self, source: Term) -> Mapping[Term, int]:
         """Return the place of each line behind a source: that of the first client it leads to."""
         lines = list(self._out_of.get(source, ()))
         for line in lines:
@@ -65,7 +65,7 @@ class DataLines:
                 lines += self._out_of.get(line.client, ())
         place: dict[Term, int] = {}
         for line in reversed(lines):
-            own = self._draft.place_of(line.line, self._derived)
+            own = self._places.get(line.line)
             if own is None:
                 behind = (place[each.line] for each in self._out_of.get(line.client, ()))
                 own = min(behind, default=0)
@@ -83,8 +83,8 @@ class DataLines:
         """Return the mode and frequency that a line states, in the words of its relationship."""
         if line not in self._modes:
             return None, None
-        for number in self._derived.written_at.get(line, ()):
-            stated = self._draft.relationships[number]
+        if line in self._places:
+            stated = self._draft.relationships[self._places[line]]
             if isinstance(stated, Data) and stated.mode is not None:
                 return stated.mode, stated.hz
         return _mode(self._modes[line]), _hertz(self._rates.get(line))

@@ -7,11 +7,11 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Answer, Grounding
 from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, text
+from mars_asp.reasoning.rules import FOLLOWING
 
-STAGE = "specify"
+#: The stage that follows the resolution.
+STAGE = FOLLOWING["resolve"]
 _NODE = Signature("spec_node", 2)
-#: What the rules of the resolution say already.
-_RESOLVES = Signature("resolves", 3)
 
 
 class Derived:
@@ -26,7 +26,7 @@ class Derived:
         rules = [rule for rule in rulebook.rules if rule.stage == STAGE]
         #: The predicates that the rules derive.
         self.predicates = frozenset().union(*(rule.heads for rule in rules))
-        read = frozenset({_RESOLVES}).union(*(rule.reads for rule in rules)) - self.predicates
+        read = frozenset().union(*(rule.reads for rule in rules)) - self.predicates
         self._grounding = Grounding((), answer.true_of(sorted(read)))
         self._grounding.derive(rulebook.text(STAGE))
         #: The text of a term, and of one that is a string; few terms stand in very many atoms.
@@ -69,20 +69,12 @@ class Derived:
         return {node: as_symbol(annotation).number for node, annotation in rows}
 
     @cached_property
-    def written_at(self) -> Mapping[Term, Sequence[int]]:
-        """Return for which relationships each line stands, by their identifiers."""
-        found: dict[Term, list[int]] = {}
-        for line, relationship in self.rows("written_at", 2):
-            found.setdefault(line, []).append(as_symbol(relationship).number)
-        return found
-
-    @cached_property
-    def resolved(self) -> Mapping[Term, Sequence[str]]:
+    def resolved(self) -> Mapping[Term, tuple[str, ...]]:
         """Return what each node resolves, in the order of the words."""
         found: dict[Term, set[str]] = {}
-        for node, kind, subject in self.rows(_RESOLVES.name, _RESOLVES.arity):
+        for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
-        return {node: sorted(words) for node, words in found.items()}
+        return {node: tuple(sorted(words)) for node, words in found.items()}
 
 
 def _string(term: Term) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mars_asp.asp.solve.term_ids import Term, text
+from mars_asp.asp.solve.term_ids import Term, as_symbol, text
 from mars_asp.model.declarations import (
     NODE_NAMES,
     Conversion,
@@ -40,10 +40,10 @@ class Draft:
         """Index what the configuration says."""
         configuration, modules = project.configuration, project.modules
         self.span = configuration.span
-        self.relationships = dict(numbered(configuration.relationships))
+        self.relationships = configuration.relationships
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
         #: The place of each relationship in the file, by its identifier.
-        self.place = {number: places[id(r)] for number, r in self.relationships.items()}
+        self.place = {number: places[id(r)] for number, r in numbered(self.relationships)}
         described = described_modules(configuration, modules)
         self.services: dict[int, tuple[str, Service]] = {
             number: (module.name, annotation)
@@ -69,9 +69,14 @@ class Draft:
             self.nodes[term] = Node(name, kind, text(term), conversion, stands_for)
         return self.nodes[term].name
 
-    def place_of(self, line: Term, derived: Derived) -> int | None:
-        """Return where the first relationship stands for which a line does, if there is one."""
-        return min(map(self.place.__getitem__, derived.written_at.get(line, ())), default=None)
+    def places(self, derived: Derived) -> dict[Term, int]:
+        """Return the place of each line that stands for relationships: that of the first."""
+        found: dict[Term, int] = {}
+        for line, relationship in derived.rows("written_at", 2):
+            place = self.place[as_symbol(relationship).number]
+            if found.setdefault(line, place) > place:
+                found[line] = place
+        return found
 
     def pass_over(self, kind: str, count: int, name: str) -> bool:
         """Count nodes that are not written here, unless one of them would have a name."""

@@ -44,7 +44,8 @@ class Specification(Introduced):
 def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationship]) -> Introduced:
     """Write relationships as `rules/specify` says; return the new nodes."""
     before = len(draft.nodes)
-    data, control = DataLines(draft, derived), ControlLines(draft, derived)
+    places = draft.places(derived)
+    data, control = DataLines(draft, derived, places), ControlLines(draft, derived, places)
     for relationship in relationships:
         match relationship:
             case Data():
@@ -54,7 +55,7 @@ def introduce(draft: Draft, derived: Derived, relationships: Iterable[Relationsh
             case Mount():
                 draft.lines.append(relationship)
     new = dict(islice(draft.nodes.items(), before, None))
-    resolves = {node.name: tuple(derived.resolved.get(term, ())) for term, node in new.items()}
+    resolves = {node.name: derived.resolved.get(term, ()) for term, node in new.items()}
     return Introduced(tuple(new.values()), resolves)
 
 

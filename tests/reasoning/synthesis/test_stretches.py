@@ -25,7 +25,7 @@ SPLITTER, ARBITER = Signature("splitter", 2), Signature("arbiter", 1)
 
 
 def test_the_rules_keep_parts_apart() -> None:
-    resolution = RULEBOOK.text("resolve")
+    resolution = f"{RULEBOOK.text('resolve')}\n{RULEBOOK.text('specify')}"
     apart = kept_apart(RULEBOOK.text("base"), resolution, vocabulary(RULEBOOK).connected)
     assert apart is not None
     assert apart.whole.text == resolution
