@@ -26,8 +26,8 @@ FILES = {
     "asp": "cache fragments solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule outline metadata read rulebook "
-        "consistency risks names"
+        "gate statements rule computed expansions checks symbols arithmetic outline metadata read "
+        "rulebook consistency risks names"
     ),
     "asp/slice": "magic reach shapes groups portions",
     "asp/trace": (

@@ -20,6 +20,7 @@ from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from mars_asp.reasoning.sample import samples
@@ -224,6 +225,7 @@ def _document(rule: Rule, heading: str) -> str:
     parts = [f"{heading} {rule.id}", rule.because or "no message"]
     if rule.help:
         parts.append(f"Help: {rule.help}")
+    parts += [f"{key.capitalize()}: `{listed}`" for key, listed in rule.lists]
     parts.append(f"{rule.span.path}:{rule.span.line}")
     return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
 
@@ -234,6 +236,7 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         "stage": rule.stage,
         "because": rule.because,
         "help": rule.help,
+        **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
         "path": rule.span.path,
         "line": rule.span.line,
         "text": rule.text,

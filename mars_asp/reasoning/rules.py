@@ -11,9 +11,10 @@ from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart,
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Signature, constant_names, declared
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.reasoning import findings
 from mars_asp.reasoning.facts import compile as facts
 from mars_asp.reasoning.facts.compile import CONSTANTS
-from mars_asp.reasoning.findings import CONTRACT
+from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
 
 #: What the rules of the base, in `rules/*.lp`, are for.
 BASE = "what follows from a configuration: its consequences, each with its reason"
@@ -50,7 +51,7 @@ def load_rulebook(
     own = _built_in(stages, strict, problems)
     packs: list[RuleFile] = []
     for path in pack_files(extra, problems):
-        found = read_file(path, str(path), "base", problems, True)
+        found = read_file(path, str(path), "base", problems, True, EXPANSIONS)
         if found is not None:
             packs.append(found)
     if packs:
@@ -83,7 +84,7 @@ def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic])
         return kept
     files = []
     for path, shown, stage in found:
-        file = read_file(path, shown, stage, problems, strict)
+        file = read_file(path, shown, stage, problems, strict, EXPANSIONS)
         if file is not None:
             files.append(file)
     rules = tuple(rule for file in files for rule in file.rules)
@@ -109,7 +110,7 @@ def seal() -> Seal:
     ids: dict[str, Span] = {}
     constants = set(CONSTANTS)
     for path, shown, stage in found:
-        file = read_file(path, shown, stage, problems, False)
+        file = read_file(path, shown, stage, problems, False, EXPANSIONS)
         if file is not None:
             for rule in file.rules:
                 derived.update((head, stage) for head in rule.heads if head not in derived)
@@ -131,5 +132,6 @@ def _files(stages: Iterable[str]) -> list[tuple[Path, str, str]]:
 
 
 def _version(files: Iterable[tuple[Path, str, str]]) -> str:
-    makers = (*Path(checks.__file__).parent.glob("*.py"), Path(__file__), Path(facts.__file__))
+    hosts = (Path(module.__file__ or "") for module in (facts, findings))
+    makers = (*Path(checks.__file__).parent.glob("*.py"), Path(__file__), *hosts)
     return version_of((*sorted(makers), *(path for path, _, _ in files)))

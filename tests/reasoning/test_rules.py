@@ -94,11 +94,8 @@ def test_what_the_current_folder_is_called_gives_a_case_no_stage(
 TOGETHER = (
     "carried(M, N + 1, B', R)",
     "consequence(data_cycle, warning, M, cycle)",
-    "participant(data_cycle, M, cycle, around(M'), M')",
     "placed(R, X, P, I, C)",
     "lifted(X, M, P, C)",
-    "participant(module_conflict, M, cycle, I, M')",
-    "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
     "hears(R, B, inherited(M))",
@@ -113,7 +110,12 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     """Whoever adds a rule adds two cases in `tests/rules`: see `tests/support/rule_coverage.py`."""
     found = covered(rulebook, CASES)
     silent = found.silent
-    never_near = [rule for rule in found.never_near if not rule.text.startswith(TOGETHER)]
+    # What metadata lists has the body of its rule, where each premise is tried.
+    never_near = [
+        rule
+        for rule in found.never_near
+        if rule.listed is None and not rule.text.startswith(TOGETHER)
+    ]
     assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
 

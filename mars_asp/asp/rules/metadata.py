@@ -1,8 +1,8 @@
 """What stands above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits.
-`%*! predicate(Arguments) ... *%` documents a predicate.
+`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits. Keys of a host
+stand for further rules (see `expansions`). `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
 stage `resolve`. A rule that is given none has its line, `data:17`, and where several of these begin
@@ -10,10 +10,11 @@ in one line, those behind the first have their column, too: `data:17:30`.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
+from mars_asp.asp.rules.expansions import Expansions, expanded, wrong
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import Piece, bound_variables
 from mars_asp.diagnostic import Diagnostic, Span, point
@@ -34,8 +35,14 @@ def rules_of(
     shown: str,
     stage: str,
     problems: list[Diagnostic],
+    strict: bool,
+    expansions: Expansions,
 ) -> Iterator[Rule]:
-    """Yield the rules of a file with what stands above them; note what is wrong with that."""
+    """Yield the rules of a file with what stands above them; note what is wrong with that.
+
+    Behind each rule come those that lines of its metadata stand for, by `expansions`; only when
+    `strict` it is checked that they are rules.
+    """
     name = file_name(shown, stage)
     lines: set[int] = set()
     pending: dict[str, tuple[str, Span]] = {}
@@ -44,7 +51,8 @@ def rules_of(
         if piece.sort == "comment":
             match = _METADATA.match(piece.text)
             if match:
-                _note_metadata(pending, match, point(shown, *piece.begin), problems)
+                keys = (*KEYS, *expansions)
+                _note_metadata(pending, match, point(shown, *piece.begin), keys, problems)
                 last_line = piece.begin[0]
             continue
         if piece.sort != "rule":
@@ -58,10 +66,16 @@ def rules_of(
         where = f"{span.line}:{span.column}" if span.line in lines else f"{span.line}"
         if "id" not in pending:
             lines.add(span.line)
-        rule = _rule(pending, span, piece.text, stage, f"{name}:{where}")
+        lists = {key: pending[key] for key in expansions if key in pending}
+        rule = _rule(pending, span, piece.text, stage, f"{name}:{where}", lists)
         problems += _wrong_id(rule, pending, name)
         pending = {}
         yield rule
+        for key, (listed, place) in lists.items():
+            line = (rule, key, listed, place, expansions[key])
+            found = tuple(wrong(*line)) if strict else ()
+            problems += found
+            yield from () if found else expanded(*line)
     problems += _unbound(pending)
 
 
@@ -69,12 +83,13 @@ def _note_metadata(
     pending: dict[str, tuple[str, Span]],
     match: re.Match[str],
     span: Span,
+    keys: Sequence[str],
     problems: list[Diagnostic],
 ) -> None:
     key, value = match[1], match[2].strip()
-    if key not in KEYS:
-        near = nearest(key, KEYS)
-        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(KEYS)}"
+    if key not in keys:
+        near = nearest(key, keys)
+        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
         problems.append(
             Diagnostic(
                 "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
@@ -89,7 +104,12 @@ def _note_metadata(
 
 
 def _rule(
-    metadata: dict[str, tuple[str, Span]], span: Span, text: str, stage: str, unnamed: str
+    metadata: dict[str, tuple[str, Span]],
+    span: Span,
+    text: str,
+    stage: str,
+    unnamed: str,
+    lists: Mapping[str, tuple[str, Span]],
 ) -> Rule:
     given = {key: value for key, (value, _) in metadata.items()}
     return Rule(
@@ -100,6 +120,7 @@ def _rule(
         text,
         stage,
         given.get("fits"),
+        tuple((key, listed) for key, (listed, _) in lists.items()),
     )
 
 
