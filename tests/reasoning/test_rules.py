@@ -1,5 +1,6 @@
 """The rule cases of `tests/rules`: facts and expected answer sets in one file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -118,6 +119,20 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     ]
     assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
+
+
+def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
+    """`who` and `at` are no rules of the files, so that mutants of these do not try them."""
+    unnoticed = []
+    for rule in [each for each in rulebook.rules if each.listed is not None]:
+        others = tuple(other for other in rulebook.rules if other is not rule)
+        without = replace(rulebook, rules=others)
+        # Most are noticed by a case of their own file.
+        own = Path(rule.span.path).stem
+        cases = sorted(CASES, key=lambda path: path.parent.name != own)
+        if all(run_case(path, without).passed for path in cases):
+            unnoticed.append(rule.id)
+    assert unnoticed == []
 
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits.
