@@ -225,7 +225,11 @@ def _document(rule: Rule, heading: str) -> str:
     parts = [f"{heading} {rule.id}", rule.because or "no message"]
     if rule.help:
         parts.append(f"Help: {rule.help}")
+    if rule.why:
+        parts.append(f"Why: {rule.why}")
     parts += [f"{key.capitalize()}: `{listed}`" for key, listed in rule.lists]
+    if rule.example:
+        parts.append(f"Example: {rule.example}")
     parts.append(f"{rule.span.path}:{rule.span.line}")
     return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
 
@@ -236,6 +240,8 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         "stage": rule.stage,
         "because": rule.because,
         "help": rule.help,
+        "why": rule.why,
+        "example": rule.example,
         **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
         "path": rule.span.path,
         "line": rule.span.line,

@@ -3,11 +3,13 @@
 from dataclasses import replace
 from pathlib import Path
 
+import clingo
 import pytest
 
-from mars_asp.asp.cases import Outcome, find_cases, shown_by
+from mars_asp.asp.cases import Outcome, case_facts, find_cases, shown_by
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.cases import run_case, stages_of
+from mars_asp.reasoning.findings import CONSEQUENCE
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
 from tests.support.rule_coverage import covered, places
@@ -133,6 +135,22 @@ def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
         if all(run_case(path, without).passed for path in cases):
             unnoticed.append(rule.id)
     assert unnoticed == []
+
+
+def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook: Rulebook) -> None:
+    finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
+    silent = []
+    for rule in finding:
+        assert rule.why and rule.why.endswith("."), rule.id
+        assert rule.example is not None and ROOT / rule.example in CASES, rule.id
+        facts, body = case_facts(ROOT / rule.example), rule.written[1]
+        control = clingo.Control(["--warn=none"])
+        control.add("base", [], f"{facts}\n{rulebook.text('base')}\n_fires :- {body}.")
+        control.ground()
+        if control.symbolic_atoms[clingo.Function("_fires")] is None:
+            silent.append(rule.id)
+    assert len(finding) > 40
+    assert silent == []
 
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits.

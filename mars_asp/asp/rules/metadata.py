@@ -1,8 +1,10 @@
 """What stands above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits. Keys of a host
-stand for further rules (see `expansions`). `%*! predicate(Arguments) ... *%` documents a predicate.
+`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits. `why` tells what
+it is about and why that matters, `example` names a case of it. Keys of a host stand for further
+rules (see `expansions`). A line whose text is indented by four or more goes on with the one before.
+`%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
 stage `resolve`. A rule that is given none has its line, `data:17`, and where several of these begin
@@ -20,8 +22,9 @@ from mars_asp.asp.rules.statements import Piece, bound_variables
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
-KEYS = ("id", "because", "help", "fits")
+KEYS = ("id", "because", "help", "fits", "why", "example")
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
+_CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
 
 def file_name(shown: str, stage: str) -> str:
@@ -53,6 +56,9 @@ def rules_of(
             if match:
                 keys = (*KEYS, *expansions)
                 _note_metadata(pending, match, point(shown, *piece.begin), keys, problems)
+                last_line = piece.begin[0]
+            elif (more := _CONTINUED.match(piece.text)) and piece.begin[0] == last_line + 1:
+                _go_on(pending, more[1].strip())
                 last_line = piece.begin[0]
             continue
         if piece.sort != "rule":
@@ -103,6 +109,13 @@ def _note_metadata(
         pending[key] = (value, span)
 
 
+def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
+    """Add a further line to the metadata that was noted last."""
+    for key in list(pending)[-1:]:
+        text, place = pending[key]
+        pending[key] = (f"{text} {more}", place)
+
+
 def _rule(
     metadata: dict[str, tuple[str, Span]],
     span: Span,
@@ -120,6 +133,8 @@ def _rule(
         text,
         stage,
         given.get("fits"),
+        given.get("why"),
+        given.get("example"),
         tuple((key, listed) for key, (listed, _) in lists.items()),
     )
 
