@@ -26,7 +26,7 @@ FILES = {
     "asp": "cache fragments signature solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements checks computed symbols arithmetic rule outline declarations "
+        "gate statements rule computed expansions checks symbols arithmetic outline declarations "
         "metadata read rulebook consistency risks names sorts"
     ),
     "asp/slice": "magic reach shapes groups portions",

@@ -23,6 +23,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import unbounded
+from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from mars_asp.reasoning.sample import samples
@@ -239,6 +240,11 @@ def _document(rule: Rule, heading: str) -> str:
     parts = [f"{heading} {rule.id}", rule.because or "no message"]
     if rule.help:
         parts.append(f"Help: {rule.help}")
+    if rule.why:
+        parts.append(f"Why: {rule.why}")
+    parts += [f"{key.capitalize()}: `{listed}`" for key, listed in rule.lists]
+    if rule.example:
+        parts.append(f"Example: {rule.example}")
     parts.append(f"{rule.span.path}:{rule.span.line}")
     return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
 
@@ -273,6 +279,9 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         "stage": rule.stage,
         "because": rule.because,
         "help": rule.help,
+        "why": rule.why,
+        "example": rule.example,
+        **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
         "path": rule.span.path,
         "line": rule.span.line,
         "text": rule.text,

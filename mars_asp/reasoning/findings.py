@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.asp.messages import Said
 from mars_asp.asp.rules.checks import Contract, placed
+from mars_asp.asp.rules.expansions import Expansion
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import Statement, argument_place
@@ -39,8 +40,14 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
                 yield no_severity(term.text, severity_place(text, span, number))
 
 
+#: What metadata of a rule lists that finds a consequence: `who` takes part, and `at` which places.
+#: Both are told of its kind, subject and case.
+EXPANSIONS = {
+    "who": Expansion(CONSEQUENCE, "participant", (0, 2, 3), True),
+    "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False),
+}
 #: What a rule pack from elsewhere may do.
-CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities)
+CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities, EXPANSIONS)
 
 
 def check_severities(said: Iterable[Said]) -> None:

@@ -15,8 +15,9 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constant_names, defined
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.reasoning import findings
 from mars_asp.reasoning.facts.compile import CONSTANTS
-from mars_asp.reasoning.findings import CONTRACT
+from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
 
 #: What the rules of the base, in `rules/*.lp`, are for.
 BASE = "what follows from a configuration: its consequences, each with its reason"
@@ -75,7 +76,7 @@ def load_rulebook(
     own = _built_in(tuple(dict.fromkeys((*stages, *following))), strict, problems)
     packs: list[RuleFile] = []
     for path in pack_files(extra, problems):
-        found = read_file(path, str(path), "base", problems, True)
+        found = read_file(path, str(path), "base", problems, True, EXPANSIONS)
         if found is not None:
             packs.append(found)
     if packs:
@@ -150,7 +151,7 @@ def _digest(path: Path) -> bytes:
 
 def _read(file: _File, strict: bool) -> _Read:
     problems: list[Diagnostic] = []
-    read = read_file(*file, problems, strict)
+    read = read_file(*file, problems, strict, EXPANSIONS)
     if read is None:
         return _Read("", (), Documented(file.stage, file.shown, ()), tuple(problems))
     return _Read(read.text, read.rules, read.documented, ())
@@ -170,4 +171,4 @@ def _files(stages: Iterable[str]) -> list[_File]:
 
 
 def _makers() -> list[Path]:
-    return sorted(Path(checks.__file__).parent.glob("*.py"))
+    return sorted((Path(findings.__file__), *Path(checks.__file__).parent.glob("*.py")))

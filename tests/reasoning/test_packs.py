@@ -1,13 +1,17 @@
 """What is said of rule packs before clingo reads them."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.cases import run_case
-from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import STAGES, load_rulebook
+from tests.support.random_configurations import random_configuration
 
 
 def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
@@ -114,3 +118,67 @@ def test_a_case_that_clingo_refuses_is_told_with_its_place(
     (found,) = caught.value.diagnostics
     assert (found.code, found.span.path) == (code, str(path))
     assert (found.span.line, found.span.column) == place
+
+
+#: A finding that lists who takes part and where, and what these lists say, by hand.
+FOUND = "consequence(busy, note, C, work) :- is_controlled_by(_, _, C), uses_data_from(R, C, S)."
+LISTED = """%! id:  mine/busy
+%! who: C, S; M@(1, X) : is_controlled_by(X, M, C)
+%! at:  R; X : is_controlled_by(X, _, C)
+"""
+BY_HAND = """
+participant(busy, C, work, 0, C) :- is_controlled_by(_, _, C), uses_data_from(_, C, _).
+participant(busy, C, work, 1, S) :- is_controlled_by(_, _, C), uses_data_from(_, C, S).
+participant(busy, C, work, (1, X), M) :- is_controlled_by(X, M, C), uses_data_from(_, C, _).
+concerns(busy, C, work, R) :- is_controlled_by(_, _, C), uses_data_from(R, C, _).
+concerns(busy, C, work, X) :- is_controlled_by(X, _, C), uses_data_from(_, C, _).
+"""
+
+
+@pytest.mark.parametrize("subject", ["", "busy", "busy(D0)", "busy(D1)"])
+def test_who_and_at_say_what_heads_by_hand_say(
+    subject: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "mine.lp"
+    robot = tmp_path / "robot.mars"
+    busy = 0
+    for seed in range(12):
+        lines = "D0 uses_data_from W0\nD1 uses_data_from W1\n"
+        robot.write_text(f"{random_configuration(seed)}\n{lines}")
+        said = []
+        for text in (LISTED + FOUND, "%! id: mine/busy\n" + FOUND + BY_HAND):
+            pack.write_text(text)
+            verb = ["explain", str(robot), subject] if subject else ["analyse", str(robot)]
+            assert run_here([*verb, "--rules", str(pack), "--format", "json"]) in (0, 1, 2)
+            told = capsys.readouterr().out
+            said.append(re.sub(rf'"path": "{pack}", "line": \d+', "", told))
+            busy += "busy" in told
+        assert said[0] == said[1]
+    assert busy
+
+
+def test_a_demand_over_who_takes_part_names_itself(tmp_path: Path) -> None:
+    pack = tmp_path / "mine.lp"
+    others = ':- module("Nobody").\nseen(M) :- module(M).\n'
+    pack.write_text(f":- participant(data_divergence, _, _, _, M), module(M).\n{others}")
+    robot = tmp_path / "robot.mars"
+    robot.write_text("@configuration\n@modules A, B, C\nA uses_data_from C\nB uses_data_from C\n")
+    project = load_project(str(robot))
+    with pytest.raises(MarsError) as caught:
+        analyse(project_facts(project), load_rulebook([pack]), project.configuration.span)
+    (found,) = caught.value.diagnostics
+    assert found.message == "this rule excludes every answer for this configuration"
+    assert (found.span.path, found.span.line, found.labels) == (str(pack), 1, ())
+
+
+def test_each_participant_of_a_built_in_rule_is_traced_to_its_list() -> None:
+    book = load_rulebook(stages=STAGES, strict=True)
+    above = {rule.id: rule for rule in book.rules if rule.lists}
+    listed = [rule for rule in book.rules if rule.listed is not None]
+    assert len(above) > 30 and len(listed) > len(above)
+    for rule in listed:
+        owner = above[re.sub(r":(who|at)\d*$", "", rule.id)]
+        assert rule.span == owner.span
+        assert rule.heads <= {("participant", 5), ("concerns", 4)}
+        assert rule.written[1].startswith(owner.written[1])
+        assert book.by_id[rule.id] is rule

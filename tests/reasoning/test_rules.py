@@ -1,7 +1,9 @@
 """The rule cases of `tests/rules`: facts and expected answer sets in one file."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import clingo
 import pytest
 
 from mars_asp.asp import cache
@@ -11,6 +13,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import shown as shown_in
 from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import run_case, stages_of
+from mars_asp.reasoning.findings import CONSEQUENCE
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
 from tests.support.rule_coverage import covered, places
@@ -105,11 +108,8 @@ def test_what_the_current_folder_is_called_gives_a_case_no_stage(
 TOGETHER = (
     "carried(M, N + 1, B', R)",
     "consequence(data_cycle, warning, M, cycle)",
-    "participant(data_cycle, M, cycle, around(M'), M')",
     "placed(R, X, P, I, C)",
     "lifted(X, M, P, C)",
-    "participant(module_conflict, M, cycle, I, M')",
-    "concerns(module_conflict, M, cycle, R)",
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
     "hears(R, B, inherited(M))",
@@ -124,9 +124,44 @@ def test_every_rule_fires_in_a_case_and_just_does_not_in_another(rulebook: Ruleb
     """Whoever adds a rule adds two cases in `tests/rules`: see `tests/support/rule_coverage.py`."""
     found = covered(rulebook, CASES)
     silent = found.silent
-    never_near = [rule for rule in found.never_near if not rule.text.startswith(TOGETHER)]
+    # What metadata lists has the body of its rule, where each premise is tried.
+    never_near = [
+        rule
+        for rule in found.never_near
+        if rule.listed is None and not rule.text.startswith(TOGETHER)
+    ]
     assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"
+
+
+def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
+    """`who` and `at` are no rules of the files, so that mutants of these do not try them."""
+    unnoticed = []
+    for rule in [each for each in rulebook.rules if each.listed is not None]:
+        others = tuple(other for other in rulebook.rules if other is not rule)
+        without = replace(rulebook, rules=others)
+        # Most are noticed by a case of their own file.
+        own = Path(rule.span.path).stem
+        cases = sorted(CASES, key=lambda path: path.parent.name != own)
+        if all(run_case(path, without).passed for path in cases):
+            unnoticed.append(rule.id)
+    assert unnoticed == []
+
+
+def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook: Rulebook) -> None:
+    finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
+    silent = []
+    for rule in finding:
+        assert rule.why and rule.why.endswith("."), rule.id
+        assert rule.example is not None and ROOT / rule.example in CASES, rule.id
+        (facts, _), body = read_case(ROOT / rule.example), rule.written[1]
+        control = clingo.Control(["--warn=none"])
+        control.add("base", [], f"{facts}\n{rulebook.text('base')}\n_fires :- {body}.")
+        control.ground()
+        if control.symbolic_atoms[clingo.Function("_fires")] is None:
+            silent.append(rule.id)
+    assert len(finding) > 40
+    assert silent == []
 
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits.

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
@@ -10,6 +10,7 @@ import clingo
 
 from mars_asp.asp import fragments
 from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.expansions import Expansions
 from mars_asp.asp.rules.statements import (
     Piece,
     Place,
@@ -41,12 +42,13 @@ class Contract:
 
     They derive what is declared extensible, and predicates of their own. What they find they tell
     by `finding`, of which `findings` is the word for several. `judge` says what is wrong with a
-    head that tells of one.
+    head that tells of one. `expansions` are what keys of metadata stand for.
     """
 
     finding: Signature
     findings: str
     judge: Judge
+    expansions: Expansions = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

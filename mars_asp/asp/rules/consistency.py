@@ -31,7 +31,7 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
     if not rulebook.packs or control.solve().satisfiable:
         return
     packs = rulebook.texts[-rulebook.packs :]
-    fixed = [text for stage, text in rulebook.texts[: -rulebook.packs] if stage == "base"]
+    fixed = [rulebook.built_in.text("base")]
     fixed += [without_rules(text) for _, text in packs]
     first = len(rulebook.rules) - rulebook.pack_rules
     conflict = _minimal(rulebook.rules[first:], "\n".join([*fixed, facts]))

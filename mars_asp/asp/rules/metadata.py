@@ -1,7 +1,9 @@
 """What stands above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits.
+`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits. `why` tells what
+it is about and why that matters, `example` names a case of it. Keys of a host stand for further
+rules (see `expansions`). A line whose text is indented by four or more goes on with the one before.
 `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
@@ -10,17 +12,19 @@ in one line, those behind the first have their column, too: `data:17:30`.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
+from mars_asp.asp.rules.expansions import Expansions, expanded, wrong
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import Piece, bound_variables
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
-KEYS = ("id", "because", "help", "fits")
+KEYS = ("id", "because", "help", "fits", "why", "example")
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
+_CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
 
 def file_name(shown: str, stage: str) -> str:
@@ -34,8 +38,14 @@ def rules_of(
     shown: str,
     stage: str,
     problems: list[Diagnostic],
+    strict: bool,
+    expansions: Expansions,
 ) -> Iterator[Rule]:
-    """Yield the rules of a file with what stands above them; note what is wrong with that."""
+    """Yield the rules of a file with what stands above them; note what is wrong with that.
+
+    Behind each rule come those that lines of its metadata stand for, by `expansions`; only when
+    `strict` it is checked that they are rules.
+    """
     name = file_name(shown, stage)
     lines: set[int] = set()
     pending: dict[str, tuple[str, Span]] = {}
@@ -44,7 +54,11 @@ def rules_of(
         if piece.sort == "comment":
             match = _METADATA.match(piece.text)
             if match:
-                _note_metadata(pending, match, point(shown, *piece.begin), problems)
+                keys = (*KEYS, *expansions)
+                _note_metadata(pending, match, point(shown, *piece.begin), keys, problems)
+                last_line = piece.begin[0]
+            elif (more := _CONTINUED.match(piece.text)) and piece.begin[0] == last_line + 1:
+                _go_on(pending, more[1].strip())
                 last_line = piece.begin[0]
             continue
         if piece.sort != "rule":
@@ -58,10 +72,16 @@ def rules_of(
         where = f"{span.line}:{span.column}" if span.line in lines else f"{span.line}"
         if "id" not in pending:
             lines.add(span.line)
-        rule = _rule(pending, span, piece.text, stage, f"{name}:{where}")
+        lists = {key: pending[key] for key in expansions if key in pending}
+        rule = _rule(pending, span, piece.text, stage, f"{name}:{where}", lists)
         problems += _wrong_id(rule, pending, name)
         pending = {}
         yield rule
+        for key, (listed, place) in lists.items():
+            line = (rule, key, listed, place, expansions[key])
+            found = tuple(wrong(*line)) if strict else ()
+            problems += found
+            yield from () if found else expanded(*line)
     problems += _unbound(pending)
 
 
@@ -69,12 +89,13 @@ def _note_metadata(
     pending: dict[str, tuple[str, Span]],
     match: re.Match[str],
     span: Span,
+    keys: Sequence[str],
     problems: list[Diagnostic],
 ) -> None:
     key, value = match[1], match[2].strip()
-    if key not in KEYS:
-        near = nearest(key, KEYS)
-        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(KEYS)}"
+    if key not in keys:
+        near = nearest(key, keys)
+        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
         problems.append(
             Diagnostic(
                 "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
@@ -88,8 +109,20 @@ def _note_metadata(
         pending[key] = (value, span)
 
 
+def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
+    """Add a further line to the metadata that was noted last."""
+    for key in list(pending)[-1:]:
+        text, place = pending[key]
+        pending[key] = (f"{text} {more}", place)
+
+
 def _rule(
-    metadata: dict[str, tuple[str, Span]], span: Span, text: str, stage: str, unnamed: str
+    metadata: dict[str, tuple[str, Span]],
+    span: Span,
+    text: str,
+    stage: str,
+    unnamed: str,
+    lists: Mapping[str, tuple[str, Span]],
 ) -> Rule:
     given = {key: value for key, (value, _) in metadata.items()}
     return Rule(
@@ -100,6 +133,9 @@ def _rule(
         text,
         stage,
         given.get("fits"),
+        given.get("why"),
+        given.get("example"),
+        tuple((key, listed) for key, (listed, _) in lists.items()),
     )
 
 

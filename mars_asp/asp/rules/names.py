@@ -54,4 +54,4 @@ def _named(rule: Rule) -> Iterator[tuple[Signature, Span]]:
         for literal in statement.literals
     }
     for place, signature in sorted(literals):
-        yield signature, placed(rule.span, place)
+        yield signature, rule.listed or placed(rule.span, place)

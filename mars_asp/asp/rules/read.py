@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from mars_asp.asp.rules.arithmetic import overflows
@@ -20,6 +21,7 @@ from mars_asp.asp.rules.checks import (
     unknown_predicates,
 )
 from mars_asp.asp.rules.declarations import Docstring, Documented, declarations, docstrings
+from mars_asp.asp.rules.expansions import Expansions
 from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
@@ -96,32 +98,49 @@ def _pieces(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Piece, .
 
 
 def read_file(
-    path: Path, shown: str, stage: str, problems: list[Diagnostic], strict: bool
+    path: Path,
+    shown: str,
+    stage: str,
+    problems: list[Diagnostic],
+    strict: bool,
+    expansions: Expansions = MappingProxyType({}),
 ) -> RuleFile | None:
     """Return a file; `None` where it cannot be read as rules, and `problems` say why.
 
-    When `strict`, numbers and the holes of messages are checked, too.
+    When `strict`, numbers and the holes of messages are checked, too. `expansions` are what keys of
+    metadata stand for besides.
     """
     try:
         text = gate_text(path, shown)
     except MarsError as error:
         problems += error.diagnostics
         return None
-    return _rule_file(text, shown, stage, problems, strict)
+    return _rule_file(text, shown, stage, problems, strict, expansions)
 
 
-def read_rules(text: str, shown: str, stage: str, problems: list[Diagnostic]) -> RuleFile | None:
+def read_rules(
+    text: str,
+    shown: str,
+    stage: str,
+    problems: list[Diagnostic],
+    expansions: Expansions = MappingProxyType({}),
+) -> RuleFile | None:
     """Return a text as if it were a file of rules, all of it checked."""
     try:
         check_text(text, shown)
     except MarsError as error:
         problems += error.diagnostics
         return None
-    return _rule_file(text, shown, stage, problems, True)
+    return _rule_file(text, shown, stage, problems, True, expansions)
 
 
 def _rule_file(
-    text: str, shown: str, stage: str, problems: list[Diagnostic], strict: bool
+    text: str,
+    shown: str,
+    stage: str,
+    problems: list[Diagnostic],
+    strict: bool,
+    expansions: Expansions,
 ) -> RuleFile | None:
     before = len(problems)
     written = _pieces(text, shown, problems)
@@ -129,13 +148,34 @@ def _rule_file(
         return None
     if strict:
         problems += overflows(text, shown)
-    rules = tuple(rules_of(written, shown, stage, problems))
+    rules = tuple(rules_of(written, shown, stage, problems, strict, expansions))
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
+        problems += _wrong_lists(rules)
     found = tuple(docstrings(written))
     for _ in declarations(found, shown, problems):
         pass
     return RuleFile(shown, stage, text, written, rules, found)
+
+
+def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+    """Yield what clingo would say of rules that metadata stands for, at the place of that.
+
+    What it says of the rule above which that stands, it is not asked again.
+    """
+    said: set[str] = set()
+    for rule in rules:
+        if rule.listed is None:
+            said = {each.message for each in _refused(rule)} if rule.lists else set()
+        else:
+            found = (each for each in _refused(rule) if each.message not in said)
+            yield from (replace(each, span=rule.listed) for each in found)
+
+
+def _refused(rule: Rule) -> tuple[Diagnostic, ...]:
+    # Of some numbers that do not fit clingo itself ends the process.
+    found = tuple(overflows(rule.text, rule.span.path))
+    return found or tuple(refused_rules(rule.text, rule.span.path))
 
 
 def wrong_packs(
@@ -152,11 +192,22 @@ def wrong_packs(
         # Of some numbers that do not fit clingo itself ends the process.
         yield from () if overflowing else refused_rules(file.text, file.shown)
     yield from repeated_constants((file.shown, piece) for file in packs for piece in file.written)
+    said: set[str] = set()
     for rule in rules:
-        yield from reserved_heads(read[rule.text], sealed, contract, rule.span)
-        yield from misused_heads(read[rule.text], rule.text, sealed, contract, rule.span)
-        yield from called_functions(rule.text, rule.span)
-        yield from unknown_predicates(read[rule.text], known, sealed, contract, rule.span)
+        found = (
+            *reserved_heads(read[rule.text], sealed, contract, rule.span),
+            *misused_heads(read[rule.text], rule.text, sealed, contract, rule.span),
+            *called_functions(rule.text, rule.span),
+            *unknown_predicates(read[rule.text], known, sealed, contract, rule.span),
+        )
+        if rule.listed is None:
+            said = {each.message for each in found}
+            yield from found
+        else:
+            # The body is that of the rule before it, of which all has been said.
+            yield from (
+                replace(each, span=rule.listed) for each in found if each.message not in said
+            )
     yield from repeated_ids(rules, sealed.ids)
 
 

@@ -21,7 +21,8 @@ def risks(
     read = statements_of(rule.text for rule in rules)
     stated = _stated([statement for variants in read.values() for statement in variants], unbounded)
     for rule in rules:
-        if rule.fits is not None:
+        # What metadata stands for repeats a body of which all is said.
+        if rule.fits is not None or rule.listed is not None:
             continue
         large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
         for operation in _risky(operands(rule.text), large):

@@ -24,6 +24,14 @@ class Rule:
     stage: str
     #: Why what the rule computes fits into 32 bits, where that does not show.
     fits: str | None = None
+    #: What the rule is about and why that matters.
+    why: str | None = None
+    #: The path of a case in which it fires.
+    example: str | None = None
+    #: Lines of metadata that stand for further rules: the key and what it lists.
+    lists: tuple[tuple[str, str], ...] = ()
+    #: Where the line of metadata is that stands for this rule; no file has its text.
+    listed: Span | None = None
 
     @cached_property
     def ast(self) -> Tree:

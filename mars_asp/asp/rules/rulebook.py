@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import repeat
 from typing import TypeAlias
 
-from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.declarations import Declaration, Documented
@@ -37,13 +37,15 @@ class Rulebook:
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
-        return "\n".join(text for at, text in self.texts if at == stage)
+        return joined(self.fragments(stage))
 
     def fragments(self, stage: str) -> tuple[Fragment, ...]:
-        """Return the texts of one stage with their files."""
+        """Return the texts of one stage with their files, and the rules that no file has."""
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
-        return tuple(Fragment(text, path) for (at, text), path in found if at == stage)
+        files = (Fragment(text, path) for (at, text), path in found if at == stage)
+        listed = (rule for rule in self.rules if rule.listed is not None and rule.stage == stage)
+        return (*files, *(Fragment(rule.text, rule.span.path, rule.span) for rule in listed))
 
     @cached_property
     def outlines(self) -> Mapping[str, tuple[str, Outline]]:
@@ -82,7 +84,9 @@ class Rulebook:
     @cached_property
     def asked(self) -> tuple[Asked, ...]:
         """Return what the rules of packs compute that may leave 32 bits."""
-        rules = self.rules[len(self.rules) - self.pack_rules :]
+        own = self.rules[len(self.rules) - self.pack_rules :]
+        # What metadata lists computes nothing but what the rule does whose body it has.
+        rules = [rule for rule in own if rule.listed is None]
         found = computations(rule.text for rule in rules)
         return tuple(Asked(r.span, each) for r in rules for each in found.get(r.text, ()))
 

@@ -45,3 +45,22 @@ def test_an_id_that_is_written_twice_is_told_with_both_places(tmp_path: Path) ->
     (found,) = caught.value.diagnostics
     assert found.message == "rule id `graph/edge` is used twice"
     assert (found.span.path, found.labels[0][0].path) == (str(paths[1]), str(paths[0]))
+
+
+def test_a_text_goes_on_in_lines_that_are_indented() -> None:
+    text = "%! why: this is told,\n%!      because: it matters,\n%!      and so on\n%! help: none\n"
+    (rule,) = Program.from_text(f"{text}p(1).\n", "a.lp").rulebook.rules
+    assert (rule.why, rule.because, rule.help) == ("this is told,", "it matters, and so on", "none")
+    text = "%! why: this is told,\n%!    over lines\n%!     \n%! example: a/b.lp\n"
+    (rule,) = Program.from_text(f"{text}p(1).\n", "a.lp").rulebook.rules
+    assert (rule.why, rule.example) == ("this is told, over lines", "a/b.lp")
+
+
+def test_a_line_that_is_not_below_metadata_goes_on_with_none() -> None:
+    text = "%!     not this\n%! why: this\n\n%!     nor this\np(1).\n"
+    with pytest.raises(MarsError) as caught:
+        Program.from_text(text, "a.lp")
+    (found,) = caught.value.diagnostics
+    assert found.message == "`why` does not stand directly above a rule"
+    (rule,) = Program.from_text("%!     not this\n%! why: this\np(1).\n", "a.lp").rulebook.rules
+    assert rule.why == "this"

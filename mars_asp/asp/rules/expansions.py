@@ -1,0 +1,163 @@
+"""Rules that metadata stand for, so that nobody repeats the body of the rule below it.
+
+A host says what a key of metadata stands for. Where `who` gives `part(Name, Order, Who)` above a
+rule that derives `found(Name, ...)`, these lines say three rules:
+
+    %! who: S, C; E@R : helps(R, E, S)
+    found(N, S) :- seen(N, S, C).
+
+    part(N, 0, S) :- seen(N, S, C).
+    part(N, 1, C) :- seen(N, S, C).
+    part(N, R, E) :- seen(N, S, C); helps(R, E, S).
+
+A list has elements between semicolons; each is one term or several, and may have a condition
+behind a colon. Behind `@` stands what a term is ordered by, else it is its place in the list.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple, TypeAlias
+
+from mars_asp.asp.rules.computed import leaves
+from mars_asp.asp.rules.gate import check_text
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import (
+    Operation,
+    RuleSyntaxError,
+    bound_variables,
+    operands,
+    pieces,
+    statements,
+    variables,
+)
+from mars_asp.asp.signature import Signature
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+
+_TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|.', re.DOTALL)
+_STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+_VARIABLE = re.compile(r"(?<!\w)_*[A-Z]\w*'*")
+
+
+class Expansion(NamedTuple):
+    """What a key of metadata stands for above a rule that derives `of`.
+
+    For each term that is listed, `gives` holds of the arguments of the head at the positions
+    `kept`, of what the term is ordered by if there is an order, and of the term.
+    """
+
+    of: Signature
+    gives: str
+    kept: tuple[int, ...]
+    is_ordered: bool
+
+
+#: What keys of metadata stand for, by the keys.
+Expansions: TypeAlias = Mapping[str, Expansion]
+
+
+class _Element(NamedTuple):
+    """A term of a list, what it is ordered by, and its condition; each as it is written."""
+
+    term: str
+    order: str
+    condition: str
+
+
+def expanded(
+    rule: Rule, key: str, written: str, place: Span, expansion: Expansion
+) -> Iterator[Rule]:
+    """Yield the rules that a line of metadata stands for, of which nothing is `wrong`.
+
+    `written` is what stands behind the key, `place` where that is. The rules stand where that does
+    which they belong to, and have its id with the key behind it.
+    """
+    head, body = rule.statements[0].head, rule.written[1]
+    kept = [head.terms[position].text for position in expansion.kept]
+    for number, element in enumerate(_elements(written)):
+        order = [element.order or str(number)] if expansion.is_ordered else []
+        found = f"{expansion.gives}({','.join((*kept, *order, element.term))})"
+        text = _rule(found, "; ".join(filter(None, (body, element.condition))))
+        own = f"{rule.id}:{key}{number + 1 if number else ''}"
+        yield Rule(own, None, None, rule.span, text, rule.stage, listed=place)
+
+
+def _rule(head: str, body: str) -> str:
+    return f"{head} :- {body}." if body else f"{head}."
+
+
+def _is_above(rule: Rule, expansion: Expansion) -> bool:
+    """Whether a rule derives what a list may stand above, and nothing else."""
+    first, *others = rule.statements
+    return not others and first.forces and first.head.signature == expansion.of
+
+
+def wrong(
+    rule: Rule, key: str, written: str, place: Span, expansion: Expansion
+) -> Iterator[Diagnostic]:
+    """Yield what is wrong with a line of metadata, but for what clingo says of its rules."""
+    if not _is_above(rule, expansion):
+        message = f"`{key}` stands above a rule that does not derive `{expansion.of}` alone"
+        advice = f"leave it out, or give the rule a head `{expansion.of}`"
+        yield _wrong(message, place, advice)
+        return
+    advice = f"write `%! {key}: NAME, NAME : CONDITION; NAME`"
+    for element in _elements(written):
+        if not element.term:
+            yield _wrong(f"`{key}` lists nothing", place, advice)
+            return
+        if element.order and not expansion.is_ordered:
+            yield _wrong(f"`{key}` has no order, so `@` says nothing", place, advice)
+            return
+    local = variables(rule.ast) - bound_variables(rule.text)
+    for name in sorted(local.intersection(_VARIABLE.findall(_STRING.sub("", written)))):
+        message = f"`{name}` of `{key}` is another inside of an aggregate or a negation of the rule"
+        yield _wrong(message, place, f"give it a name of its own, `{name}'`")
+        return
+    elements = tuple(_elements(written))
+    for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
+        alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
+        if not _is_rule(made.text, place.path) or not _is_rule(alone, place.path):
+            message = f"`{key}` cannot be read: it stands for `{made.text}`"
+            yield _wrong(message, place, advice)
+            return
+        # What leaves 32 bits is told where a rule computes it, and this one stands in no file.
+        for operand in operands(alone):
+            if isinstance(operand, Operation) and leaves(operand):
+                message = f"`{key}` computes `{operand.text}`"
+                yield _wrong(message, place, "let the body of the rule compute it")
+                return
+
+
+def _is_rule(text: str, shown: str) -> bool:
+    """Whether a text is one rule without pools, and nothing else."""
+    try:
+        check_text(text, shown)
+        sorts = [piece.sort for piece in pieces(text) if piece.sort != "begin"]
+    except (MarsError, RuleSyntaxError):
+        return False
+    return sorts == ["rule"] and len(statements(text)) == 1
+
+
+def _elements(written: str) -> Iterator[_Element]:
+    for element in _split(written, ";"):
+        terms, *condition = _split(element, ":", 1)
+        for term in _split(terms, ","):
+            name, *order = _split(term, "@", 1)
+            yield _Element(name, "".join(order), "".join(condition))
+
+
+def _split(written: str, sign: str, most: int = -1) -> list[str]:
+    """Return what stands between signs that are in no bracket and no string."""
+    parts, depth = [""], 0
+    for match in _TOKEN.finditer(written):
+        token = match[0]
+        depth += (token in "([{") - (token in ")]}")
+        if token == sign and depth == 0 and len(parts) - 1 != most:
+            parts.append("")
+        else:
+            parts[-1] += token
+    return [part.strip() for part in parts]
+
+
+def _wrong(message: str, place: Span, advice: str) -> Diagnostic:
+    return Diagnostic("rule-metadata", "error", message, place, help=advice)
