@@ -5,13 +5,13 @@ import pytest
 from mars_asp.cli import run_here
 
 PACK = """\
-%*! own(M: module)
+%*! ours(M: module)
 M is one of ours.
 *%
-#defined own/1.
+#defined ours/1.
 slow(R) :- module(R), required_rate(R, F), F < 3.
 odd(M) :- class(M, sensr).
-both(P) :- own(P), output(_, _, P).
+both(P) :- ours(P), output(_, _, P).
 """
 
 
@@ -24,7 +24,7 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         f"{pack}:5:23: warning: `R` is a module in `module/1` and a relationship in "
         "`required_rate/2` [rule-sort]",
         f"{pack}:6:11: warning: `K` of `class/2` is never `sensr` [rule-sort]",
-        f"{pack}:7:20: warning: `P` is a module in `own/1` and a representation in `output/3` "
+        f"{pack}:7:21: warning: `P` is a module in `ours/1` and a representation in `output/3` "
         "[rule-sort]",
     ]
 

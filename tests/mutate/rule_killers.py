@@ -18,12 +18,14 @@ import networkx as nx
 from clingo import ast
 
 from mars_asp.asp.cases import find_cases
+from mars_asp.asp.rules.expansions import expanded
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children, sign_and_function
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.cases import run_case, stages_of
+from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.mutate.children import ask, limit
 from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
@@ -52,7 +54,11 @@ def judge_rules(
     rulebook = load_rulebook(stages=STAGES, strict=True)
     paths = find_cases([cases])
     by_path = {file.path: file for file in files}
-    holes = {(rule.span.path, rule.span.line): rule.holes for rule in rulebook.rules}
+    holes = {
+        (rule.span.path, rule.span.line): rule.holes
+        for rule in rulebook.rules
+        if rule.listed is None
+    }
     useful = _useful(files, mutants, paths, rulebook, holes, jobs)
     kills: Counter[tuple[str, Path]] = Counter()
 
@@ -113,10 +119,17 @@ def _exchanged(rulebook: Rulebook, file: RuleFile, mutant: Mutant) -> Rulebook:
     for rule in rulebook.rules:
         if (rule.span.path, rule.span.line) != (file.path, mutant.line):
             rules.append(rule)
-        elif mutant.after:
-            rules.append(replace(rule, text=mutant.after))
+        elif mutant.after and rule.listed is None:
+            changed = replace(rule, text=mutant.after)
+            rules += (changed, *_listed(changed))
     assert texts != rulebook.texts
     return replace(rulebook, rules=tuple(rules), texts=texts)
+
+
+def _listed(rule: Rule) -> Iterator[Rule]:
+    """Yield the rules that its metadata stand for, which have its body."""
+    for key, written in rule.lists:
+        yield from expanded(rule, key, written, rule.span, EXPANSIONS[key])
 
 
 # ---- Which cases can notice a mutant -------------------------------------------------------------

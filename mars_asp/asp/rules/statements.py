@@ -277,9 +277,7 @@ class Program(NamedTuple):
 
 def statements(text: str) -> tuple[Statement, ...]:
     """Return a rule, without its pools."""
-    if text not in _read:
-        _remember({text: _statements(text)})
-    return _read[text]
+    return statements_of([text])[text]
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
