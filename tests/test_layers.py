@@ -29,7 +29,7 @@ FILES = {
         "gate statements rule computed expansions checks symbols arithmetic outline declarations "
         "metadata read rulebook consistency risks names sorts"
     ),
-    "asp/slice": "magic reach shapes groups portions",
+    "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
         "firings scope tree absence_text counted counting_rules given heights literal_order "
         "patterns dominators firing_rules text near_misses proofs explainer absence"

@@ -23,8 +23,8 @@ from mars_asp.model.declarations import (
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import configuration_facts
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.synthesis.synthesise import NODES, Synthesis, synthesise
+from mars_asp.reasoning.rules import NODES, load_rulebook
+from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from tests.support.documents import ROOT
 from tests.support.strategies import HERE, configurations, few
 

@@ -9,7 +9,7 @@ import clingo
 
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, labelled
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, labelled
 from mars_asp.diagnostic import Diagnostic, MarsError
 
 _Value = TypeVar("_Value")
@@ -24,8 +24,8 @@ class Said(NamedTuple):
 
     number: int
     rule: Rule
-    head: Term
-    values: Term
+    head: TermId
+    values: TermId
 
     @property
     def message(self) -> str | None:
@@ -65,7 +65,7 @@ def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator
     return (heard(atom, rules) for atom in atoms(control, predicate_of(stage), 3, True))
 
 
-def heard(atom: Term, rules: Sequence[Rule]) -> Said:
+def heard(atom: TermId, rules: Sequence[Rule]) -> Said:
     """Return what an atom keeps of what one of some rules says."""
     place, head, values = arguments(atom)
     number = as_symbol(place).number
@@ -115,7 +115,7 @@ def _form(text: str) -> tuple[str, tuple[str, ...]]:
 
 # The same few names stand in very many messages.
 @lru_cache(maxsize=100_000)
-def written(value: Term) -> str:
+def written(value: TermId) -> str:
     """Return a term as a message shows it."""
     return shown(as_symbol(value))
 

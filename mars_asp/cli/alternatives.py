@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from mars_asp.asp.trace.text import wrapped
 from mars_asp.cli.encode import encoded
@@ -11,8 +11,8 @@ from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternative, Alternatives, alternatives
+from mars_asp.reasoning.rules import COSTS, by_name
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.synthesise import COSTS
 
 
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
@@ -77,12 +77,8 @@ def _json(found: Alternatives) -> dict[str, object]:
         "forced": list(found.forced),
         "needs": [{"nodes": list(n.words), "taken": list(n.names)} for n in found.needs],
         "alternatives": [
-            {"extra_cost": _cost(o.extra), "added": list(o.added), "removed": list(o.removed)}
+            {"extra_cost": by_name(o.extra), "added": list(o.added), "removed": list(o.removed)}
             for o in found.others
         ],
         "complete": found.complete,
     }
-
-
-def _cost(extra: Mapping[int, int]) -> dict[str, int]:
-    return {name: extra.get(level, 0) for name, level in COSTS.items()}

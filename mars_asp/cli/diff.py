@@ -14,9 +14,10 @@ from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
+from mars_asp.reasoning.rules import COSTS
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
-from mars_asp.reasoning.synthesis.synthesise import COSTS, Synthesis
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -17,8 +17,8 @@ from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, explain
+from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.why_not import WhyNot
@@ -138,7 +138,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
         trace = trace_json(answer.trace)
-        extra = None if answer.extra is None else _cost(answer.extra)
+        extra = None if answer.extra is None else by_name(answer.extra)
         found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
         obstacles = [trace_json(obstacle) for obstacle in answer.obstacles]
         found |= {"extra_cost": extra, "obstacles": obstacles, "traces": [trace]}
@@ -182,15 +182,10 @@ def _goes_on(trace: Trace) -> bool:
     return any(isinstance(c, Missing) and c.attempts and not is_unspoken(c) for c in causes)
 
 
-def _cost(cost: Mapping[int, int]) -> dict[str, int]:
-    levels = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
-    return {name: cost.get(level, 0) for name, level in levels.items()}
-
-
 def _price(answer: "WhyNot") -> str:
     if answer.extra is None:
         return "no realisation has it"
-    more = [f"{count:+} {name}" for name, count in _cost(answer.extra).items() if count]
+    more = [f"{count:+} {name}" for name, count in by_name(answer.extra).items() if count]
     price = f"costs {', '.join(more)}" if more else "costs no more, and is not taken for taste"
     return f"the cheapest realisation that has `{answer.offered}` {price}"
 

@@ -14,7 +14,7 @@ from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.repair import STAGES, Edit, Mend, Repair, repairs
-from mars_asp.reasoning.synthesis.synthesise import COSTS
+from mars_asp.reasoning.rules import COSTS
 
 #: A mend of more lines is printed once, however many findings it mends.
 _MOST_PRINTED_AGAIN = 8

@@ -27,13 +27,8 @@ from mars_asp.model.described import module_classes
 from mars_asp.reasoning.analysis import diagnostic
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.synthesis.synthesise import (
-    CONVERSION,
-    NODES,
-    RELATIONSHIPS,
-    Synthesis,
-    synthesise,
-)
+from mars_asp.reasoning.rules import NODES, by_name
+from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import verify
 
 
@@ -113,11 +108,7 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
         "data": [_data_json(r) for r in relationships if isinstance(r, Data)],
         "control": [_control_json(r) for r in relationships if isinstance(r, Control)],
         "mounts": [_mount_json(r) for r in relationships if isinstance(r, Mount)],
-        "cost": {
-            "nodes": found.cost(NODES),
-            "conversion": found.cost(CONVERSION),
-            "relationships": found.cost(RELATIONSHIPS),
-        },
+        "cost": by_name(found.resolution.cost),
         "proven_minimal": found.resolution.proven,
         "optimal_count": found.resolution.count,
         "resolves": {name: list(kinds) for name, kinds in found.specification.resolves.items()},

@@ -21,7 +21,8 @@ from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.rules import by_name
+from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import (
     Caution,
     Verification,
@@ -29,8 +30,6 @@ from mars_asp.reasoning.verification import (
     judge_specification,
     written_cost,
 )
-
-_LEVELS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,13 +120,13 @@ def _compare(
             best = synthesise(project, analysis, rulebook, Budget(seconds, progress))
     except TimeoutError:
         return _Comparison(None, None, None, in_time=False)
-    cost = _by_name(written.cost)
+    cost = by_name(written.cost)
     if best is None:
         return _Comparison(cost, None, None, in_time=True)
-    least = _by_name(best.resolution.cost)
+    least = by_name(best.resolution.cost)
     proven = written.proven and best.resolution.proven
     # Dictionaries keep the order of the levels, in which costs are compared.
-    bound = _by_name(best.resolution.bound)
+    bound = by_name(best.resolution.bound)
     if list(cost.values()) < list(bound.values()):
         fault = (
             f"the specification costs {_in_words(cost)}, less than the least, {_in_words(least)}"
@@ -136,10 +135,6 @@ def _compare(
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
     return _Comparison(cost, least, minimal, in_time=minimal is not None)
-
-
-def _by_name(cost: Mapping[int, int]) -> dict[str, int]:
-    return {name: cost.get(level, 0) for name, level in _LEVELS.items()}
 
 
 def _minimality(compared: _Comparison) -> str:

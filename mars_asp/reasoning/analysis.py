@@ -19,13 +19,13 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding, unsolved
-from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severities
 
 #: Kind, subject and case of a consequence.
-Key: TypeAlias = tuple[Term, Term, Term]
+Key: TypeAlias = tuple[TermId, TermId, TermId]
 _Value = TypeVar("_Value")
 _STAGE = "base"
 
@@ -181,9 +181,9 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
     )
 
 
-def _first_said(analysis: Analysis) -> dict[Term, Said]:
+def _first_said(analysis: Analysis) -> dict[TermId, Said]:
     """Return for each consequence what the first rule says of it."""
-    first: dict[Term, Said] = {}
+    first: dict[TermId, Said] = {}
     for told in said(analysis.grounding.control, _STAGE, analysis.speakers):
         rival = first.setdefault(told.head, told)
         if (told.number, as_symbol(told.values)) < (rival.number, as_symbol(rival.values)):
@@ -191,21 +191,21 @@ def _first_said(analysis: Analysis) -> dict[Term, Said]:
     return first
 
 
-def _is_named(head: Term, subject: str) -> bool:
+def _is_named(head: TermId, subject: str) -> bool:
     kind, _, about, _ = as_symbol(head).arguments
     return subject in (f"{kind}({shown(about)})", str(as_symbol(head)))
 
 
-def _key(parts: Sequence[Term]) -> Key:
+def _key(parts: Sequence[TermId]) -> Key:
     kind, _, about, case = parts
     return kind, about, case
 
 
 def _collect(
     control: clingo.Control, predicate: tuple[str, int], keys: Set[Key]
-) -> dict[Key, list[Sequence[Term]]]:
+) -> dict[Key, list[Sequence[TermId]]]:
     """Return what atoms say of consequences, by their keys: the arguments behind the key."""
-    rows: dict[Key, list[Sequence[Term]]] = {}
+    rows: dict[Key, list[Sequence[TermId]]] = {}
     for atom in atoms(control, *predicate, True):
         kind, about, case, *rest = arguments(atom)
         if (kind, about, case) in keys:
@@ -213,7 +213,7 @@ def _collect(
     return rows
 
 
-def _places(facts: Iterable[Fact], identifiers: Iterable[Term]) -> dict[Term, Span]:
+def _places(facts: Iterable[Fact], identifiers: Iterable[TermId]) -> dict[TermId, Span]:
     """Return where the things stand that terms identify."""
     wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
     return {
@@ -223,7 +223,7 @@ def _places(facts: Iterable[Fact], identifiers: Iterable[Term]) -> dict[Term, Sp
     }
 
 
-def _in_order(rows: Sequence[Sequence[Term]]) -> tuple[str, ...]:
+def _in_order(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     if len(rows) > 1:
         rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
     return tuple(dict.fromkeys(written(row[1]) for row in rows))
@@ -233,7 +233,7 @@ def _plain(symbol: clingo.Symbol) -> int | str:
     return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)
 
 
-def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[Term], _Value]:
+def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[TermId], _Value]:
     """Return a function of terms that is made once for each of them."""
     return cache(lambda term: make(as_symbol(term)))
 

@@ -34,6 +34,20 @@ STAGES: Mapping[str, str] = {
 #: Of a stage, the one that reads what it decides, and without which nobody asks for it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
 
+#: The levels of the minimisation in `rules/resolve` and `rules/cost`, the highest first.
+NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
+#: What is counted on each level, by the names that users know.
+COSTS: Mapping[str, int] = {
+    "nodes": NODES,
+    "conversion": CONVERSION,
+    "relationships": RELATIONSHIPS,
+}
+
+
+def by_name(cost: Mapping[int, int]) -> dict[str, int]:
+    """Return what something costs, level by level, by the names that users know."""
+    return {name: cost.get(level, 0) for name, level in COSTS.items()}
+
 
 class _File(NamedTuple):
     """A built-in file: where it is, how that is shown, and its stage."""

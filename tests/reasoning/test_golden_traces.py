@@ -19,7 +19,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import Term, as_term
+from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Derived, Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
@@ -60,7 +60,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     if stage not in (*CHOOSING, "base"):
         base += "\n" + rulebook.text(stage)
     grounding = Grounding([Fragment(f"{base}\n{text}", "rules")])
-    opened: Mapping[Signature, Sequence[Term]] = {}
+    opened: Mapping[Signature, Sequence[TermId]] = {}
     if stage in CHOOSING:
         try:
             answer = grounding.resolve(rulebook.text(stage)).answer

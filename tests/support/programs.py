@@ -8,9 +8,8 @@ from clingo import ast
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, signature_of
-from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.atoms import Term as AtomTerm
-from mars_asp.asp.solve.term_ids import Term, as_term
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.diagnostic import Span
@@ -47,7 +46,7 @@ def explainer_of(
     if not found:
         return None
     rulebook = rulebook_of(text)
-    opened: dict[Signature, list[Term]] = {}
+    opened: dict[Signature, list[TermId]] = {}
     for atom in control.symbolic_atoms:
         if not atom.is_fact:
             opened[signature_of(atom.symbol)] = []
@@ -65,7 +64,7 @@ def atom_of(symbol: clingo.Symbol) -> Atom:
     return Atom(symbol.name, tuple(map(_term_of, symbol.arguments)))
 
 
-def _term_of(symbol: clingo.Symbol) -> AtomTerm:
+def _term_of(symbol: clingo.Symbol) -> Term:
     if symbol.type == clingo.SymbolType.Number:
         return symbol.number
     return symbol.string if symbol.type == clingo.SymbolType.String else atom_of(symbol)

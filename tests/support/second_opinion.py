@@ -36,8 +36,8 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.facts.identifiers import mode_of
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.rules import CONVERSION, NODES, RELATIONSHIPS, load_rulebook
+from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify
 from tests.support.random_configurations import random_configuration
 

@@ -83,23 +83,24 @@ class Function(NamedTuple):
 Structure: TypeAlias = "str | Function | None"
 
 
-class Term(NamedTuple):
+class Pattern(NamedTuple):
     """A term in a rule, as clingo writes it.
 
-    `is_pattern` is whether it only takes values apart; `is_constant` whether it is one value.
+    `is_plain` is whether it only takes values apart and computes nothing, `is_constant` whether it
+    is one value.
     """
 
     text: str
-    is_pattern: bool
+    is_plain: bool
     is_variable: bool
     is_constant: bool
     variables: frozenset[str]
     structure: Structure
 
     @property
-    def pattern(self) -> str:
-        """Return the term, or any value where it says more than a pattern does."""
-        return self.text if self.is_pattern else "_"
+    def or_any(self) -> str:
+        """Return the term, or any value where it computes."""
+        return self.text if self.is_plain else "_"
 
     @property
     def constant(self) -> str | None:
@@ -115,7 +116,7 @@ class Literal(NamedTuple):
     """
 
     signature: Signature
-    terms: tuple[Term, ...]
+    terms: tuple[Pattern, ...]
     binds: bool
     place: Place
 
@@ -140,7 +141,7 @@ class Scope(NamedTuple):
 class Cost(NamedTuple):
     """The tuple of a cost; equal tuples of one `level`, a priority and a length, count once."""
 
-    terms: tuple[Term, ...]
+    terms: tuple[Pattern, ...]
     level: str
 
 
@@ -685,22 +686,22 @@ def _is_symbolic(literal: ast.AST) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
 
 
-def _term(term: ast.AST) -> Term:
+def _term(term: ast.AST) -> Pattern:
     kind, text = term.ast_type, str(term)
     if kind == _TYPE.SymbolicTerm:
-        return Term(text, True, False, True, _NONE, None)
+        return Pattern(text, True, False, True, _NONE, None)
     if kind == _TYPE.Variable:
         if text == "_":
-            return Term(text, True, False, False, _NONE, None)
-        return Term(text, True, True, False, frozenset((text,)), text)
+            return Pattern(text, True, False, False, _NONE, None)
+        return Pattern(text, True, True, False, frozenset((text,)), text)
     if kind != _TYPE.Function or term.external:
-        return Term(text, False, False, False, _NONE, None)
+        return Pattern(text, False, False, False, _NONE, None)
     inside = tuple(map(_term, term.arguments))
-    is_pattern = all(each.is_pattern for each in inside)
-    variables = _NONE.union(*(each.variables for each in inside)) if is_pattern else _NONE
+    is_plain = all(each.is_plain for each in inside)
+    variables = _NONE.union(*(each.variables for each in inside)) if is_plain else _NONE
     is_constant = all(each.is_constant for each in inside)
     structure = Function((term.name, len(inside)), tuple(each.structure for each in inside))
-    return Term(text, is_pattern, False, is_constant, variables, structure if inside else None)
+    return Pattern(text, is_plain, False, is_constant, variables, structure if inside else None)
 
 
 def variables(node: ast.AST) -> frozenset[str]:

@@ -31,7 +31,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from mars_asp.asp.rules.statements import Literal, Statement, Term
+from mars_asp.asp.rules.statements import Literal, Pattern, Statement
 from mars_asp.asp.signature import Signature
 
 
@@ -186,7 +186,7 @@ class _Writer:
                         yield from self._ask(literal, inner, known)
             unknown = self.unknown.setdefault(asked, set())
             for place, term in enumerate(terms):
-                told = place in asked.bound and term.is_pattern
+                told = place in asked.bound and term.is_plain
                 if not (told or _is_known(term, bound)):
                     unknown.add(place)
             yield f"{self._may(asked, [term.text for term in terms])} :- {', '.join(joined)}."
@@ -202,7 +202,7 @@ class _Writer:
             yield from self._ask(literal, joined, bound)
             asked = self._way(literal, bound)
             if asked is not None:
-                joined.append(self._may(asked, [term.pattern for term in literal.terms]))
+                joined.append(self._may(asked, [term.or_any for term in literal.terms]))
                 unknown = self.unknown.get(asked, ())
                 for place, term in enumerate(literal.terms):
                     if place not in unknown:
@@ -257,10 +257,10 @@ class _Writer:
 
 def _needed(asked: Asked, rule: Statement) -> str:
     """Return the literal that asks for the head of a rule."""
-    return asked.atom("_need", (rule.head.terms[place].pattern for place in asked.bound))
+    return asked.atom("_need", (rule.head.terms[place].or_any for place in asked.bound))
 
 
-def _is_known(term: Term, bound: Set[str]) -> bool:
+def _is_known(term: Pattern, bound: Set[str]) -> bool:
     """Say whether a term is a known value; new ones are not made."""
     return term.is_constant or (term.is_variable and term.variables <= bound)
 

@@ -20,8 +20,9 @@ from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.statements import Cost, Program, Scope, Statement, program_of
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.slice import groups, shapes
-from mars_asp.asp.slice.groups import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
+from mars_asp.asp.slice import linked as links
+from mars_asp.asp.slice import shapes
+from mars_asp.asp.slice.linked import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
 from mars_asp.asp.slice.shapes import OWN
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
@@ -52,7 +53,7 @@ def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
     `base` and `resolution` are the texts of the rules; `given` says of given predicates which
     arguments are names or identifiers of what a fact connects.
     """
-    makers = (__file__, groups.__file__, shapes.__file__, statements.__file__)
+    makers = (__file__, links.__file__, shapes.__file__, statements.__file__)
     key = (base, resolution, tuple(sorted(given.items())))
     made = made_of("apart", map(Path, makers), [key], lambda _: _apart(base, resolution, given))
     return made[key]

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.observer import Recorded
-from mars_asp.asp.solve.term_ids import Term, text
+from mars_asp.asp.solve.term_ids import TermId, text
 
 Weighted: TypeAlias = tuple[tuple[int, int], ...]
 
@@ -53,7 +53,9 @@ class Partition(NamedTuple):
     constant: Mapping[int, int]
 
 
-def partition(program: Recorded, names: Mapping[int, Term], asked: Iterable[int] = ()) -> Partition:
+def partition(
+    program: Recorded, names: Mapping[int, TermId], asked: Iterable[int] = ()
+) -> Partition:
     """Cut a program into components.
 
     Equal components come out equal: the atoms that tell answers apart are numbered first, in the
@@ -98,7 +100,7 @@ def partition(program: Recorded, names: Mapping[int, Term], asked: Iterable[int]
 
 
 def _ordered(
-    members: Sequence[int], projected: set[int], names: Mapping[int, Term]
+    members: Sequence[int], projected: set[int], names: Mapping[int, TermId]
 ) -> tuple[int, ...]:
     """Return atoms, given in clingo's order, as a component numbers them."""
     told = [atom for atom in members if atom in projected]

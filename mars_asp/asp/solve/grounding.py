@@ -24,7 +24,7 @@ from mars_asp.asp.solve.optimum import (
     least_with,
     optimise,
 )
-from mars_asp.asp.solve.term_ids import Labelled, Term, as_symbol, labelled, state
+from mars_asp.asp.solve.term_ids import Labelled, TermId, as_symbol, labelled, state
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 # What is least is found component by component; the whole is never minimised.
@@ -52,7 +52,7 @@ class Answer:
     decided: tuple[int, ...]
 
     @cached_property
-    def true(self) -> Mapping[Signature, Sequence[Term]]:
+    def true(self) -> Mapping[Signature, Sequence[TermId]]:
         """Return the true atoms of each predicate of which not all are facts."""
         with self._model() as model:
             return {
@@ -60,7 +60,7 @@ class Answer:
                 for signature, atoms in self.grounding.open_predicates()
             }
 
-    def true_of(self, predicates: Iterable[Signature]) -> Mapping[Signature, Sequence[Term]]:
+    def true_of(self, predicates: Iterable[Signature]) -> Mapping[Signature, Sequence[TermId]]:
         """Return the true atoms of some predicates, facts among them."""
         control = self.grounding.control
         with self._model() as model:
@@ -80,7 +80,7 @@ class Answer:
         return sum(is_fact or literal in true for _, literal, is_fact in found)
 
     @cached_property
-    def taken(self) -> frozenset[Term]:
+    def taken(self) -> frozenset[TermId]:
         """Return the true atoms that are no facts, and some that are."""
         return frozenset(atom for atoms in self.true.values() for atom in atoms)
 
@@ -123,7 +123,7 @@ class Resolution:
     count: int | None
 
     @property
-    def taken(self) -> frozenset[Term]:
+    def taken(self) -> frozenset[TermId]:
         """Return the true atoms that are no facts, and some that are."""
         return self.answer.taken
 
@@ -147,7 +147,7 @@ class Grounding:
     def __init__(
         self,
         program: Sequence[Fragment],
-        stated: Mapping[Signature, Iterable[Term]] = MappingProxyType({}),
+        stated: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
         options: Sequence[str] = (),
     ) -> None:
         """Ground rules and facts that leave nothing open, and state atoms that others derived.
@@ -162,7 +162,7 @@ class Grounding:
         #: The components that were solved.
         self.parts: list[Part] = []
         self._program = Recorded()
-        self._names: dict[int, Term] = {}
+        self._names: dict[int, TermId] = {}
         self._steps = 0
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
@@ -311,9 +311,9 @@ class Grounding:
             count = None if count is None or best.count is None else count * best.count
         return Resolution(Answer(self, tuple(decided)), cost, bound, proven, count)
 
-    def state(self, atoms: Mapping[Signature, Iterable[Term]]) -> None:
+    def state(self, atoms: Mapping[Signature, Iterable[TermId]]) -> None:
         """State facts that another grounding found."""
-        stated: dict[tuple[str, bool], list[Term]] = {}
+        stated: dict[tuple[str, bool], list[TermId]] = {}
         for (name, _, positive), terms in atoms.items():
             stated.setdefault((name, positive), []).extend(terms)
         state(self.control, stated)
@@ -329,7 +329,7 @@ class Grounding:
             if not all(is_fact for _, _, is_fact in found):
                 yield signature, found
 
-    def decided_predicates(self) -> dict[Signature, Sequence[Term]]:
+    def decided_predicates(self) -> dict[Signature, Sequence[TermId]]:
         """Return the predicates that rules that choose decide, and their atoms."""
         return {
             signature: [atom for atom, _, _ in found]

@@ -11,25 +11,25 @@ from typing import Any, NamedTuple, NewType, TypeAlias
 
 import clingo
 
-Term = NewType("Term", int)
+TermId = NewType("TermId", int)
 
 
 #: An atom, its literal in the ground program, and whether it is a fact.
-Labelled: TypeAlias = tuple[Term, int, bool]
+Labelled: TypeAlias = tuple[TermId, int, bool]
 
 
 #: What is stated of a predicate, its name and sign: the arguments of these atoms of any.
-Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[Term]]
+Stated: TypeAlias = Mapping[tuple[str, bool], Iterable[TermId]]
 
 
 class Reader(NamedTuple):
     """How terms are read: each function is documented where it is defined for all."""
 
-    as_term: Callable[[clingo.Symbol], Term]
-    as_symbol: Callable[[Term], clingo.Symbol]
-    text: Callable[[Term], str]
-    arguments: Callable[[Term], Sequence[Term]]
-    atoms: Callable[[clingo.Control, str, int, bool], list[Term]]
+    as_term: Callable[[clingo.Symbol], TermId]
+    as_symbol: Callable[[TermId], clingo.Symbol]
+    text: Callable[[TermId], str]
+    arguments: Callable[[TermId], Sequence[TermId]]
+    atoms: Callable[[clingo.Control, str, int, bool], list[TermId]]
     labelled: Callable[[clingo.Control, str, int, bool], list[Labelled]]
     state: Callable[[clingo.Control, Stated], None]
 
@@ -37,19 +37,19 @@ class Reader(NamedTuple):
 def plain_reader() -> Reader:
     """Return a reader by the documented interface alone."""
     symbols: list[clingo.Symbol] = []
-    numbers: dict[clingo.Symbol, Term] = {}
+    numbers: dict[clingo.Symbol, TermId] = {}
 
-    def as_term(symbol: clingo.Symbol) -> Term:
+    def as_term(symbol: clingo.Symbol) -> TermId:
         known = numbers.get(symbol)
         if known is None:
-            known = numbers[symbol] = Term(len(symbols))
+            known = numbers[symbol] = TermId(len(symbols))
             symbols.append(symbol)
         return known
 
-    def arguments(term: Term) -> Sequence[Term]:
+    def arguments(term: TermId) -> Sequence[TermId]:
         return [as_term(argument) for argument in symbols[term].arguments]
 
-    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Term]:
+    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[TermId]:
         found = control.symbolic_atoms.by_signature(name, arity, positive)
         return [as_term(atom.symbol) for atom in found]
 
@@ -64,7 +64,7 @@ def plain_reader() -> Reader:
                     fact = clingo.Function(name, symbols[term].arguments, positive)
                     backend.add_rule([backend.add_atom(fact)])
 
-    def text(term: Term) -> str:
+    def text(term: TermId) -> str:
         return str(symbols[term])
 
     return Reader(as_term, symbols.__getitem__, text, arguments, atoms, labelled, state)
@@ -75,7 +75,7 @@ def raw_reader() -> Reader | None:
     try:
         internal: Any = importlib.import_module("clingo._internal")
         ffi, lib, check = internal._ffi, internal._lib, internal._handle_error
-        symbol_of: Callable[[Term], clingo.Symbol] = clingo.Symbol
+        symbol_of: Callable[[TermId], clingo.Symbol] = clingo.Symbol
         probe = clingo.Function("f", [clingo.Number(1)])
         atoms_of: Any = clingo.Control().symbolic_atoms
         if symbol_of(probe._rep) != probe or not atoms_of._rep:
@@ -89,11 +89,11 @@ def raw_reader() -> Reader | None:
     room = 4096
     buffer = ffi.new("char[]", room)
 
-    def as_term(symbol: clingo.Symbol) -> Term:
+    def as_term(symbol: clingo.Symbol) -> TermId:
         raw: Any = symbol
-        return Term(raw._rep)
+        return TermId(raw._rep)
 
-    def text(term: Term) -> str:
+    def text(term: TermId) -> str:
         place = buffer
         if not write(term, buffer, room):
             check(measure(term, size))
@@ -102,11 +102,11 @@ def raw_reader() -> Reader | None:
         found: str = ffi.string(place).decode()
         return found
 
-    def arguments(term: Term) -> Sequence[Term]:
+    def arguments(term: TermId) -> Sequence[TermId]:
         if not read(term, inside, size):
             check(False)
         count = size[0]
-        found: Sequence[Term] = unpack(inside[0], count) if count else ()
+        found: Sequence[TermId] = unpack(inside[0], count) if count else ()
         return found
 
     atoms, labelled = _raw_atoms(ffi, lib, check)
@@ -117,7 +117,7 @@ def raw_reader() -> Reader | None:
 def _raw_atoms(
     ffi: Any, lib: Any, check: Any
 ) -> tuple[
-    Callable[[clingo.Control, str, int, bool], list[Term]],
+    Callable[[clingo.Control, str, int, bool], list[TermId]],
     Callable[[clingo.Control, str, int, bool], list[Labelled]],
 ]:
     signature = ffi.new("clingo_signature_t*")
@@ -140,8 +140,8 @@ def _raw_atoms(
         return base
 
     # A call of `check` for each of these would take as long as they do.
-    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[Term]:
-        found: list[Term] = []
+    def atoms(control: clingo.Control, name: str, arity: int, positive: bool) -> list[TermId]:
+        found: list[TermId] = []
         base = begin(control, name, arity, positive)
         while valid[0]:
             done = read_symbol(base, place[0], symbol) and following(base, place[0], place)

@@ -8,7 +8,7 @@ import clingo
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.signature import signature_of
-from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
+from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing
 from mars_asp.asp.trace.near_misses import IN_QUESTION, LACKING, NEAR, Candidate, NearMisses
@@ -43,7 +43,7 @@ def _come_near(
 ) -> dict[clingo.Symbol, list[tuple[Candidate, Firing]]]:
     """Return for each pattern, rule by rule, the candidate that comes nearest."""
     lines = []
-    asked: dict[str, list[Term]] = {}
+    asked: dict[str, list[TermId]] = {}
     for index, pattern in enumerate(patterns):
         kind = signature_of(pattern).unsigned
         parts = clingo.Function("w", fixed_parts(pattern))

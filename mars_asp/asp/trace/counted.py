@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from itertools import takewhile
 from typing import TypeAlias
 
-from mars_asp.asp.solve.term_ids import Term, as_symbol
+from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace.firings import Counted, Element, Firing, Group, Terms
 
 #: Premises, and what a step rests on the absence of.
@@ -14,7 +14,7 @@ Support: TypeAlias = tuple[Terms, Terms]
 class CountedBelow:
     """Answers what groups add to steps of a height: what has a lesser one, or none."""
 
-    def __init__(self, heights: Mapping[Term, int]) -> None:
+    def __init__(self, heights: Mapping[TermId, int]) -> None:
         """Prepare for the groups of firings over which the heights were found."""
         self._heights = heights
         #: The elements of each group with their heights, the lowest first.
@@ -39,18 +39,18 @@ class CountedBelow:
             self._ordered[group.counted] = sorted(pairs, key=lambda pair: pair[0])
         return self._ordered[group.counted]
 
-    def _height(self, atom: Term) -> int:
+    def _height(self, atom: TermId) -> int:
         return self._heights.get(atom, 0)
 
 
 class CountedWithout:
     """Answers what groups add to the derivations of one atom."""
 
-    def __init__(self, stands: Callable[[Term], bool]) -> None:
+    def __init__(self, stands: Callable[[TermId], bool]) -> None:
         """Prepare; `stands` says whether an atom can be derived without that one."""
         self._stands = stands
         self._known: dict[Counted, Support] = {}
-        self._held: dict[tuple[Group, ...], tuple[frozenset[Term], frozenset[Term]]] = {}
+        self._held: dict[tuple[Group, ...], tuple[frozenset[TermId], frozenset[TermId]]] = {}
 
     def of(self, group: Group) -> Support:
         """Return what the elements of a group add that stand."""
@@ -58,7 +58,7 @@ class CountedWithout:
             self._known[group.counted] = support_of(group.counted.elements, self._stands)
         return self._known[group.counted]
 
-    def of_all(self, groups: tuple[Group, ...]) -> tuple[frozenset[Term], frozenset[Term]]:
+    def of_all(self, groups: tuple[Group, ...]) -> tuple[frozenset[TermId], frozenset[TermId]]:
         """Return what several groups add together."""
         if groups not in self._held:
             added = [self.of(group) for group in groups]
@@ -67,10 +67,10 @@ class CountedWithout:
         return self._held[groups]
 
 
-def support_of(elements: Iterable[Element], counts: Callable[[Term], bool]) -> Support:
+def support_of(elements: Iterable[Element], counts: Callable[[TermId], bool]) -> Support:
     """Return what elements add of which the premises count, in the order of symbols."""
-    inside: set[Term] = set()
-    lacking: set[Term] = set()
+    inside: set[TermId] = set()
+    lacking: set[TermId] = set()
     for element in elements:
         if all(map(counts, element.premises)):
             inside.update(element.premises)

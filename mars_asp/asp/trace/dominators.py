@@ -17,12 +17,12 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TypeAlias
 
-from mars_asp.asp.solve.term_ids import Term
+from mars_asp.asp.solve.term_ids import TermId
 from mars_asp.asp.trace.firings import Counted, Element, Firing, Group
 from mars_asp.asp.trace.heights import is_reached
 
 #: An atom, or a group that firings of several atoms share.
-_Node: TypeAlias = Term | Group
+_Node: TypeAlias = TermId | Group
 
 #: What is not known yet needs everything.
 _EVERYTHING = -1
@@ -31,21 +31,21 @@ _EVERYTHING = -1
 class Needs:
     """Answers whether an atom can be derived without another one."""
 
-    def __init__(self, firings: Iterable[Firing], heights: Mapping[Term, int]) -> None:
+    def __init__(self, firings: Iterable[Firing], heights: Mapping[TermId, int]) -> None:
         """Find what atoms need; `heights` are those of least derivations.
 
         No firing has a head that is given.
         """
         self._heights = heights
-        self._firings: dict[Term, list[Firing]] = {}
+        self._firings: dict[TermId, list[Firing]] = {}
         for firing in firings:
             self._firings.setdefault(firing.head, []).append(firing)
-        self._component_of: dict[Term, _Component] = {}
+        self._component_of: dict[TermId, _Component] = {}
         for atoms in self._components():
             component = _Component(atoms, self._firings, heights)
             self._component_of |= dict.fromkeys(atoms, component)
 
-    def firings_of(self, atom: Term) -> list[Firing]:
+    def firings_of(self, atom: TermId) -> list[Firing]:
         """Return the firings of a derived atom of which the premises stand without it."""
         firings = self._firings[atom]
         if len(firings) == 1:
@@ -65,7 +65,7 @@ class Needs:
             if all(map(stands, firing.premises)) and reached.issuperset(firing.groups)
         ]
 
-    def stands_without(self, atom: Term, premise: Term) -> bool:
+    def stands_without(self, atom: TermId, premise: TermId) -> bool:
         """Say whether a premise can be derived without a derived atom, or is no derived one."""
         if premise not in self._heights:
             return premise not in self._firings
@@ -74,13 +74,13 @@ class Needs:
         component = self._component_of.get(atom)
         return component is None or not component.needs(premise, atom)
 
-    def _components(self) -> Iterator[list[Term]]:
+    def _components(self) -> Iterator[list[TermId]]:
         """Yield the atoms that lead to each other, by height, where that can matter."""
         edges: list[tuple[Hashable, Hashable]] = []
-        rising: set[Term] = set()
+        rising: set[TermId] = set()
         highest: dict[Counted, int] = {}
 
-        def lead(source: Hashable, premises: Iterable[Term]) -> int:
+        def lead(source: Hashable, premises: Iterable[TermId]) -> int:
             derived = [premise for premise in premises if premise in self._heights]
             edges.extend((source, premise) for premise in derived)
             return max((self._heights[premise] for premise in derived), default=0)
@@ -114,9 +114,9 @@ class _Component:
 
     def __init__(
         self,
-        atoms: Sequence[Term],
-        firings: Mapping[Term, Sequence[Firing]],
-        heights: Mapping[Term, int],
+        atoms: Sequence[TermId],
+        firings: Mapping[TermId, Sequence[Firing]],
+        heights: Mapping[TermId, int],
     ) -> None:
         """Find what atoms need; they stand by height."""
         self._firings = firings
@@ -139,7 +139,7 @@ class _Component:
             nodes.append(atom)
         self._solve(nodes, users)
 
-    def needs(self, premise: Term, atom: Term) -> bool:
+    def needs(self, premise: TermId, atom: TermId) -> bool:
         """Say whether no derivation of an atom is without another one, which is one of these."""
         return bool(self._needed.get(premise, 0) & self._bits[atom])
 
@@ -166,7 +166,7 @@ class _Component:
                     behind = places[user] <= place
                     heapq.heappush(waiting, (turn + behind, places[user]))
 
-    def _of_atom(self, atom: Term) -> int:
+    def _of_atom(self, atom: TermId) -> int:
         """Return what an atom needs: itself, and what all of its firings need."""
         common = _EVERYTHING
         for firing in self._firings[atom]:
@@ -176,7 +176,7 @@ class _Component:
             common &= needed
         return self._bits[atom] | common
 
-    def _any(self, premises: Iterable[Term]) -> int:
+    def _any(self, premises: Iterable[TermId]) -> int:
         """Return what one of some premises needs."""
         found = 0
         for premise in premises:
@@ -207,7 +207,7 @@ class _Component:
         return found
 
 
-def _premises(group: Group) -> set[Term]:
+def _premises(group: Group) -> set[TermId]:
     return {premise for element in group.counted.elements for premise in element.premises}
 
 

@@ -10,7 +10,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.reach import outlines_of, reachable_rules
-from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, as_term, atoms, state
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, state
 from mars_asp.asp.trace.firing_rules import QUESTION, Rewriter, asking_name
 from mars_asp.asp.trace.firings import Firing, read_firings
 from mars_asp.asp.trace.given import GivenFacts
@@ -28,7 +28,7 @@ class Explainer:
         rulebook: Rulebook,
         control: clingo.Control,
         given: GivenFacts,
-        opened: Mapping[Signature, Sequence[Term]] = MappingProxyType({}),
+        opened: Mapping[Signature, Sequence[TermId]] = MappingProxyType({}),
     ) -> None:
         """Prepare for questions.
 
@@ -60,8 +60,8 @@ class Explainer:
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:
-        asked: dict[str, list[Term]] = {}
-        firsts: dict[str, set[Term | None]] = {}
+        asked: dict[str, list[TermId]] = {}
+        firsts: dict[str, set[TermId | None]] = {}
         for atom in atoms:
             name, term = atom.name if atom.positive else f"-{atom.name}", as_term(atom)
             asked.setdefault(asking_name(name), []).append(term)
@@ -71,7 +71,7 @@ class Explainer:
         numbers = reachable_rules(rules, told, self._present(), self._rulebook.replaced)
         return self.firings(self.rewriter.text(self.rules, numbers), asked)
 
-    def firings(self, text: str, asked: Mapping[str, Sequence[Term]]) -> list[Firing]:
+    def firings(self, text: str, asked: Mapping[str, Sequence[TermId]]) -> list[Firing]:
         """Return what explanation rules find.
 
         They are grounded as a part of their own, with predicates of their own, so that only they
@@ -104,7 +104,7 @@ class Explainer:
         """Copy the true atoms of the open predicates that rules read, once."""
         named = set(_COPIED.findall(text))
         copied = {each for each in self.rewriter.open if each.name in named}
-        stated: dict[tuple[str, bool], list[Term]] = {}
+        stated: dict[tuple[str, bool], list[TermId]] = {}
         for name, arity, _ in sorted(copied - self._copied):
             for positive in (True, False):
                 true = self._opened.get(Signature(name, arity, positive))
@@ -115,5 +115,5 @@ class Explainer:
         self._copied |= copied
 
 
-def _text(term: Term | None) -> str:
+def _text(term: TermId | None) -> str:
     return "" if term is None else str(as_symbol(term))

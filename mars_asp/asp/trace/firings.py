@@ -7,9 +7,9 @@ from typing import NamedTuple, TypeAlias
 import clingo
 
 from mars_asp.asp.solve import term_ids
-from mars_asp.asp.solve.term_ids import Term, as_symbol
+from mars_asp.asp.solve.term_ids import TermId, as_symbol
 
-Terms: TypeAlias = tuple[Term, ...]
+Terms: TypeAlias = tuple[TermId, ...]
 
 
 class Element(NamedTuple):
@@ -18,7 +18,7 @@ class Element(NamedTuple):
     `tuple` is what is counted; `premises` support it; `conditions` are true and no support.
     """
 
-    tuple: Term
+    tuple: TermId
     premises: Terms
     conditions: Terms
     absent: Terms
@@ -55,12 +55,12 @@ class Firing(NamedTuple):
     """
 
     rule: int
-    head: Term
+    head: TermId
     premises: Terms
     #: What it rests on the absence of, `a(q(1),...)`.
-    without: Term
+    without: TermId
     #: The values of the variables, `v(n("X",...),1,...)`.
-    values: Term
+    values: TermId
     groups: tuple[Group, ...] = ()
     #: What a firing that almost was lacks; `None` for a real one.
     lacks: clingo.Symbol | None = None
@@ -73,15 +73,15 @@ class Firing(NamedTuple):
 
 def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     """Return what the explanation rules of a question found."""
-    elements: dict[Term, list[Element]] = {}
+    elements: dict[TermId, list[Element]] = {}
     for atom in _atoms(control, f"_e{question}_"):
         key, told_apart, *parts = term_ids.arguments(atom)
         inside = elements.setdefault(key, [])
         inside.append(Element(told_apart, *(tuple(term_ids.arguments(part)) for part in parts)))
-    counted: dict[Term, Counted] = {}
-    groups: dict[Term, Group] = {}
+    counted: dict[TermId, Counted] = {}
+    groups: dict[TermId, Group] = {}
     found = []
-    rules: dict[Term, tuple[int, clingo.Symbol | None]] = {}
+    rules: dict[TermId, tuple[int, clingo.Symbol | None]] = {}
     for atom in _atoms(control, f"_s{question}_"):
         tag, head, premises, absent, values, *needed = term_ids.arguments(atom)
         if tag not in rules:
@@ -108,7 +108,7 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     return found
 
 
-def _distinct(terms: Sequence[Term]) -> Terms:
+def _distinct(terms: Sequence[TermId]) -> Terms:
     return tuple(dict.fromkeys(terms) if len(terms) > 1 else terms)
 
 
@@ -125,7 +125,7 @@ def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
     return tag.arguments[0].number, tag
 
 
-def _atoms(control: clingo.Control, prefix: str) -> Iterator[Term]:
+def _atoms(control: clingo.Control, prefix: str) -> Iterator[TermId]:
     """Yield the atoms of all predicates with a name that begins so."""
     for name, arity, positive in control.symbolic_atoms.signatures:
         if name.startswith(prefix):
@@ -137,7 +137,7 @@ def firing_order(firing: Firing) -> tuple[int, clingo.Symbol, list[clingo.Symbol
     return firing.rule, as_symbol(firing.values), [as_symbol(atom) for atom in firing.premises]
 
 
-def weight_of(told_apart: Term) -> clingo.Symbol:
+def weight_of(told_apart: TermId) -> clingo.Symbol:
     """Return what an element weighs, by what tells it apart: the first term of its tuple."""
     inside = term_ids.arguments(told_apart)
     return as_symbol(inside[0]) if inside else clingo.Number(0)

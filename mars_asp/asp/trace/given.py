@@ -31,7 +31,7 @@ class GivenFacts:
         """Return the names of the predicates that have a fact."""
         return self._facts.keys()
 
-    def leaf(self, atom: term_ids.Term) -> Given | None:
+    def leaf(self, atom: term_ids.TermId) -> Given | None:
         """Return an atom with its place; `None` where no fact gives it."""
         written = term_ids.text(atom)
         name = written.partition("(")[0]

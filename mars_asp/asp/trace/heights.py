@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import clingo
 
-from mars_asp.asp.solve.term_ids import Term
+from mars_asp.asp.solve.term_ids import TermId
 from mars_asp.asp.trace.firings import (
     Counted,
     Element,
@@ -28,7 +28,7 @@ class _Tally:
 
     def __init__(self, counted: Counted) -> None:
         self._function = counted.function
-        self._counted: set[Term] = set()
+        self._counted: set[TermId] = set()
         self._total = 0
         self._end: clingo.Symbol | None = None
         needs_all = counted.function == "all"
@@ -111,7 +111,7 @@ class _Uses:
 
     def __init__(self, firings: Sequence[Firing]) -> None:
         self._heads = {firing.head for firing in firings}
-        self._users: defaultdict[Term, list[_Waiting | _Part]] = defaultdict(list)
+        self._users: defaultdict[TermId, list[_Waiting | _Part]] = defaultdict(list)
         self._tallies: dict[Counted, _Tally] = {}
         #: The firings that wait for nothing.
         self.ready = [firing for firing in firings if not self._waits(firing)]
@@ -142,7 +142,7 @@ class _Uses:
                     tally.add(element)
         return self._tallies[counted]
 
-    def reached(self, atom: Term) -> Iterator[Firing]:
+    def reached(self, atom: TermId) -> Iterator[Firing]:
         """Yield the firings that waited for nothing more than an atom."""
         for user in self._users.pop(atom, ()):
             user.open -= 1
@@ -158,7 +158,7 @@ class _Uses:
                     yield waiting.firing
 
 
-def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[Term, int]]:
+def least_heights(firings: Sequence[Firing]) -> tuple[dict[TermId, Firing], dict[TermId, int]]:
     """Return for each atom its firing of least height, and the heights.
 
     What no firing gives is given, and has no height.
@@ -167,13 +167,13 @@ def least_heights(firings: Sequence[Firing]) -> tuple[dict[Term, Firing], dict[T
     grounding shows.
     """
     uses = _Uses(firings)
-    best: dict[Term, Firing] = {}
-    heights: dict[Term, int] = {}
+    best: dict[TermId, Firing] = {}
+    heights: dict[TermId, int] = {}
     level = uses.ready
     height = 0
     while level:
         height += 1
-        new: list[Term] = []
+        new: list[TermId] = []
         for firing in level:
             atom = firing.head
             if atom not in best:

@@ -6,7 +6,7 @@ from functools import partial
 import clingo
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.solve.term_ids import Term, as_term, text
+from mars_asp.asp.solve.term_ids import TermId, as_term, text
 from mars_asp.asp.trace.counted import CountedBelow, CountedWithout, Support, support
 from mars_asp.asp.trace.dominators import Needs
 from mars_asp.asp.trace.firings import Firing, firing_order
@@ -35,15 +35,15 @@ class Proofs:
         firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
         self._best, heights = least_heights(firings)
         self._counted = CountedBelow(heights)
-        self._traces: dict[Term, Trace] = {}
-        self._absences: dict[Term, Absent] = {}
+        self._traces: dict[TermId, Trace] = {}
+        self._absences: dict[TermId, Absent] = {}
         self._needs = Needs(firings, heights) if every else None
         del firings
         self._heights = heights
         #: The other derivations of each derived atom; filled after all traces are made, for they
         #: may lead back to each other.
-        self._others: dict[Term, list[Derived]] = {atom: [] for atom in self._best if every}
-        self._filled: set[Term] = set()
+        self._others: dict[TermId, list[Derived]] = {atom: [] for atom in self._best if every}
+        self._filled: set[TermId] = set()
         # What has a lesser height comes first, so what an atom rests on has its trace already.
         for atom, height in heights.items():
             # There are many firings, and only other derivations are compared with them again.
@@ -59,13 +59,13 @@ class Proofs:
             self._add_others(root, self._needs)
         return trace
 
-    def _least(self, atom: Term) -> Trace:
+    def _least(self, atom: TermId) -> Trace:
         trace = self._traces.get(atom)
         if trace is None:
             trace = self._traces[atom] = self._leaf(atom)
         return trace
 
-    def _add_others(self, root: Term, needs: Needs) -> None:
+    def _add_others(self, root: TermId, needs: Needs) -> None:
         """Add the other derivations of an atom and of all that any of its derivations rests on.
 
         Firings of one rule for the same values that rest on the same are one derivation.
@@ -102,7 +102,7 @@ class Proofs:
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
-    def _absent(self, pattern: Term) -> Absent:
+    def _absent(self, pattern: TermId) -> Absent:
         known = self._absences.get(pattern)
         if known is None:
             atom = text(pattern).replace("_any", "_")
@@ -111,7 +111,7 @@ class Proofs:
             known = self._absences[pattern] = Absent(atom)
         return known
 
-    def _leaf(self, atom: Term) -> Trace:
+    def _leaf(self, atom: TermId) -> Trace:
         given = self._given.leaf(atom)
         if given is not None:
             return given

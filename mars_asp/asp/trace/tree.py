@@ -10,7 +10,7 @@ import clingo
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.declarations import Origin
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, text
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.diagnostic import Span
 
 
@@ -46,9 +46,9 @@ class Derived:
     `others` can, for each has a derivation without it, but the one of least height may be another.
     """
 
-    head: Term
+    head: TermId
     rule: Rule
-    values: Term
+    values: TermId
     premises: tuple["Trace", ...]
     chosen: bool = False
     others: Sequence["Derived"] = ()
@@ -109,24 +109,24 @@ class Missing:
     followed: bool = True
 
 
-def bindings_of(values: Term) -> dict[str, clingo.Symbol]:
+def bindings_of(values: TermId) -> dict[str, clingo.Symbol]:
     """Return what variables stand for, of a term `v(n("X",...),1,...)`."""
     return {name: as_symbol(value) for name, value in _terms_of(values).items()}
 
 
-def _terms_of(values: Term) -> dict[str, Term]:
+def _terms_of(values: TermId) -> dict[str, TermId]:
     names, *found = arguments(values)
     return dict(zip(_strings(names), found, strict=True))
 
 
 @cache
-def _strings(names: Term) -> tuple[str, ...]:
+def _strings(names: TermId) -> tuple[str, ...]:
     return tuple(as_symbol(name).string for name in arguments(names))
 
 
 # The same few names stand in the messages of very many steps.
 @lru_cache(maxsize=100_000)
-def _shown(value: Term) -> str:
+def _shown(value: TermId) -> str:
     return shown(as_symbol(value))
 
 

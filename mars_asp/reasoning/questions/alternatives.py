@@ -25,9 +25,10 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.print import print_configuration
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.rules import COSTS, NODES
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Derived, Specification, specify
-from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, Synthesis
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.spelling import nearest
 
 #: The levels that are a cost, highest first.

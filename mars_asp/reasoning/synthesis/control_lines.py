@@ -8,7 +8,7 @@ from typing import NamedTuple, get_args
 
 from clingo import String
 
-from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term, text
+from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term, text
 from mars_asp.model.declarations import Allocation, Control
 from mars_asp.reasoning.synthesis.derived import Derived
 from mars_asp.reasoning.synthesis.draft import Draft
@@ -19,20 +19,20 @@ _ALLOCATIONS: Mapping[str, Allocation] = {each: each for each in get_args(Alloca
 class _Line(NamedTuple):
     """One control line and its place in the file."""
 
-    line: Term
-    controlled: Term
-    controller: Term
+    line: TermId
+    controlled: TermId
+    controller: TermId
     place: int
 
 
 class ControlLines:
     """Writes the lines into each module once, with all that leads there."""
 
-    def __init__(self, draft: Draft, derived: Derived, places: Mapping[Term, int]) -> None:
+    def __init__(self, draft: Draft, derived: Derived, places: Mapping[TermId, int]) -> None:
         """Index the lines by their ends; `places` are those of lines in the file."""
         self._draft, self._derived = draft, derived
-        self._into: dict[Term, list[_Line]] = {}
-        self._out_of: dict[Term, list[_Line]] = {}
+        self._into: dict[TermId, list[_Line]] = {}
+        self._out_of: dict[TermId, list[_Line]] = {}
         for line, controlled, controller in derived.rows("spec_is_controlled_by", 3):
             each = _Line(line, controlled, controller, places.get(line, -1))
             self._into.setdefault(controlled, []).append(each)
@@ -42,8 +42,8 @@ class ControlLines:
         self._allocations = derived.of_each("spec_allocation")
         #: By modules, the InheritanceNodes that stand for them.
         self._stand_ins = {module: node for node, module in derived.rows("spec_stands_for", 2)}
-        self._written: set[Term] = set()
-        self._opened: set[Term] = set()
+        self._written: set[TermId] = set()
+        self._opened: set[TermId] = set()
 
     def write(self, control: Control) -> None:
         """Write the lines into a relationship's module, and all that leads there.
@@ -58,7 +58,7 @@ class ControlLines:
             for provider in sorted(set(self._ends(node)), key=self._derived.string):
                 self._write_into(provider)
 
-    def _ends(self, node: Term) -> Iterator[Term]:
+    def _ends(self, node: TermId) -> Iterator[TermId]:
         """Yield the modules to which what a node says leads."""
         stack = [node]
         for each in stack:
@@ -68,7 +68,7 @@ class ControlLines:
                 else:
                     yield line.controlled
 
-    def _write_into(self, receiver: Term) -> None:
+    def _write_into(self, receiver: TermId) -> None:
         stack = sorted(self._into.pop(receiver, ()), reverse=True, key=_by_place)
         while stack:
             line = stack.pop()
@@ -81,24 +81,24 @@ class ControlLines:
             for each in behind:
                 stack += self._opened_by(each.controller)
 
-    def _opened_by(self, node: Term) -> list[_Line]:
+    def _opened_by(self, node: TermId) -> list[_Line]:
         """Return the lines into a node that hands on what it hears, last first, once."""
         if not self._hands_on(node) or node in self._opened:
             return []
         self._opened.add(node)
         return sorted(self._into.get(node, ()), reverse=True, key=_by_place)
 
-    def _hands_on(self, node: Term) -> bool:
+    def _hands_on(self, node: TermId) -> bool:
         """Whether something is a node that is written where what it says is heard.
 
         An InheritanceNode is written where the module is that it stands for.
         """
         return self._derived.kinds.get(node, "inheritance_node") != "inheritance_node"
 
-    def _fans_out(self, node: Term) -> bool:
+    def _fans_out(self, node: TermId) -> bool:
         return self._hands_on(node) and len(self._out_of[node]) > 1
 
-    def _write_split(self, node: Term) -> None:
+    def _write_split(self, node: TermId) -> None:
         """Write what a node hears and then all its outputs."""
         if node in self._opened:
             return

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from clingo import String
 
-from mars_asp.asp.solve.term_ids import Term, as_symbol, as_term
+from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.model.declarations import Data, Mode
 from mars_asp.reasoning.facts.identifiers import mode_of
 from mars_asp.reasoning.synthesis.derived import Derived
@@ -20,23 +20,23 @@ from mars_asp.reasoning.synthesis.draft import Draft
 class _Line(NamedTuple):
     """One data line."""
 
-    line: Term
-    client: Term
-    feeder: Term
+    line: TermId
+    client: TermId
+    feeder: TermId
 
 
 class DataLines:
     """Writes the lines of each source once."""
 
-    def __init__(self, draft: Draft, derived: Derived, places: Mapping[Term, int]) -> None:
+    def __init__(self, draft: Draft, derived: Derived, places: Mapping[TermId, int]) -> None:
         """Index the lines by what feeds them; `places` are those of lines in the file."""
         self._draft, self._derived, self._places = draft, derived, places
-        self._out_of: dict[Term, list[_Line]] = {}
+        self._out_of: dict[TermId, list[_Line]] = {}
         for line, client, feeder in derived.rows("spec_uses_data_from", 3):
             self._out_of.setdefault(feeder, []).append(_Line(line, client, feeder))
         self._modes = derived.of_each("spec_required_mode")
         self._rates = derived.of_each("spec_required_rate")
-        self._done: set[Term] = set()
+        self._done: set[TermId] = set()
 
     def write(self, relationship: Data) -> None:
         """Write all lines of a relationship's source, unless they are written already."""
@@ -53,17 +53,17 @@ class DataLines:
             if line.client in self._derived.kinds:
                 stack += self._outputs(line.client, place)
 
-    def _outputs(self, feeder: Term, place: Mapping[Term, int]) -> list[_Line]:
+    def _outputs(self, feeder: TermId, place: Mapping[TermId, int]) -> list[_Line]:
         """Return what a source or node feeds, last first."""
         return sorted(self._out_of.get(feeder, ()), key=lambda line: place[line.line], reverse=True)
 
-    def _places_behind(self, source: Term) -> Mapping[Term, int]:
+    def _places_behind(self, source: TermId) -> Mapping[TermId, int]:
         """Return the place of each line behind a source: that of the first client it leads to."""
         lines = list(self._out_of.get(source, ()))
         for line in lines:
             if line.client in self._derived.kinds:
                 lines += self._out_of.get(line.client, ())
-        place: dict[Term, int] = {}
+        place: dict[TermId, int] = {}
         for line in reversed(lines):
             own = self._places.get(line.line)
             if own is None:
@@ -79,7 +79,7 @@ class DataLines:
         feeder = draft.name(line.feeder, self._derived)
         draft.lines.append(Data(client, feeder, draft.span, mode, hz))
 
-    def _service(self, line: Term) -> tuple[Mode | None, Decimal | None]:
+    def _service(self, line: TermId) -> tuple[Mode | None, Decimal | None]:
         """Return the mode and frequency that a line states, in the words of its relationship."""
         if line not in self._modes:
             return None, None
@@ -91,9 +91,9 @@ class DataLines:
 
 
 @cache
-def _mode(term: Term) -> Mode:
+def _mode(term: TermId) -> Mode:
     return mode_of(as_symbol(term))
 
 
-def _hertz(rate: Term | None) -> Decimal | None:
+def _hertz(rate: TermId | None) -> Decimal | None:
     return None if rate is None else Decimal(as_symbol(rate).number) / 1000

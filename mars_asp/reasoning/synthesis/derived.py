@@ -6,7 +6,7 @@ from functools import cache, cached_property
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Answer, Grounding
-from mars_asp.asp.solve.term_ids import Term, arguments, as_symbol, atoms, text
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, text
 from mars_asp.reasoning.rules import FOLLOWING
 
 #: The stage that follows the resolution.
@@ -38,46 +38,46 @@ class Derived:
         found = sorted(self.predicates)
         grounding.state({signature: atoms(control, *signature) for signature in found})
 
-    def rows(self, name: str, arity: int) -> list[Sequence[Term]]:
+    def rows(self, name: str, arity: int) -> list[Sequence[TermId]]:
         """Return the arguments of the atoms of a predicate."""
         return [arguments(atom) for atom in atoms(self._grounding.control, name, arity, True)]
 
-    def of_each(self, name: str) -> dict[Term, Term]:
+    def of_each(self, name: str) -> dict[TermId, TermId]:
         """Return what a predicate says of each thing."""
         return {thing: said for thing, said in self.rows(name, 2)}
 
     @cached_property
-    def kinds(self) -> Mapping[Term, str]:
+    def kinds(self) -> Mapping[TermId, str]:
         """Return the kinds of the nodes."""
         return {node: self.text(kind) for node, kind in self.rows(_NODE.name, _NODE.arity)}
 
     @cached_property
-    def stands_for(self) -> Mapping[Term, str]:
+    def stands_for(self) -> Mapping[TermId, str]:
         """Return for which module each InheritanceNode stands."""
         return {node: self.string(module) for node, module in self.rows("spec_stands_for", 2)}
 
     @cached_property
-    def converts(self) -> Mapping[Term, tuple[str, str]]:
+    def converts(self) -> Mapping[TermId, tuple[str, str]]:
         """Return what each transformer converts: from one representation to another."""
         rows = self.rows("spec_converts", 3)
         return {node: (self.string(source), self.string(target)) for node, source, target in rows}
 
     @cached_property
-    def annotations(self) -> Mapping[Term, int]:
+    def annotations(self) -> Mapping[TermId, int]:
         """Return the identifier of the annotation of what each transformer does."""
         rows = self.rows("does_conversion", 2)
         return {node: as_symbol(annotation).number for node, annotation in rows}
 
     @cached_property
-    def resolved(self) -> Mapping[Term, tuple[str, ...]]:
+    def resolved(self) -> Mapping[TermId, tuple[str, ...]]:
         """Return what each node resolves, in the order of the words."""
-        found: dict[Term, set[str]] = {}
+        found: dict[TermId, set[str]] = {}
         for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
         return {node: tuple(sorted(words)) for node, words in found.items()}
 
 
-def _string(term: Term) -> str:
+def _string(term: TermId) -> str:
     return as_symbol(term).string
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mars_asp.asp.solve.term_ids import Term, as_symbol, text
+from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
 from mars_asp.model.declarations import (
     NODE_NAMES,
     Conversion,
@@ -52,12 +52,12 @@ class Draft:
         }
         self.lines: list[Relationship] = []
         #: The nodes in the order in which they were named.
-        self.nodes: dict[Term, Node] = {}
+        self.nodes: dict[TermId, Node] = {}
         declared = {module.name for module in configuration.declared}
         self._taken = {name.text for name in configuration.modules} | set(modules) | declared
         self._next: dict[str, int] = {}
 
-    def name(self, term: Term, derived: Derived) -> str:
+    def name(self, term: TermId, derived: Derived) -> str:
         """Return the name of a module or of a node, introducing this where it is new."""
         if term not in self.nodes:
             kind = derived.kinds.get(term)
@@ -69,9 +69,9 @@ class Draft:
             self.nodes[term] = Node(name, kind, text(term), conversion, stands_for)
         return self.nodes[term].name
 
-    def places(self, derived: Derived) -> dict[Term, int]:
+    def places(self, derived: Derived) -> dict[TermId, int]:
         """Return the place of each line that stands for relationships: that of the first."""
-        found: dict[Term, int] = {}
+        found: dict[TermId, int] = {}
         for line, relationship in derived.rows("written_at", 2):
             place = self.place[as_symbol(relationship).number]
             if found.setdefault(line, place) > place:
@@ -86,7 +86,7 @@ class Draft:
         self._next[kind] = before
         return False
 
-    def _conversion(self, node: Term, name: str, derived: Derived) -> Conversion | None:
+    def _conversion(self, node: TermId, name: str, derived: Derived) -> Conversion | None:
         """Return what a transformer does: in the words of its annotation, where it has one."""
         if node not in derived.converts:
             return None

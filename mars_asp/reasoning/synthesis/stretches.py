@@ -1,7 +1,7 @@
 """The stretches of a configuration that can be resolved apart, in the order of the file.
 
-Modules belong to one part when facts connect them. A stretch is a run of relationships that holds
-whole parts only, so what is named in it has no number that depends on later stretches.
+Modules belong to one island when facts connect them. A stretch is a run of relationships that holds
+whole islands only, so what is named in it has no number that depends on later stretches.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,7 +13,7 @@ from mars_asp.asp.slice.portions import Portion
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import Term, arguments, as_term, atoms
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_term, atoms
 from mars_asp.model.declarations import Relationship, ends_of
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
@@ -28,12 +28,12 @@ class Stretches:
     relationships: tuple[Sequence[Relationship], ...]
     _grounding: Grounding
     #: By the name or identifier of what is in a stretch, the number of the stretch from 0.
-    _number_of: Mapping[Term, int]
-    _found: dict[Signature, tuple[list[Term], ...]] = field(default_factory=dict)
+    _number_of: Mapping[TermId, int]
+    _found: dict[Signature, tuple[list[TermId], ...]] = field(default_factory=dict)
 
     def ground(self, number: int, portion: Portion) -> Grounding:
         """Return a grounding of what a portion of the resolution reads about one stretch."""
-        stated: dict[Signature, Sequence[Term]] = {}
+        stated: dict[Signature, Sequence[TermId]] = {}
         for signature, at in portion.of_parts.items():
             if signature not in self._found:
                 self._found[signature] = self._apart(signature, at)
@@ -42,8 +42,8 @@ class Stretches:
             stated[signature] = atoms(self._grounding.control, *signature)
         return Grounding((), stated)
 
-    def _apart(self, signature: Signature, at: int) -> tuple[list[Term], ...]:
-        found: tuple[list[Term], ...] = tuple([] for _ in self.relationships)
+    def _apart(self, signature: Signature, at: int) -> tuple[list[TermId], ...]:
+        found: tuple[list[TermId], ...] = tuple([] for _ in self.relationships)
         number_of = self._number_of
         for atom in atoms(self._grounding.control, *signature):
             number = number_of.get(arguments(atom)[at])
@@ -82,7 +82,7 @@ def stretches(
 
 
 def _ends(roots: Sequence[int | str]) -> Iterator[int]:
-    """Yield where stretches end, so that no part is in two of them."""
+    """Yield where stretches end, so that no island is in two of them."""
     last = {root: place for place, root in enumerate(roots, 1)}
     furthest = start = 0
     for place, root in enumerate(roots, 1):

@@ -17,6 +17,7 @@ from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.rules import CONVERSION
 from mars_asp.reasoning.synthesis import (
     Derived,
     Draft,
@@ -28,9 +29,6 @@ from mars_asp.reasoning.synthesis import (
 from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
 from mars_asp.reasoning.synthesis.stretches import stretches
 
-#: The levels of the minimisation in `rules/resolve`.
-NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
-COSTS = {"nodes": NODES, "conversion": CONVERSION, "relationships": RELATIONSHIPS}
 #: What the rules derive of each relationship that stands against every specification.
 UNRESOLVABLE = Signature("unresolvable", 1)
 

@@ -16,7 +16,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.solve.term_ids import Term, as_term
+from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Absent, Derived, Given
 from mars_asp.asp.trace.absence import why_not
 from mars_asp.asp.trace.text import trace_json, traces_text, wrapped
@@ -128,7 +128,7 @@ def step(atom: str, rule: Rule, *premises: Given | Derived | Absent, **values: i
     return Derived(as_term(clingo.parse_term(atom)), rule, bound(**values), premises)
 
 
-def bound(**values: int) -> Term:
+def bound(**values: int) -> TermId:
     names = clingo.Function("n", [clingo.String(name) for name in values])
     return as_term(clingo.Function("v", [names, *map(clingo.Number, values.values())]))
 

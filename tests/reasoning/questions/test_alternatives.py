@@ -10,9 +10,8 @@ from mars_asp.language import parse_text
 from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.alternatives import Alternatives, alternatives
-from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.rules import COSTS, NODES, RELATIONSHIPS, load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, RELATIONSHIPS
 from mars_asp.reasoning.verification import verify
 from tests.support.documents import ROOT, run
 from tests.support.random_configurations import random_configuration

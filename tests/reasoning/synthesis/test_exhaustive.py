@@ -14,7 +14,8 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from mars_asp.model.declarations import Configuration, Control, node_kind
-from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, Synthesis
+from mars_asp.reasoning.rules import CONVERSION, NODES, RELATIONSHIPS
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import verify
 from tests.execution.executor.test_priorities import compare_run
 from tests.reasoning.test_realises import compare_judged

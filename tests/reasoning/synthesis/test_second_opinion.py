@@ -5,7 +5,8 @@ import pytest
 from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.synthesis.synthesise import CONVERSION, NODES, RELATIONSHIPS, synthesise
+from mars_asp.reasoning.rules import CONVERSION, NODES, RELATIONSHIPS
+from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify
 from tests.support.second_opinion import MOST_NODES, PARTS, RULEBOOK, cheaper_than, second_opinion
 

@@ -11,8 +11,8 @@ from mars_asp.language import parse_text
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.synthesis.synthesise import COSTS, NODES, synthesise
+from mars_asp.reasoning.rules import COSTS, NODES, load_rulebook
+from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
