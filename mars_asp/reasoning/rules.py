@@ -23,8 +23,11 @@ from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
 BASE = "what follows from a configuration: its consequences, each with its reason"
 #: The stages behind the base by the names of their folders, and what each is for.
 STAGES: Mapping[str, str] = {
-    "resolve": "which nodes and lines the cheapest specification has, and what each is there for",
-    "specify": "what a resolution means: its nodes, the lines between them, and what each states",
+    "resolve": "which nodes and lines the cheapest specification has",
+    "specify": (
+        "what a resolution means: its nodes, what each is there for, the lines between them, and "
+        "what each states"
+    ),
     "verify": "whether a specification realises its configuration, clause by clause",
     "cost": "what a specification costs as it is written",
     "run": "what must hold while a specification runs, and what a scenario asks for",

@@ -48,7 +48,9 @@ class Proofs:
         for atom, height in heights.items():
             # There are many firings, and only other derivations are compared with them again.
             firing = self._best[atom] if every else self._best.pop(atom)
-            below = support(firing, partial(self._counted.of, height))
+            below: Support = firing.premises, firing.absent
+            if firing.groups:
+                below = support(firing, partial(self._counted.of, height))
             self._traces[atom] = self._step(firing, below, self._others.get(atom, ()))
 
     def of(self, atom: clingo.Symbol) -> Trace:

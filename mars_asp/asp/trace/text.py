@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
@@ -35,10 +35,11 @@ def traces_text(
     """
     opened: set[int] = set()
     again: set[int] = set()
+    near: _Near = {}
     entries = [
         entry
         for topic in topics
-        for entry in _entries(*topic, line_at, depth, folded, opened, again)
+        for entry in _entries(*topic, line_at, depth, folded, opened, again, near)
     ]
     numbers: dict[int, int] = {}
     for level, line, step in entries:
@@ -56,6 +57,10 @@ def traces_text(
             span = step.rule.span
             place = f"[{step.rule.id}] {span.path}:{span.line}"
             yield from wrapped(f"{mark}{text}{line}  {place}", level, width)
+
+
+#: What stands near below steps, by their `id`: steps, and places of facts.
+_Near: TypeAlias = dict[int, tuple[frozenset[int], frozenset[Span | None]]]
 
 
 class _Entry(NamedTuple):
@@ -81,6 +86,7 @@ def _entries(
     folded: bool,
     opened: set[int],
     again: set[int],
+    near: _Near,
 ) -> Iterator[_Entry]:
     """Yield the lines of one trace.
 
@@ -113,13 +119,13 @@ def _entries(
                 if id(step) in said_of:
                     remark += f", {said_of[id(step)]}"
                 yield _Entry(level, remark, step)
-                below = _interesting(step.premises, level == 1 or depth is None, folded)
+                below = _interesting(step.premises, level == 1 or depth is None, folded, near)
                 if depth is not None and level >= depth:
                     below = leaves_of(step) if any(isinstance(p, Derived) for p in below) else below
             case Attempt():
                 yield _Entry(level, "", step)
                 below = failure(step, depth is None or level < depth)
-                below = (*below, *_interesting(step.held, False, folded))
+                below = (*below, *_interesting(step.held, False, folded, near))
             case _:
                 line = step if isinstance(step, str) else _leaf(step, line_at, folded)
                 said += (set[str]() for _ in range(len(said), level + 1))
@@ -249,10 +255,20 @@ def _instance_json(step: Derived | Attempt) -> dict[str, object]:
     }
 
 
-def _interesting(premises: Sequence[Trace], absences: bool, folded: bool) -> list[Trace]:
+def _near(step: Trace) -> tuple[frozenset[int], frozenset[Span | None]]:
+    """Return what stands near below a step: the steps by their `id`, and the places of facts."""
+    _, *below = _below(step, NEAR)
+    places = (part.span for part in below if isinstance(part, Given))
+    return frozenset(map(id, below)), frozenset(places)
+
+
+def _interesting(
+    premises: Sequence[Trace], absences: bool, folded: bool, near: _Near
+) -> list[Trace]:
     """Return the premises that say something of their own.
 
-    Those without a message give way to their premises; what another premise leads to as well is
+    `near` has what was found near below steps, for many premises support several steps. Those
+    without a message give way to their premises; what another premise leads to as well is
     left to that one. Beside a message an absence says nothing that the message leaves out.
     """
     if not folded:
@@ -277,9 +293,9 @@ def _interesting(premises: Sequence[Trace], absences: bool, folded: bool) -> lis
     places: set[Span | None] = set()
     for step in steps:
         if id(step) not in told:
-            below = _below(step, NEAR)
-            told.update(map(id, below[1:]))
-            places.update([part.span for part in below if isinstance(part, Given)])
+            steps_below, places_below = near.get(id(step)) or near.setdefault(id(step), _near(step))
+            told |= steps_below
+            places |= places_below
     return [
         premise
         for premise in found
