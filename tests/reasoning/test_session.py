@@ -1,6 +1,7 @@
 """A session answers many questions, each as a session of its own would."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -93,3 +94,12 @@ def test_what_explained_consequences_is_grounded_anew_once(monkeypatch: pytest.M
     explain(reasoner, None, only="consequences")
     assert reasoner.synthesis is not None
     assert len(analysed) == 2
+
+
+def test_a_reasoner_verifies_what_it_synthesised_and_refuses_less() -> None:
+    reasoner = Reasoner(PROJECT, load_rulebook(stages=("resolve", "verify")))
+    assert reasoner.synthesis is not None
+    whole = reasoner.synthesis.specification.configuration
+    assert reasoner.verify(whole) == ()
+    less = replace(whole, relationships=whole.relationships[1:])
+    assert {violation.clause for violation in reasoner.verify(less)}

@@ -1,0 +1,42 @@
+from decimal import Decimal
+
+import pytest
+
+from mars_asp.model.declarations import DELIVERY_MODES, Mode
+from mars_asp.model.modes import ModeProblem, parse_mode
+
+
+@pytest.mark.parametrize("name", sorted(DELIVERY_MODES))
+def test_each_mode_stands_by_itself(name: str) -> None:
+    assert parse_mode(f"  {name} ") == Mode(name, text=name)
+
+
+def test_what_is_written_is_kept_apart_from_what_it_means() -> None:
+    found = parse_mode("NotifyOnValue( 30 ,0.50 )")
+    assert isinstance(found, Mode)
+    assert found.arguments == (Decimal(30), Decimal("0.5"))
+    assert found.text == "NotifyOnValue( 30 ,0.50 )"
+
+
+def test_an_argument_can_name_what_is_measured() -> None:
+    found = parse_mode("NotifyOnMin(300, of=nearest)")
+    assert isinstance(found, Mode)
+    assert (found.arguments, found.of) == ((Decimal(300),), "nearest")
+
+
+@pytest.mark.parametrize(
+    ("text", "offset", "message"),
+    [
+        ("Notify", 0, "`Notify` is no delivery mode"),
+        ("NotifyOnMin(", 0, "`NotifyOnMin(` is no delivery mode"),
+        ("NotifyOnMin(300, of=a, of=b)", 23, "`of=b` is no argument of `NotifyOnMin`"),
+        ("NotifyOnMin(x)", 12, "`x` is no "),
+        ("RequestWhenReady(1)", 17, "`1` is no argument of `RequestWhenReady`"),
+    ],
+)
+def test_what_is_wrong_with_a_mode_is_told_at_its_place(
+    text: str, offset: int, message: str
+) -> None:
+    found = parse_mode(text)
+    assert isinstance(found, ModeProblem)
+    assert (found.offset, found.message[: len(message)]) == (offset, message)
