@@ -46,9 +46,22 @@ def made_of(
     found: dict[_Key, _Value] = {}
     for key in keys:
         if key not in known:
-            known[key] = held.value(key) if key in held.packed else make(key)
+            value = held.value(key)
+            known[key] = make(key) if value is _NOTHING else value
         found[key] = known[key]
     return found
+
+
+#: Stands for what a table does not hold.
+_NOTHING = object()
+#: What another Python's `marshal` raises, and classes that are not what they were.
+_UNREADABLE = (ValueError, EOFError, TypeError, AttributeError, ImportError, LookupError)
+#: Files whose values stand in all tables.
+_COMMON = (
+    Path(__file__),
+    Path(__file__).with_name("signature.py"),
+    Path(__file__).parents[1] / "diagnostic.py",
+)
 
 
 class _Table:
@@ -62,7 +75,13 @@ class _Table:
         self.packed = {self._unpacked(key): value for key, value in pairs}
 
     def value(self, key: object) -> Any:
-        return self._unpacked(marshal.loads(self.packed[key]))
+        packed = self.packed.get(key)
+        if packed is None:
+            return _NOTHING
+        try:
+            return self._unpacked(marshal.loads(packed))
+        except _UNREADABLE:
+            return _NOTHING
 
     def _unpacked(self, form: Any) -> Any:
         if type(form) is not list:
@@ -117,7 +136,7 @@ def _held(name: str, files: tuple[Path, ...]) -> _Table:
             maker, classes, shared, pairs = marshal.loads(held)
             if maker == _digest(files):
                 return _Table(pairs, classes, shared)
-    except (OSError, ValueError, EOFError, TypeError):  # the last are of another Python's marshal
+    except (OSError, *_UNREADABLE):
         pass
     return _Table((), (), ())
 
@@ -135,7 +154,7 @@ def digest(content: bytes) -> bytes:
 
 def _digest(files: Iterable[Path]) -> bytes:
     """Return what changes with any of the files that values are made by."""
-    return b"".join(map(_digest_of, files))
+    return b"".join(map(_digest_of, (*_COMMON, *files)))
 
 
 @cache

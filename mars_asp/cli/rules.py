@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.declarations import Declaration, declarations
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
@@ -95,8 +95,12 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     wrong = [each for each in tried.values() if each.severity == "error"]
     if wrong:
         raise MarsError(wrong)
+    misread: list[Diagnostic] = []
+    for file in rulebook.documented:
+        tuple(declarations(file.docstrings, file.path, misread))
     large = unbounded(rulebook.declarations.values())
     return (
+        *(replace(each, severity="warning") for each in misread),
         *wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced),
         *risks(rulebook.rules, large),
         *shared_names(rulebook),

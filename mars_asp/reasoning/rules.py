@@ -188,4 +188,5 @@ def _files(stages: Iterable[str]) -> list[_File]:
 
 
 def _makers() -> list[Path]:
-    return sorted((Path(findings.__file__), *Path(checks.__file__).parent.glob("*.py")))
+    own = (Path(__file__), Path(findings.__file__))
+    return sorted((*own, *Path(checks.__file__).parent.glob("*.py")))

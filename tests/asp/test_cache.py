@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mars_asp.asp import cache
+from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.statements import Statement, constants_of, statements_of
 from mars_asp.asp.signature import Signature
@@ -166,3 +167,16 @@ def test_what_is_made_of_rules_comes_back(make: object, tables: Path) -> None:
         (tables / name).write_bytes(content)
     cache.forget(tables)
     assert make(rules) == first
+
+
+@pytest.mark.parametrize("name", ["mars_asp.nowhere:Gone", "mars_asp.diagnostic:Gone"])
+def test_a_class_that_is_gone_is_no_value(name: str) -> None:
+    table = cache._Table([("key", marshal.dumps([0, None, 1]))], (name,), [])
+    assert table.value("key") is cache._NOTHING
+
+
+def test_more_rules_than_are_remembered_are_all_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(statements, "_MOST", 20)
+    texts = [f"p{n}(X) :- q(X)." for n in (*range(40), *range(5))]
+    for count in (10, 30, 45):
+        assert set(statements_of(texts[:count])) == set(texts[:count])

@@ -15,6 +15,7 @@ what they name. Names of arguments and words are enough, as for what rules deriv
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
 from mars_asp.asp.rules.statements import Piece
@@ -27,12 +28,14 @@ Origin: TypeAlias = Literal["stated", "computed", "observed"]
 
 # Most commands declare nothing, so these are compiled when they are wanted.
 _MARK = r"(?s)%\*!(.*)\*%"
-_HEADER = r"(?s)\s*(-?[a-z_][A-Za-z0-9_']*)\s*(?:\((.*)\))?\s*"
+_HEADER = r"(-?[a-z_][A-Za-z0-9_']*) ?(?:\((.*)\))?"
 #: A variable, or a term with some inside, and its sort.
 _ARGUMENT = r"(?s)([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?"
 _SORT = r"[a-z][a-z_]*"
 _CONSTANTS = r"\{([^{}]*)\}"
-_LINE = r"([a-z]+):\s+(.*)"
+_LINE = r"([a-z]+):\s*(.*)"
+#: Of a comment that cannot be read so much is shown.
+_MOST_SHOWN = 60
 #: The keys of the lines behind the words, and what each can say.
 _SAID: Mapping[str, tuple[str, ...]] = {
     "from": get_args(Origin),
@@ -127,14 +130,15 @@ def declarations(
 
 
 def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declaration | None:
-    header, _, rest = text.partition("\n")
+    lines = text.split("\n")
     # Arguments may go on in further lines.
-    while header.count("(") > header.count(")") and rest:
-        more, _, rest = rest.partition("\n")
-        header = f"{header}\n{more}"
+    opened = accumulate(line.count("(") - line.count(")") for line in lines)
+    end = next((number for number, each in enumerate(opened, 1) if each <= 0), len(lines))
+    header, rest = " ".join(" ".join(lines[:end]).split()), "\n".join(lines[end:])
     match = re.fullmatch(_HEADER, header)
     if match is None:
-        message = f"`{' '.join(header.split())}` is no predicate with its arguments"
+        shown = header if len(header) <= _MOST_SHOWN else f"{header[:_MOST_SHOWN]}..."
+        message = f"`{shown}` is no predicate with its arguments"
         problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
         return None
     arguments = [] if match[2] is None else tuple(_split(match[2]))
@@ -169,7 +173,13 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
         return Argument(match[1])
     constants = re.fullmatch(_CONSTANTS, match[2])
     if constants:
-        return Argument(match[1], constants=tuple(c.strip() for c in constants[1].split(",")))
+        named = tuple(constant.strip() for constant in constants[1].split(","))
+        if all(named):
+            return Argument(match[1], constants=named)
+        problems.append(
+            _problem(f"`{match[2]}` names no constant", place, "write `{first, second}`")
+        )
+        return None
     sorts = [each.strip() for each in match[2].split("|")]
     wrong = [each for each in sorts if not re.fullmatch(_SORT, each)]
     if wrong:

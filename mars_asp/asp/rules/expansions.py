@@ -18,7 +18,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
-from mars_asp.asp.rules.computed import leaves
+from mars_asp.asp.rules.computed import computations, leaves
 from mars_asp.asp.rules.gate import check_text
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
@@ -36,6 +36,10 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|.', re.DOTALL)
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 _VARIABLE = re.compile(r"(?<!\w)_*[A-Z]\w*'*")
+
+
+#: A list holds so many terms at most, each of which is a rule.
+MOST_ELEMENTS = 2000
 
 
 class Expansion(NamedTuple):
@@ -114,6 +118,9 @@ def wrong(
         yield _wrong(message, place, f"give it a name of its own, `{name}'`")
         return
     elements = tuple(_elements(written))
+    if len(elements) > MOST_ELEMENTS:
+        yield _wrong(f"`{key}` lists more than {MOST_ELEMENTS} terms", place, advice)
+        return
     for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
         alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
         if not _is_rule(made.text, place.path) or not _is_rule(alone, place.path):
@@ -126,6 +133,10 @@ def wrong(
                 message = f"`{key}` computes `{operand.text}`"
                 yield _wrong(message, place, "let the body of the rule compute it")
                 return
+        if computations([alone]).get(alone):
+            message = f"`{key}` computes a sum in `{element.condition}`"
+            yield _wrong(message, place, "let the body of the rule compute it")
+            return
 
 
 def _is_rule(text: str, shown: str) -> bool:

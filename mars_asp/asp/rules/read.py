@@ -20,7 +20,7 @@ from mars_asp.asp.rules.checks import (
     reserved_heads,
     unknown_predicates,
 )
-from mars_asp.asp.rules.declarations import Docstring, Documented, declarations, docstrings
+from mars_asp.asp.rules.declarations import Docstring, Documented, docstrings
 from mars_asp.asp.rules.expansions import Expansions
 from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
@@ -152,10 +152,7 @@ def _rule_file(
     if strict:
         problems += [problem for rule in rules for problem in wrong_holes(rule)]
         problems += _wrong_lists(rules)
-    found = tuple(docstrings(written))
-    for _ in declarations(found, shown, problems):
-        pass
-    return RuleFile(shown, stage, text, written, rules, found)
+    return RuleFile(shown, stage, text, written, rules, tuple(docstrings(written)))
 
 
 def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:

@@ -1,7 +1,7 @@
 """What the values in rules are: sorts that predicates declare, handed on from rule to rule.
 
-No value is of two sorts, so a variable that stands for both never has one, and its rule never
-fires.
+A name, or what identifies a thing, is of one sort alone, so a variable that stands for two never
+has a value; a number that stands for two measures compares what cannot be compared.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -69,21 +69,36 @@ def _inferred(
                 open_places[signature] = [at for at, each in enumerate(sorts) if each is None]
                 for at in open_places[signature]:
                     sorts[at] = frozenset()
-    changed = True
-    while changed:
-        changed = False
-        for statement in rules:
-            for head in statement.heads:
-                signature = head.literal.signature.unsigned
-                scope = (*statement.body.positive, *head.condition.positive)
-                for at in open_places[signature]:
-                    before = known[signature][at]
-                    term = head.literal.terms[at]
-                    given = _meet(_uses(term.text, scope, known)) if term.is_variable else None
-                    if before is not None and (given is None or not given <= before):
-                        known[signature][at] = None if given is None else before | given
-                        changed = True
+    reading: dict[Signature, list[int]] = {}
+    for number, statement in enumerate(rules):
+        for signature in {literal.signature.unsigned for literal in statement.read}:
+            reading.setdefault(signature, []).append(number)
+    # Once each in the order in which they were asked for, so that a long chain takes no longer.
+    waiting = dict.fromkeys(range(len(rules)))
+    while waiting:
+        number = next(iter(waiting))
+        del waiting[number]
+        for signature in _handed_on(rules[number], known, open_places):
+            waiting.update(dict.fromkeys(reading.get(signature, ())))
     return known
+
+
+def _handed_on(
+    statement: Statement,
+    known: dict[Signature, list[Sorts]],
+    open_places: Mapping[Signature, Sequence[int]],
+) -> Iterator[Signature]:
+    """Note what a rule hands on to its heads, and yield the predicates of which more is known."""
+    for head in statement.heads:
+        signature = head.literal.signature.unsigned
+        scope = (*statement.body.positive, *head.condition.positive)
+        for at in open_places[signature]:
+            before = known[signature][at]
+            term = head.literal.terms[at]
+            given = _meet(_uses(term.text, scope, known)) if term.is_variable else None
+            if before is not None and (given is None or not given <= before):
+                known[signature][at] = None if given is None else before | given
+                yield signature
 
 
 def _uses(variable: str, literals: Iterable[Literal], known: _Known) -> Iterator[_Use]:
@@ -104,10 +119,10 @@ def _meet(uses: Iterable[_Use]) -> Sorts:
 
 
 def _contradictions(statement: Statement, known: _Known, span: Span) -> Iterator[Diagnostic]:
+    # What is negated holds of what is another sort, and nothing that a head gives keeps it back.
     conditions = (head.condition for head in statement.heads)
-    heads = tuple(head.literal for head in statement.heads)
-    for scope in (Scope(heads), *statement.inner, *conditions):
-        literals = (*statement.body.literals, *scope.literals)
+    for scope in (Scope(()), *statement.inner, *conditions):
+        literals = (*statement.body.positive, *scope.positive)
         names = {t.text for each in literals for t in each.terms if t.is_variable}
         for name in sorted(names):
             first: _Use | None = None
@@ -116,7 +131,9 @@ def _contradictions(statement: Statement, known: _Known, span: Span) -> Iterator
                     continue
                 if first is not None and not first.sorts & use.sorts:
                     message = f"`{name}` is a {_in_words(first)} and a {_in_words(use)}"
-                    advice = "no value is both, so the rule never fires: name two variables"
+                    advice = (
+                        "these are two things: name two variables, and say how they belong together"
+                    )
                     place = placed(span, use.literal.place)
                     yield Diagnostic("rule-sort", "warning", message, place, help=advice)
                     break

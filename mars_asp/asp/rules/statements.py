@@ -284,11 +284,12 @@ def statements(text: str) -> tuple[Statement, ...]:
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     """Return each of some rules without its pools, by their texts."""
     asked = tuple(texts)
-    new = [text for text in asked if text not in _read]
-    if new:
-        files = map(Path, (__file__, ast.__file__))
-        _remember(made_of("statements", files, new, _statements))
-    return {text: _read[text] for text in asked}
+    found = {text: _read.get(text) for text in asked}
+    new = [text for text, known in found.items() if known is None]
+    files = map(Path, (__file__, ast.__file__))
+    made = made_of("statements", files, new, _statements) if new else {}
+    _remember(made)
+    return {text: made[text] if known is None else known for text, known in found.items()}
 
 
 def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:

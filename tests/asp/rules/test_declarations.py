@@ -83,3 +83,10 @@ def test_words_that_look_like_a_line_are_words() -> None:
     (found,), problems = read("%*! p(X)\nWords, as in\nexample: such.\n*%")
     assert not problems
     assert found.words == "Words, as in example: such."
+
+
+def test_what_never_ends_is_told_in_few_words() -> None:
+    _, (told,) = read("%*! p(" + "X,\n" * 20_000 + "*%")
+    assert len(told) < 200
+    _, (told,) = read("%*! p" + " " * 100_000 + "q(X)\n*%")
+    assert len(told) < 200
