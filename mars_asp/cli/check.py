@@ -4,7 +4,7 @@ import argparse
 
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.reasoning.analysis import diagnostic
+from mars_asp.reasoning.analysis import findings
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -16,6 +16,5 @@ def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is an error."""
     project = read_project(arguments)
     analysis = analyse_project(project, rulebook_for(arguments), arguments)
-    findings = (c for c in analysis.consequences if c.severity != "note")
-    report(map(diagnostic, findings), arguments)
+    report(findings(analysis), arguments)
     return int(analysis.has_errors)

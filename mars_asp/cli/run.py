@@ -138,13 +138,13 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     """Return the file's specification, or the minimal one of its configuration."""
     if project.configuration.kind == "specification":
         return project.configuration
-    from mars_asp.reasoning.analysis import diagnostic
+    from mars_asp.reasoning.analysis import findings
     from mars_asp.reasoning.budget import Budget
     from mars_asp.reasoning.synthesis.synthesise import synthesise
 
     rulebook = rulebook_for(arguments)
     analysis = analyse_project(project, rulebook, arguments)
-    report((diagnostic(c) for c in analysis.consequences if c.severity != "note"), arguments)
+    report(findings(analysis), arguments)
     found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
     return None if found is None else found.specification.configuration
 

@@ -24,7 +24,7 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import module_classes
-from mars_asp.reasoning.analysis import diagnostic
+from mars_asp.reasoning.analysis import findings
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
@@ -49,8 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
     analysis = analyse_project(project, rulebook, arguments)
-    findings = [c for c in analysis.consequences if c.severity != "note"]
-    report(map(diagnostic, findings), arguments)
+    report(findings(analysis), arguments)
     with (
         stage(arguments, "looking for nodes"),
         progress_bar(arguments, "components") as progress,

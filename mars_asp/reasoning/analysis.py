@@ -19,7 +19,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding, unsolved
-from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severities
@@ -27,6 +27,8 @@ from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severitie
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[TermId, TermId, TermId]
 _Value = TypeVar("_Value")
+#: What a consequence that neither warns nor stops has for its severity.
+_NOTE = as_term(clingo.Function("note"))
 _STAGE = "base"
 
 
@@ -129,15 +131,20 @@ def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook
     return MarsError((*overflowing, *placed)) if overflowing else error
 
 
-def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Consequence, ...]:
+def read_consequences(
+    analysis: Analysis, participants: bool = True, notes: bool = True
+) -> tuple[Consequence, ...]:
     """Return the consequences, sorted by place, without keeping them.
 
-    Without `participants` nobody reads who takes part in each.
+    Without `participants` nobody reads who takes part in each, without `notes` those are left out
+    that neither warn nor stop.
     """
     control, subject = analysis.grounding.control, analysis.subject
     first = _first_said(analysis)
     if subject is not None:
         first = {head: told for head, told in first.items() if _is_named(head, subject)}
+    if not notes:
+        first = {head: told for head, told in first.items() if arguments(head)[1] != _NOTE}
     keys = {head: _key(arguments(head)) for head in first}
     wanted = set(keys.values())
     part_of = _collect(control, ("participant", 5), wanted) if participants else {}
@@ -166,6 +173,11 @@ def read_consequences(analysis: Analysis, participants: bool = True) -> tuple[Co
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
     return tuple(consequences)
+
+
+def findings(analysis: Analysis) -> tuple[Diagnostic, ...]:
+    """Return what warns or stops, sorted by place."""
+    return tuple(map(diagnostic, read_consequences(analysis, participants=False, notes=False)))
 
 
 def diagnostic(consequence: Consequence) -> Diagnostic:
