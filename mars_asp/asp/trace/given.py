@@ -42,5 +42,7 @@ class GivenFacts:
         span = self._spans[name].get(written)
         if span is None:
             return None
+        if not self._origins:
+            return Given(written, span)
         signature = Signature(name, len(term_ids.arguments(atom)))
         return Given(written, span, self._origins.get(signature, "stated"))
