@@ -69,7 +69,7 @@ class Documented(NamedTuple):
 
     @property
     def declarations(self) -> "Iterator[Declaration]":
-        """Yield what they declare; what is wrong with them was noted as they were read."""
+        """Yield what they declare; what cannot be read declares nothing, as lint says."""
         return declarations(self.docstrings, self.path, [])
 
 
