@@ -106,7 +106,7 @@ def _lock(handle: int) -> None:
         OSError: another process has locked it, or it cannot be locked here.
     """
     if sys.platform == "win32":
-        raise OSError("files that are open cannot be removed here anyway")
+        raise OSError("open files cannot be removed on this system anyway")
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 

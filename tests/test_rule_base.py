@@ -203,7 +203,7 @@ def test_what_lint_tells_an_analysis_does_not(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """What is said of each pack in `tests/lint` stands beside it."""
+    """What is said of each pack in `tests/lint` is beside it."""
     monkeypatch.chdir(ROOT)
     pack = str(path.relative_to(ROOT))
     assert run_here(["rules", "lint", pack]) == 0

@@ -47,7 +47,14 @@ def read_commands(text: str) -> tuple[str, ...] | list[Wrong]:
         if word[0] not in FUNCTIONS:
             near = nearest(word[0], FUNCTIONS, 0.84)
             expected = f"did you mean `{near}`?" if near else f"one of {', '.join(FUNCTIONS)}"
-            wrong.append(Wrong("MARS114", f"`{word[0]}` is no function", expected, *word.span()))
+            wrong.append(
+                Wrong(
+                    "MARS114",
+                    f"`{word[0]}` is not a motion or grasp function",
+                    expected,
+                    *word.span(),
+                )
+            )
     return wrong or tuple(word[0] for word in words)
 
 
@@ -86,7 +93,7 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
             if isinstance(value, NumberProblem):
                 wrong.append(Wrong("MARS113", value.message, value.help, at, end))
             elif hz is not None:
-                help_text = f"one belongs to `{_PERIODIC}`, drop the other"
+                help_text = f"`{_PERIODIC}` takes one frequency; drop the other"
                 message = f"a second frequency, `{written}`"
                 wrong.append(Wrong("MARS113", message, help_text, at, end))
             else:
@@ -94,7 +101,7 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
     periodic = any(mode.name == _PERIODIC for mode in modes)
     if not wrong and periodic and hz is None:
         message = f"`{_PERIODIC}` without a frequency"
-        wrong.append(Wrong("MARS112", message, f"write its number of Hz: `{_PERIODIC} 25`"))
+        wrong.append(Wrong("MARS112", message, f"write its frequency in Hz: `{_PERIODIC} 25`"))
     if not wrong and not periodic and hz is not None:
         message = f"a frequency without `{_PERIODIC}`"
         wrong.append(Wrong("MARS113", message, FREQUENCY.help, *hz[1:]))
@@ -105,7 +112,7 @@ def _no_mode(found: str, at: int) -> Wrong:
     if not found:
         return Wrong("MARS111", "no delivery mode is stated", _MODES)
     code = "MARS113" if re.match(r"[-+.\d]", found) else "MARS111"
-    return Wrong(code, f"`{found}` is no delivery mode", _MODES, at, at + len(found))
+    return Wrong(code, f"`{found}` is not a delivery mode", _MODES, at, at + len(found))
 
 
 def read_bounds(text: str) -> Bounds | list[Wrong]:
@@ -121,7 +128,7 @@ def read_bounds(text: str) -> Bounds | list[Wrong]:
             value = None
         values.append(value)
     if not wrong and len(values) not in (0, 2, 3):
-        wrong.append(Wrong("MARS116", f"`{text}` are no bounds", BOUND.help, 0, len(text)))
+        wrong.append(Wrong("MARS116", f"expected bounds, found `{text}`", BOUND.help, 0, len(text)))
     low, high, rate = (*values, None, None, None)[:3]
     if low is not None and high is not None and low > high:
         message = f"bounds in the wrong order: MIN is `{words[0][0]}`, MAX is `{words[1][0]}`"
@@ -135,7 +142,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[Wrong]:
     match = re.fullmatch(r"([-+.\w]+)\s*(?:\((.*)\))?", text)
     if match is None or not match[1].strip("+-.")[:1].isdecimal():
         expected = "write a number and a tuple: `@Vertex 1 (_,_,_,_,0,0,100)`"
-        return [Wrong("MARS118", f"`{text}` is no vertex", expected, 0, len(text))]
+        return [Wrong("MARS118", f"expected a vertex, found `{text}`", expected, 0, len(text))]
     wrong: list[Wrong] = []
     number = VERTEX.read(match[1])
     if isinstance(number, NumberProblem):

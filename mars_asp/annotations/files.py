@@ -56,7 +56,7 @@ def find_paths(written: str, folder: Path = _HERE) -> list[Path]:
 def extract(paths: Sequence[Path]) -> Extraction:
     """Read the annotated modules of files and folders.
 
-    A path that is no regular file is passed over inside a folder and reported when it is named.
+    A path that is not a regular file is passed over inside a folder and reported when it is named.
     A file is read once, by however many paths it is found.
     """
     modules: list[Module] = []
@@ -122,16 +122,19 @@ def _read(
     shown = str(path)
     language = _language(path.name)
     if language is None:
-        reason, help_text = "is in no known language", f"known: {', '.join(sorted(LANGUAGES))}"
+        reason, help_text = (
+            "is not in a supported language",
+            f"supported: {', '.join(sorted(LANGUAGES))}",
+        )
         if path.suffix.lower() == ".mars":
-            reason = "is a configuration and no source"
+            reason = "is a configuration, not a source"
             help_text = "`mars-asp check` and `mars-asp analyse` read it"
         return (), (_about(shown, "MARS306", "error", reason, help_text),)
     try:
         if isinstance(status, OSError):
             raise status
         if not stat.S_ISREG(status.st_mode):
-            return (), (_about(shown, "MARS305", "error", "is no regular file", "name a file"),)
+            return (), (_about(shown, "MARS305", "error", "is not a regular file", "name a file"),)
         if status.st_size > MOST_BYTES:
             reason = f"is larger than {MOST_BYTES} bytes and was not read"
             return (), (_about(shown, "MARS301", "error", reason, "split it, or leave it out"),)
@@ -186,7 +189,7 @@ def _normalised(raw: bytes, shown: str) -> tuple[bytes | None, str, tuple[Diagno
         raw = raw.decode("utf-16", "replace").encode()
         notes = (_about(shown, "MARS304", "note", "is UTF-16", "save it as UTF-8"),)
     elif b"\0" in raw:
-        reason = "holds a NUL byte: it is binary and was skipped"
+        reason = "contains a NUL byte: it is binary and was skipped"
         problem = _about(shown, "MARS302", "warning", reason, "save it as UTF-8 text")
         return None, encoding, (problem,)
     elif not _is_utf8(raw):
@@ -235,5 +238,5 @@ def _repeated(modules: Iterable[Module]) -> Iterator[Diagnostic]:
                 (first.span, "first annotated here"),
                 *((place, "and here") for place in places[1:_MOST_PLACES]),
             ),
-            "give each another name" if places[1:] else "give one of the two another name",
+            "give each a different name" if places[1:] else "give one of the two a different name",
         )

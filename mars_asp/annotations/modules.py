@@ -75,7 +75,7 @@ class _Reader:
                 "MARS109",
                 directive.offset,
                 self.behind(directive, found.written),
-                f"`@{found.written}` is no annotation",
+                f"unknown annotation `@{found.written}`",
                 f"did you mean `@{directive.word}`?",
             )
         elif wrong_case:
@@ -83,7 +83,7 @@ class _Reader:
                 "MARS110",
                 directive.offset,
                 self.behind(directive, directive.written),
-                f"`@{directive.written}` is written with other capitals",
+                f"`@{directive.written}` has the wrong case",
                 f"write `@{directive.word}`",
             )
         if directive.word == "module_start":
@@ -149,7 +149,7 @@ class _Reader:
             begin, end = directive.offset, directive.end
         if module.named:
             message = "a second `@module_name` in one module"
-            help_text = "a module has one name; begin another module for another one"
+            help_text = "a module has one name; start a new module for another one"
             self.problems.note("MARS106", begin, end, message, help_text)
             return
         module.named = True
@@ -159,7 +159,7 @@ class _Reader:
             message = "`@module_name` without a name"
             self.problems.note("MARS105", begin, end, message, "write `@module_name NAME`")
         elif not _NAME.fullmatch(rest):
-            message = f"`{rest}` is no module name"
+            message = f"expected a module name, found `{rest}`"
             help_text = "a name is one word of letters, digits and `_`"
             self.problems.note("MARS107", begin, end, message, help_text)
         else:
@@ -216,7 +216,7 @@ class _Reader:
             module.moving.offset,
             module.moving.end,
             f"`{module.name}` is a sensor with the motion function `{module.moving.word}`",
-            "a sensor moves only with what it is mounted on; make two modules of it",
+            "a sensor moves only with its mount; split it into two modules",
             labels=((sensing[0].span, "the sensor"),),
         )
 
@@ -227,13 +227,15 @@ class _Reader:
         self.end(self.open, len(self.source.data))
         message, help_text = (
             "`@module_start` is never closed",
-            "write `@module_end` behind the module",
+            "write `@module_end` after the module",
         )
         self.problems.note_word("MARS101", start, message, help_text)
 
     def note_uncompared(self, found: Uncompared) -> None:
-        message = f"{MOST_OTHERS} other words behind `@` before this: no misspelt ones are sought"
-        help_text = "look for misspelt annotations from here on yourself"
+        message = (
+            f"{MOST_OTHERS} unknown words after `@` above: misspelt annotations are no longer found"
+        )
+        help_text = "check the annotations below this line yourself"
         self.problems.note("MARS122", found.offset, found.offset + 1, message, help_text, "note")
 
     def give_up(self, found: Directive | Misspelt) -> None:
@@ -241,6 +243,6 @@ class _Reader:
         self.open = None
         directive = found.corrected if isinstance(found, Misspelt) else found
         errors = self.problems.errors
-        message = f"{errors} errors before this: the rest of the file was not read"
-        help_text = "mend those first, or leave the file out"
+        message = f"{errors} errors above: the rest of the file was not read"
+        help_text = "fix those first, or leave the file out"
         self.problems.note_word("MARS119", directive, message, help_text)

@@ -55,7 +55,7 @@ def read_overrides(
 
 
 def _again(word: str) -> Wrong:
-    return Wrong("MARS210", f"`{word}` says again what is said already", "keep one of the two")
+    return Wrong("MARS210", f"`{word}` repeats an annotation above it", "keep one of the two")
 
 
 def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong | None:
@@ -66,7 +66,7 @@ def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong
     return Wrong(
         "MARS209",
         f"`{declaration.name}` has no parameter `{single[1]}`",
-        f"it has {known}" if known else "say all inputs: `@Input TYPE, TYPE`",
+        f"it has {known}" if known else "state all inputs: `@Input TYPE, TYPE`",
         *single.span(1),
     )
 
@@ -84,7 +84,7 @@ def _unreadable_part(begin: int, text: str) -> Wrong | None:
     at = begin + len(text) - len(text.lstrip())
     return Wrong(
         "MARS211",
-        f"`{written}` names no representation",
+        f"expected a representation, found `{written}`",
         "write a type or `none`",
         at,
         at + len(written),

@@ -22,7 +22,9 @@ from mars_asp.model.declarations import SERVICE_KINDS, Service
 #: One declaration has at most so many annotations.
 MOST_ANNOTATIONS = 500
 _MOST_SHOWN = 80
-_BEFORE = "put the annotation before its function, or say it in `@Signature DECLARATION`"
+_BEFORE = (
+    "put the annotation before its function, or state the function with `@Signature DECLARATION`"
+)
 
 
 class Pending:
@@ -43,8 +45,8 @@ class Pending:
     def add(self, directive: Directive) -> None:
         """Read a function annotation or an override."""
         if len(self._services) + len(self._overrides) >= MOST_ANNOTATIONS:
-            message = f"more than {MOST_ANNOTATIONS} annotations of one declaration"
-            help_text = "leave out those that say the same"
+            message = f"more than {MOST_ANNOTATIONS} annotations on one declaration"
+            help_text = "remove the repeated ones"
             self._problems.note_word("MARS213", directive, message, help_text)
         elif directive.word in SERVICE_KINDS:
             read = _read_service(directive, self._problems.span(directive.offset, directive.end))
@@ -55,8 +57,8 @@ class Pending:
                 self._services.append((directive, read))
         else:
             if not directive.rest:
-                message = f"`@{directive.word}` without anything behind it"
-                help_text = f"write it behind `@{directive.word}`"
+                message = f"`@{directive.word}` with nothing after it"
+                help_text = f"write it after `@{directive.word}`"
                 self._problems.note_word("MARS108", directive, message, help_text)
             self._overrides.append(directive)
 
@@ -106,7 +108,7 @@ class Pending:
             self._problems.note_word(
                 "MARS203",
                 directive,
-                f"`@{directive.word}` belongs to no function annotation",
+                f"`@{directive.word}` has no function annotation to belong to",
                 "write it beside `@Sense`, `@DataOut`, `@ControlOut`, `@DataIn` or `@Converts`,"
                 " before the function",
             )
@@ -118,12 +120,12 @@ class Pending:
             # A string may go on for many lines.
             word = '"' if found.found.startswith('"') else found.found[:_MOST_SHOWN]
             begin, end = behind.place(found.offset), behind.place(found.offset + len(word))
-            message = f"`{word}` begins no function declaration"
+            message = f"expected a function declaration, found `{word}`"
             self._problems.note("MARS202", begin, end, message, _BEFORE)
         elif isinstance(found, Endless):
             begin = behind.place(found.offset)
-            message = f"this declaration has no end within {MOST_DECLARED} bytes"
-            help_text = "state it by `@Signature DECLARATION`"
+            message = f"this declaration does not end within {MOST_DECLARED} bytes"
+            help_text = "state it with `@Signature DECLARATION`"
             self._problems.note("MARS212", begin, begin, message, help_text)
         else:
             message = f"no function declaration follows `@{first.word}`"
@@ -150,7 +152,7 @@ class Pending:
                 self._problems.note(code, at, at, message, help_text, severity)
             if service.kind == "Converts" and len(signature.inputs) != 1:
                 message = f"a converter with {len(signature.inputs)} inputs"
-                help_text = "a converter has one parameter; `@Input TYPE` says which it is"
+                help_text = "a converter has one input; name it with `@Input TYPE`"
                 self._problems.note("MARS208", at, at, message, help_text)
                 continue
             bound.append(
@@ -168,7 +170,7 @@ class Pending:
                 conditional,
                 conditional + 1,
                 f"`#if` inside the declaration of `{declaration.name}`: all branches are read",
-                "say what it takes: `@Input TYPE, TYPE`",
+                "state its inputs: `@Input TYPE, TYPE`",
                 "warning",
             )
         return bound

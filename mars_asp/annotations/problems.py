@@ -51,15 +51,15 @@ class Problems:
 
     def note_twice(self, directive: Directive, what: str) -> None:
         """Report an annotation that says again what another one of its module says."""
-        message = f"`{what}` stands twice in one module"
+        message = f"`{what}` occurs twice in one module"
         self.note_word("MARS117", directive, message, "keep one of the two")
 
     def is_too_long(self, directive: Directive) -> bool:
         """Report an annotation that was cut for its length."""
         if len(directive.rest) <= MOST_CHARACTERS:
             return False
-        message = f"`@{directive.word}` with more than {MOST_CHARACTERS} characters behind it"
+        message = f"`@{directive.word}` with more than {MOST_CHARACTERS} characters after it"
         self.note_word(
-            "MARS214", directive, message, "after a comma, the next line goes on with it"
+            "MARS214", directive, message, "after a comma, it continues on the next line"
         )
         return True

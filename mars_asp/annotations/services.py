@@ -42,7 +42,7 @@ def read_signature(declaration: Declaration, overrides: Overrides, delivers: boo
                 (
                     "MARS205",
                     f"the output of `{declaration.name}` is unknown",
-                    "say what it delivers: `@Output TYPE`",
+                    "state its output: `@Output TYPE`",
                 )
             )
     inputs = tuple(_inputs(parameters, overrides))
@@ -69,8 +69,8 @@ def _no_output(declaration: Declaration, parameters: Sequence[Parameter]) -> tup
     line = next((p.name for p in parameters if p.out and p.name), "TYPE")
     return (
         "MARS206",
-        f"`{declaration.name}` returns `{declaration.output}`, which is no output",
-        f"say what it delivers: `@Output {line}`",
+        f"`{declaration.name}` returns `{declaration.output}`, which cannot be an output",
+        f"state its output: `@Output {line}`",
     )
 
 
@@ -79,7 +79,7 @@ def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
     return (
         "MARS207",
         f"built-in types are used as representations: {listed}",
-        "a type of its own says more",
+        "a named type is clearer",
     )
 
 

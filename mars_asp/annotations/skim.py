@@ -119,7 +119,7 @@ def annotated_comments(language: str, data: bytes, at: int = 0) -> Iterator[tupl
     last = data.rfind(b"@")
     while at <= last:
         found = skip(data, at)
-        assert found is not None, "the pattern matches the empty text"
+        assert found is not None, "the pattern matches the empty string"
         begin, end = found.span(1)
         is_comment = begin >= 0
         if not is_comment:

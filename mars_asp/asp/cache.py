@@ -213,7 +213,7 @@ class _Packer:
             return self._container(value)
         kind = type(value)
         if not kind.__module__.startswith("mars_asp."):
-            raise TypeError(f"{value!r} is not for a table")
+            raise TypeError(f"{value!r} cannot be kept in a table")
         number = self.classes.setdefault(
             f"{kind.__module__}:{kind.__qualname__}", len(self.classes)
         )

@@ -54,7 +54,7 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
         what, colon, term = told.partition(_UNDEFINED)
         if colon and not what:
             message = f"`{term}` has no value" if term.startswith("(") else f"{term}"
-            advice = "say in the body what it is computed from: numbers, and no divisor 0"
+            advice = "bind what it is computed from in the body: numbers, and no divisor 0"
             yield Diagnostic("rule-undefined", "error", message, place, help=advice)
         else:
             yield Diagnostic("rules-refused", "error", told, place)

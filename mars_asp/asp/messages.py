@@ -87,8 +87,8 @@ def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) ->
                 "error",
                 "whether this holds depends on a choice",
                 rules[number].span,
-                help="what is found follows from the facts: rest it on no choice, and on no "
-                "predicate that leads through `not` back to itself",
+                help="findings must follow from the facts: use no choice, and no predicate that "
+                "depends on its own negation",
                 excerpt=rules[number].text.partition("\n")[0],
             )
             for number in sorted(undecided)

@@ -38,7 +38,7 @@ _MOST_TRIED = 100
 
 
 class NotDerived(MarsError):  # noqa: N818 -- what is said of an atom
-    """An atom does not hold in an answer, or is no atom."""
+    """An atom does not hold in an answer, or is not an atom."""
 
 
 class Unsatisfiable(MarsError):  # noqa: N818
@@ -297,7 +297,7 @@ class Answer:
         """
         symbol = symbol_in(atom)
         if symbol not in self.atoms or symbol is None:
-            message = f"`{atom}` does not hold" if symbol else f"`{atom}` is no atom"
+            message = f"`{atom}` does not hold" if symbol else f"`{atom}` is not an atom"
             found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
             raise NotDerived((found,))
         return Reason(str(symbol), self._explainer.why([symbol], every)[symbol], self._line_at)
@@ -306,12 +306,12 @@ class Answer:
         """Return why an atom does not hold; its variables, and `_`, stand for any value.
 
         Raises:
-            NotDerived: it does, or is no atom.
+            NotDerived: it does, or is not an atom.
         """
         pattern = pattern_in(atom)
         matching = [] if pattern is None else [each for each in self.atoms if fits(pattern, each)]
         if pattern is None or matching:
-            message = f"`{atom}` is no atom" if pattern is None else f"`{matching[0]}` holds"
+            message = f"`{atom}` is not an atom" if pattern is None else f"`{matching[0]}` holds"
             found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
             raise NotDerived((found,))
         trace = why_not(self._explainer, pattern, depth)
@@ -365,7 +365,7 @@ def _definitions(constants: Mapping[str, int | str]) -> tuple[str, ...]:
     """
     for name, value in constants.items():
         if symbol_in(str(value)) is None:
-            message = f"`{value}` is no value for the constant `{name}`"
+            message = f"`{value}` is not a value for the constant `{name}`"
             advice = "give a number, a constant or a string in quotes"
             place = point("program", 1, 1)
             raise MarsError((Diagnostic("constant", "error", message, place, help=advice),))

@@ -32,7 +32,7 @@ def png_bytes(svg: str, span: Span) -> bytes:
     if with_letter == svg_to_bytes(svg_string=_LETTER.format("")):
         raise _refused(
             span,
-            "a PNG needs a sans-serif font, and this system has none that we know",
+            "a PNG needs a sans-serif font, and no known one is installed",
             "install one, such as DejaVu Sans, or write an `.svg`",
         )
     root = fromstring(svg)

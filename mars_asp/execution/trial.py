@@ -157,7 +157,7 @@ def _check_robot(plan: Plan, scenario: Scenario) -> None:
     functions = plan.modules[name].functions if name in plan.modules else ()
     help_text = "name the effector that moves the robot"
     if name not in plan.names:
-        message = f"`{name}` is no module of the specification"
+        message = f"`{name}` is not a module of the specification"
         near = nearest(name, plan.names)
         help_text = f"did you mean `{near}`?" if near else help_text
     elif kind != "effector":
@@ -177,7 +177,7 @@ def _check_faults(able: Set[str], scenario: Scenario) -> None:
     for name in sorted(scenario.faults.keys() - able):
         near = nearest(name, able)
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
-        message = f"`{name}` is no module that a Python function or a sensing device runs"
+        message = f"`{name}` is not run by a Python function or a sensing device"
         place = scenario.places[f"faults.{name}"]
         problems.append(Diagnostic("scenario", "error", message, place, (), hint))
     if problems:
@@ -217,7 +217,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
     while made < count:
         tries += 1
         if tries > 1000 * (count + 1):
-            raise ValueError(f"`scatter` finds no place for {count} circles: lower `free`")
+            raise ValueError(f"`scatter` finds no room for {count} circles: lower `free`")
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
         if hypot(at[0] - x, at[1] - y) - radius < free:

@@ -44,7 +44,9 @@ def format_text(text: str, path: str) -> str:
     lines = _Lines(lay_out(path, text, blocks), blocks)
     formatted = "".join(f"{line}\n" for line in _spaced(list(lines.all())))
     if meaning(parse_text(formatted, path).configuration) != meaning(before):
-        message = "formatting would change what this file means: a fault of ours, please report it"
+        message = (
+            "formatting would change the meaning of this file; this is a bug, please report it"
+        )
         raise MarsError((Diagnostic("format", "error", message, point(path, 1, 1)),))
     return formatted
 

@@ -175,9 +175,9 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
     return Diagnostic(
         "syntax",
         "error",
-        f"{MOST_ERRORS} errors before this: the rest of the file was not read",
+        f"{MOST_ERRORS} errors above: the rest of the file was not read",
         layout.span(base, base + 1),
-        help="is this a `.mars` file? if so, mend those first",
+        help="is this a `.mars` file? if so, fix those first",
     )
 
 
@@ -212,8 +212,8 @@ def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
     for each in stand_ins:
         module = first.setdefault(each.node, each.module)
         if module != each.module:
-            message = f"`{each.node}` is said to stand for `{module}` and for `{each.module}`"
-            help_text = "an InheritanceNode stands for one module: keep one comment"
+            message = f"comments assign `{each.node}` to both `{module}` and `{each.module}`"
+            help_text = "an InheritanceNode serves one module: keep one comment"
             yield Diagnostic("stand-in", "error", message, each.span, help=help_text)
 
 
@@ -230,7 +230,7 @@ def _about_nobody(
                 yield Diagnostic(
                     "stand-in",
                     "warning",
-                    f"the comment names `{name}`, which is no {sort} of the specification",
+                    f"the comment names `{name}`, which is not a {sort} of the specification",
                     each.span,
                     help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
                 )

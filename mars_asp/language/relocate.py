@@ -76,7 +76,7 @@ def _unsayable(name: Name, folder: Path) -> Diagnostic:
     return Diagnostic(
         "sources",
         "error",
-        f"`{name.text}`, as this is called from `{folder}`, is no path that `@sources` can name",
+        f"`{name.text}`, relative to `{folder}`, is not a path that `@sources` can name",
         name.span,
-        help="write the specification where no comma, `#`, `//` or line end is on the way",
+        help="write the specification where the path contains no comma, `#`, `//` or line end",
     )

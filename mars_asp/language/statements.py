@@ -111,7 +111,7 @@ class Builder:
         kind, architecture, period = children
         assert kind is not None
         if self._header is not None:
-            self._note_token(kind, f"`{kind}` stands twice in the file", "keep one of the two")
+            self._note_token(kind, f"`{kind}` occurs twice in the file", "keep one of the two")
             return
         self._header = (kind, architecture)
         self._period = self._whole(period, PERIOD)
@@ -120,7 +120,7 @@ class Builder:
     def _add_modules(self, children: list[Token]) -> None:
         if self._modules is not None:
             self._note_token(
-                children[0], "`@modules` stands twice in the file", "name all modules in one list"
+                children[0], "`@modules` occurs twice in the file", "name all modules in one list"
             )
         self._modules = self._modules or {}
         for token in children:
@@ -180,7 +180,7 @@ class Builder:
                     self._note_token(
                         priority,
                         "a priority in a list of controllers",
-                        "the list ranks them from 0 already; write one line for each controller",
+                        "the list already ranks them from 0; write one line for each controller",
                     )
                 rank = order
             self._relationships.append(
@@ -212,7 +212,7 @@ class Builder:
         if number is not None and mode is not None and mode.name != PERIODIC:
             self._note_token(
                 number,
-                f"a frequency behind `{mode.text}`",
+                f"a frequency after `{mode.text}`",
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )
         last = next(token for token in (number, written, source) if token is not None)

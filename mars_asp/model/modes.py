@@ -25,10 +25,10 @@ def parse_mode(text: str) -> Mode | ModeProblem:
     """Read one mode, such as `NotifyOnValue(30, 0.5)` or `NotifyOnMin(300, of=nearest)`."""
     match = _MODE.fullmatch(text)
     if match is None:
-        return ModeProblem(0, f"`{text.strip()}` is no delivery mode", _expected(text))
+        return ModeProblem(0, f"`{text.strip()}` is not a delivery mode", _expected(text))
     name, inside = match[1], match[2]
     if name not in DELIVERY_MODES:
-        return ModeProblem(match.start(1), f"`{name}` is no delivery mode", _expected(name))
+        return ModeProblem(match.start(1), f"`{name}` is not a delivery mode", _expected(name))
     written = re.sub(r"\s+", " ", text.strip())
     if inside is None:
         return Mode(name, text=written)
@@ -48,7 +48,9 @@ def parse_mode(text: str) -> Mode | ModeProblem:
                 return ModeProblem(at, number.message, number.help)
             arguments.append(number)
         else:
-            return ModeProblem(at, f"`{stripped}` is no argument of `{name}`", _takes(name, most))
+            return ModeProblem(
+                at, f"`{stripped}` is not an argument of `{name}`", _takes(name, most)
+            )
         offset += len(part) + 1
     return Mode(name, tuple(arguments), of, written)
 
@@ -59,12 +61,12 @@ def _argument(text: str, name: str, position: int) -> Decimal | NumberProblem:
     if isinstance(number, NumberProblem):
         if not re.match(r"[-+]?\.?[0-9]", text):
             return NumberProblem(
-                f"`{text}` is no argument of `{name}`", _takes(name, MODE_ARGUMENTS[name])
+                f"`{text}` is not an argument of `{name}`", _takes(name, MODE_ARGUMENTS[name])
             )
-        return NumberProblem(f"{number.message} of `{name}`", number.help)
+        return NumberProblem(f"`{name}`: {number.message}", number.help)
     if number < 0 and (name, position) in _DISTANCES:
         what = _DISTANCES[name, position]
-        return NumberProblem(f"`{text}` is below 0, which no {what[2:]} is", "write its magnitude")
+        return NumberProblem(f"`{text}` is negative, and {what} must not be", "write its magnitude")
     return number
 
 
@@ -78,4 +80,5 @@ def _expected(name: str) -> str:
 def _takes(name: str, most: int) -> str:
     if not most:
         return f"`{name}` takes no arguments"
-    return f"`{name}` takes at most {most} number(s), then `of=FIELD`"
+    numbers = "one number" if most == 1 else f"{most} numbers"
+    return f"`{name}` takes at most {numbers}, then `of=FIELD`"

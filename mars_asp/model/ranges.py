@@ -45,19 +45,21 @@ class Range(NamedTuple):
         return Decimal(text) + 0 if fault is None else NumberProblem(fault, self.help)
 
     def _fault(self, text: str) -> str | None:
-        shown, none = f"`{_shown(text)}`", f"`{_shown(text)}` is no {self.noun.partition(' ')[2]}"
+        shown = f"`{_shown(text)}`"
         if not _NUMBER.fullmatch(text) or (self.decimals == 0 and "." in text):
-            return none
+            return f"expected {self.noun}, found {shown}"
         value = Decimal(text)
         if value > self.most:
             return f"{shown} is too large for {self.noun}"
         if value < self.least or (self.above and value == self.least):
-            # Where nothing below zero can be meant, it is not the size that is wrong.
-            return none if self.least >= 0 else f"{shown} is too small for {self.noun}"
+            if self.least < 0:
+                return f"{shown} is too small for {self.noun}"
+            wanted = "positive" if self.above else f"at least {self.least}"
+            return f"{self.noun} must be {wanted}, found {shown}"
         if self.decimals is not None and len(text.partition(".")[2].rstrip("0")) > self.decimals:
             return f"{shown} has too many decimals for {self.noun}"
         if len(text.lstrip("+-0")) > _MOST_DIGITS:
-            return f"{shown} has more than the {_MOST_DIGITS} digits that a number may have"
+            return f"{shown} has more than {_MOST_DIGITS} digits"
         return None
 
 

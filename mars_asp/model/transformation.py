@@ -43,7 +43,7 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
             before.pop(0)
             offset = 1
         else:
-            message = f"`{before[-1]}` is half of a rotation"
+            message = f"`{before[-1]}` is only half of a rotation"
             return (TupleProblem(len(before) - 1, message, "write axis and degrees"),)
     problems: list[TupleProblem] = []
 
@@ -60,7 +60,7 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
         if axis == slots[place + 1] == NONE:
             continue
         if axis not in AXES:
-            message = f"`{axis}` is no axis"
+            message = f"expected an axis, found `{axis}`"
             problems.append(TupleProblem(place, message, "write `x`, `y`, `z` or `_`"))
         rotations.append((axis, number(place + 1, ANGLE)))
     x, y, z = (

@@ -133,7 +133,7 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
         yield Demand(match[1], match[2], span)
     if len(parts) > MOST_DEMANDS:
         span = Span(QUERY, 1, column, 1, column + 1)
-        message = f"more than {MOST_DEMANDS} functions are asked for"
+        message = f"more than {MOST_DEMANDS} functions in one question"
         problems.append(Diagnostic("query", "error", message, span, help="ask for fewer"))
     if problems:
         raise MarsError(problems)

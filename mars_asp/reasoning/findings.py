@@ -71,7 +71,7 @@ def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagno
     """Return what is said of a severity that is none."""
     near = nearest(written, SEVERITIES)
     advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
-    message = f"`{written}` is no severity"
+    message = f"`{written}` is not a severity"
     return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
 
 

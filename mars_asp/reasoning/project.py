@@ -59,7 +59,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
         missing = _missing(name.text, name.span, advice)
         paths += _found(name.text, missing, problems, folder)
     for argument in sources:
-        advice = "paths of `--sources` are relative to the folder that mars-asp is called in"
+        advice = "paths of `--sources` are relative to the current folder"
         place = point(argument, 1, 1)
         paths += _found(argument, _missing(argument, place, advice), problems)
     if problems:
@@ -171,7 +171,7 @@ def _found(
 
 
 def _missing(written: str, place: Span, advice: str) -> Diagnostic:
-    message = f"`{written}` names no file or folder"
+    message = f"`{written}` is not a file or folder"
     return Diagnostic("sources-missing", "error", message, place, help=advice)
 
 
@@ -188,7 +188,7 @@ def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> It
         yield Diagnostic(
             "annotations-missing",
             "warning",
-            f"`{name}` is annotated nowhere",
+            f"`{name}` is not annotated in any source",
             spans[name],
             ((place, f"`{near}` is annotated here"),),
             f"did you mean `{near}`?",

@@ -367,8 +367,8 @@ def test_what_stands_in_if_0_is_no_annotation(tmp_path: Path, text: str, line: i
     ("written", "column", "message", "help_text"),
     [
         ("600 -600", 13, "MIN is `600`, MAX is `-600`", "`-600 600`"),
-        ("1 2 0", 17, "`0` is no rate", "speed"),
-        ("1  2 -3", 18, "`-3` is no rate", "speed"),
+        ("1 2 0", 17, "a rate must be positive, found `0`", "speed"),
+        ("1  2 -3", 18, "a rate must be positive, found `-3`", "speed"),
         ("1 2 3 4", 13, "`1 2 3 4`", "MIN MAX RATE"),
     ],
 )

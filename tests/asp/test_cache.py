@@ -154,7 +154,7 @@ def test_values_of_our_classes_come_back_with_what_they_know() -> None:
 
 def test_what_is_no_value_of_ours_is_refused() -> None:
     for value in (Outside(1), Pair(1, 2), object(), 1.5):
-        with pytest.raises(TypeError, match="not for a table"):
+        with pytest.raises(TypeError, match="cannot be kept in a table"):
             cache._Packer().packed(value)
 
 

@@ -79,11 +79,11 @@ def test_what_does_not_hold_has_no_reason() -> None:
     answer = of("reachability").solve()
     with pytest.raises(asp.NotDerived, match="does not hold"):
         answer.why("reach(f)")
-    with pytest.raises(asp.NotDerived, match="is no atom"):
+    with pytest.raises(asp.NotDerived, match="is not an atom"):
         answer.why("reach(")
     with pytest.raises(asp.NotDerived, match=r"`reach\(d\)` holds"):
         answer.why_not("reach(d)")
-    with pytest.raises(asp.NotDerived, match="is no atom"):
+    with pytest.raises(asp.NotDerived, match="is not an atom"):
         answer.why_not("reach(")
 
 
@@ -128,7 +128,7 @@ def test_constants_replace_those_of_the_program() -> None:
 
 
 def test_what_is_no_value_of_a_constant_is_refused() -> None:
-    with pytest.raises(MarsError, match="is no value for the constant `n`"):
+    with pytest.raises(MarsError, match="is not a value for the constant `n`"):
         asp.Program.from_text("p(n).").solve({"n": "x) q(1"})
 
 

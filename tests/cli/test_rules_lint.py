@@ -38,7 +38,7 @@ def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixtu
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK.replace("ours.\n", "ours.\nfron: stated\n"))
     assert run_here(["rules", "lint", str(pack)]) == 0
-    assert f"{pack}:1:1: warning: `fron: stated` says nothing" in capsys.readouterr().err
+    assert f"{pack}:1:1: warning: `fron: stated` is not a key" in capsys.readouterr().err
     # What one writes for readers keeps no rule from being used.
     assert run_here(["analyse", "examples/level0/config.mars", "--rules", str(pack)]) == 0
 

@@ -301,7 +301,7 @@ DAMAGE = [
     [
         (("<robot", '<!DOCTYPE r [<!ENTITY a "b">]><robot'), (1, 1), "document type"),
         (("<robot", '<!DOCTYPE r SYSTEM "file:///etc/passwd"><robot'), (1, 1), "document type"),
-        (("</robot>", ""), (10, 1), "no XML"),
+        (("</robot>", ""), (10, 1), "not XML"),
         (('"revolute"', '"planar"'), (3, 3), "joint `pan` is `planar`"),
         (('"revolute"', '"revolut"'), (3, 3), "did you mean `revolute`"),
         ((' type="revolute"', ""), (3, 3), "has no type"),
@@ -312,8 +312,8 @@ DAMAGE = [
         (("0 0 0.25", "0 0 1e9"), (6, 5), "three numbers"),
         (("0 0 0.25", "0 0 1_0"), (6, 5), "three numbers"),
         (("0 0 0.25", "0 " * 10**6), (6, 5), "three numbers"),
-        (("0 1 0", "0 0 0"), (7, 5), "no length"),
-        (('"-1"', '"low"'), (8, 5), '`lower="low"` is no number'),
+        (("0 1 0", "0 0 0"), (7, 5), "length zero"),
+        (('"-1"', '"low"'), (8, 5), '`lower="low"` is not a number'),
         (('"-1"', '"7"'), (8, 5), "above the upper"),
         (('"2"', '"-2"'), (8, 5), "below 0"),
         (('name="head"', 'name="base"'), (2, 22), "a second link named `base`"),
@@ -382,7 +382,7 @@ def test_export_needs_one_tree() -> None:
     with pytest.raises(MarsError, match="nothing is mounted"):
         export_urdf(Configuration("a.mars", point("a.mars", 1, 1)), {})
     ring = [Mount("A", "B", HERE), Mount("B", "A", HERE), Mount("C", "D", HERE)]
-    with pytest.raises(MarsError, match="lead to no root"):
+    with pytest.raises(MarsError, match="do not lead to a root"):
         export_urdf(robot(ring, ()), {})
     with pytest.raises(MarsError, match="mounted twice"):
         export_urdf(robot([Mount("A", "B", HERE), Mount("A", "B", HERE)], ()), {})
@@ -417,7 +417,7 @@ def test_the_verbs_export_and_import_an_example(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "text", "mentions"),
     [
-        (["import", "urdf", "-"], "<robot>", "<stdin>:1:8: error: the file is no XML"),
+        (["import", "urdf", "-"], "<robot>", "<stdin>:1:8: error: the file is not XML"),
         (["import", "urdf", "missing.urdf"], None, "missing.urdf"),
         (["import", "urdf", "-"], "<robot>" + " " * MOST_BYTES, f"larger than {MOST_BYTES}"),
         (["export", "urdf", "-"], "@configuration\n@modules A\n", "nothing is mounted"),

@@ -15,7 +15,7 @@ def test_a_joystick_drives_a_platform() -> None:
 
 
 def test_a_world_without_room_for_its_circles_is_reported() -> None:
-    with pytest.raises(MarsError, match="finds no place for 3 circles"):
+    with pytest.raises(MarsError, match="finds no room for 3 circles"):
         trial(f"{BASE}{HAND}[world]\nscatter = {{ count = 3, within = 10, free = 900 }}\n")
 
 
@@ -64,7 +64,7 @@ def test_a_condition_about_what_is_no_number_fails_the_run() -> None:
         ("S", "the robot's `module` is an effector, and `S` is not (sensor)"),
         ("C", "the robot's `module` is an effector, and `C` is not (control out)"),
         ("G", "the robot's `module` moves, and `G` has no motion function"),
-        ("Q", "`Q` is no module of the specification"),
+        ("Q", "`Q` is not a module of the specification"),
     ],
 )
 def test_what_cannot_move_is_no_robot(robot: str, told: str) -> None:
@@ -88,7 +88,7 @@ def test_a_module_with_nothing_to_run_it_is_reported_where_it_is_named() -> None
 
 @pytest.mark.parametrize("name", ["P", "Cc"])
 def test_a_fault_that_nothing_has_is_refused(name: str) -> None:
-    with pytest.raises(MarsError, match="no module that a Python function or a sensing") as raised:
+    with pytest.raises(MarsError, match="is not run by a Python function or a sensing") as raised:
         trial(f'{BASE}{HAND}[faults.{name}]\nkind = "silent"\n')
     assert raised.value.diagnostics[0].span.line == 7
 

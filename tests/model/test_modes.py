@@ -27,11 +27,11 @@ def test_an_argument_can_name_what_is_measured() -> None:
 @pytest.mark.parametrize(
     ("text", "offset", "message"),
     [
-        ("Notify", 0, "`Notify` is no delivery mode"),
-        ("NotifyOnMin(", 0, "`NotifyOnMin(` is no delivery mode"),
-        ("NotifyOnMin(300, of=a, of=b)", 23, "`of=b` is no argument of `NotifyOnMin`"),
-        ("NotifyOnMin(x)", 12, "`x` is no "),
-        ("RequestWhenReady(1)", 17, "`1` is no argument of `RequestWhenReady`"),
+        ("Notify", 0, "`Notify` is not a delivery mode"),
+        ("NotifyOnMin(", 0, "`NotifyOnMin(` is not a delivery mode"),
+        ("NotifyOnMin(300, of=a, of=b)", 23, "`of=b` is not an argument of `NotifyOnMin`"),
+        ("NotifyOnMin(x)", 12, "`x` is not an argument o"),
+        ("RequestWhenReady(1)", 17, "`1` is not an argument of `RequestWhenReady`"),
     ],
 )
 def test_what_is_wrong_with_a_mode_is_told_at_its_place(

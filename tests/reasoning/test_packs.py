@@ -61,10 +61,10 @@ def test_what_is_found_has_a_severity_and_is_no_choice(tmp_path: Path) -> None:
         "consequence(d, error, M, 1); seen(M) :- module(M).\n"
         "consequence(e, S, M, 1) :- module(M), S = note.\n"
     )
-    chosen = "stands in a choice, disjunction or condition"
+    chosen = "occurs in a choice, disjunction or condition"
     assert refusals(tmp_path, text) == [
-        ("rule-severity", 1, 16, "`eror` is no severity"),
-        ("rule-head", 1, 57, "`consequence/4` stands in a pool, or holds one"),
+        ("rule-severity", 1, 16, "`eror` is not a severity"),
+        ("rule-head", 1, 57, "`consequence/4` occurs in a pool, or contains one"),
         ("rule-head", 2, 3, f"`consequence/4` {chosen}"),
         ("rule-head", 4, 1, f"`concerns/4` {chosen}"),
         ("rule-head", 5, 1, f"`consequence/4` {chosen}"),

@@ -188,7 +188,7 @@ def test_a_thousand_random_chains(rules: str) -> None:
 def test_help_says_that_a_definition_is_ours(kind: str) -> None:
     told = [r.help for r in load_rulebook().rules if r.text.startswith(f"consequence({kind},")]
     assert told
-    assert all(help_ and "the definition is ours" in help_ for help_ in told)
+    assert all(help_ and "our definition" in help_ for help_ in told)
 
 
 def test_signs_and_names_through_right_angles() -> None:

@@ -36,7 +36,7 @@ def overflows(text: str, path: str) -> Iterator[Diagnostic]:
         yield Diagnostic(
             "rule-number",
             "error",
-            f"`{written}` does not fit into 32 bits, so it would be another number",
+            f"`{written}` does not fit into 32 bits, so it would become a different number",
             point(path, *place),
             help=f"numbers in rules are {LEAST} to {MOST}",
         )

@@ -131,7 +131,7 @@ def unknown_predicates(
                 placed(span, place),
                 help=f"did you mean {' or '.join(others)}?"
                 if others
-                else f"`rules/vocabulary.lp` says what is given; write `#defined {signature}.` "
+                else f"`rules/vocabulary.lp` lists the given facts; write `#defined {signature}.` "
                 "where only some facts hold it",
             )
 
@@ -149,20 +149,20 @@ def misused_heads(
         told = sorted({each.unsigned for each in statement.derives} & seal.extensible)
         if told and not statement.forces:
             negated = len(statement.heads) == 1 and not statement.head.binds
-            where = "behind `not`" if negated else "in a choice, disjunction or condition"
+            where = "after `not`" if negated else "in a choice, disjunction or condition"
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{told[0]}` stands {where}",
+                f"`{told[0]}` occurs {where}",
                 placed(span, statement.place),
-                help="what is found follows from the facts: write a rule with this head alone",
+                help="findings must follow from the facts: write a rule with this head alone",
             )
             return
         if told and pool is not None:
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`{told[0]}` stands in a pool, or holds one",
+                f"`{told[0]}` occurs in a pool, or contains one",
                 placed(span, pool),
                 help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
             )
@@ -171,9 +171,9 @@ def misused_heads(
             yield Diagnostic(
                 "rule-head",
                 "error",
-                f"`-{told[0]}` says what is not found",
+                f"`-{told[0]}` denies a finding",
                 placed(span, statement.place),
-                help="only what is found is reported: leave out the rule",
+                help="only findings are reported: leave out the rule",
             )
     yield from contract.judge(rule, text, span)
 
@@ -187,21 +187,21 @@ def misplaced_statements(
         match piece.sort:
             case "cost":
                 message = (
-                    f"a minimisation chooses between answers, and {contract.findings} have just one"
+                    f"a minimisation chooses between answers, and {contract.findings} have only one"
                 )
-                advice = f"derive `{contract.finding}` for what is dear"
+                advice = f"derive `{contract.finding}` for whatever costs too much"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
             case "term":
-                message = "`#show` of a term shows what nothing derives"
+                message = "`#show` of a term shows a term that no rule derives"
                 advice = "derive a predicate, and show that: `#show name/1.`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
             case "other":
-                message = f"`{piece.text.split()[0]}` is no statement of a rule pack"
-                advice = "it holds rules, `#const`, `#defined` and `#show`"
+                message = f"`{piece.text.split()[0]}` is not a statement of a rule pack"
+                advice = "a pack contains rules, `#const`, `#defined` and `#show`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
             case "constant":
                 for name in sorted(replaced(piece.text) & seal.constants):
-                    message = f"`{name}` is a word of the built-in rules or of what they are given"
+                    message = f"`{name}` is a word of the built-in rules or of their facts"
                     advice = "choose another name: `#const` would replace it everywhere"
                     yield Diagnostic("rule-constant", "error", message, place, help=advice)
             case "shown" | "declaration":
@@ -231,7 +231,7 @@ def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
     """Yield the functions that a rule calls: rules run no code, so there are none."""
     for place, name in calls(text):
         message = f"there is no function `@{name}`"
-        advice = "rules run no code: let facts and rules say what is the case"
+        advice = "rules run no code: state it with facts and rules"
         yield Diagnostic("rule-undefined", "error", message, placed(span, place), help=advice)
 
 
@@ -255,18 +255,18 @@ def _reserved(
     if signature in seal.extensible:
         return
     if signature in seal.derived:
-        message = f"`{signature}` is derived by the built-in rules alone"
+        message = f"`{signature}` is derived only by the built-in rules"
     elif signature in seal.given:
         message = f"`{signature}` is given, and nothing derives it"
     elif name.startswith("_"):
-        message = f"`{signature}` begins with `_`, as what we add to rules does"
+        message = f"`{signature}` begins with `_`, which is reserved"
     elif name in seal.arities:
         message = f"`{name}` has {seal.arities[name]} arguments, not {signature.arity}"
-        advice = "`docs/writing-rules.md` says what each of them is"
+        advice = "`docs/writing-rules.md` explains each of them"
     else:
         return
     if signature in seal.later:
-        advice += f"; this one is of `rules/{seal.later[signature]}`"
+        advice += f"; this one belongs to `rules/{seal.later[signature]}`"
     yield Diagnostic("rule-reserved", "error", message, place, help=advice)
 
 
@@ -278,7 +278,7 @@ def _too_early(signature: Signature, seal: Seal, contract: Contract, place: Span
         "error",
         f"`{signature}` is {how} `rules/{stage}`, after the {contract.findings}",
         place,
-        help="a rule pack rests on what is given or derived in `rules/*.lp`",
+        help="a rule pack may use what is given or derived in `rules/*.lp`",
     )
 
 

@@ -138,7 +138,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     match = re.fullmatch(_HEADER, header)
     if match is None:
         shown = header if len(header) <= _MOST_SHOWN else f"{header[:_MOST_SHOWN]}..."
-        message = f"`{shown}` is no predicate with its arguments"
+        message = f"`{shown}` is not a predicate with its arguments"
         problems.append(_problem(message, place, "write `%*! name(First: sort, Second)`"))
         return None
     arguments = [] if match[2] is None else tuple(_split(match[2]))
@@ -166,7 +166,7 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
     text = " ".join(written.split())
     match = re.fullmatch(_ARGUMENT, text)
     if match is None:
-        message = f"`{text}` is no argument of a documented predicate"
+        message = f"`{text}` is not an argument of a documented predicate"
         problems.append(_problem(message, place, "write a variable, or `Variable: sort`"))
         return None
     if match[2] is None:
@@ -177,14 +177,14 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
         if all(named):
             return Argument(match[1], constants=named)
         problems.append(
-            _problem(f"`{match[2]}` names no constant", place, "write `{first, second}`")
+            _problem(f"`{match[2]}` is not a constant", place, "write `{first, second}`")
         )
         return None
     sorts = [each.strip() for each in match[2].split("|")]
     wrong = [each for each in sorts if not re.fullmatch(_SORT, each)]
     if wrong:
         advice = "write a word in small letters, several with `|`, or `{constants}`"
-        problems.append(_problem(f"`{wrong[0]}` is no sort", place, advice))
+        problems.append(_problem(f"`{wrong[0]}` is not a sort", place, advice))
         return None
     return Argument(match[1], frozenset(sorts))
 
@@ -202,11 +202,11 @@ def _lines(text: str, place: Span, problems: list[Diagnostic]) -> tuple[str, dic
         if near_key != key or value not in _SAID[key]:
             choices = _SAID[near_key]
             near = nearest(value, choices) or choices[0]
-            message = f"`{key}: {value}` says nothing of a predicate"
+            message = f"`{key}: {value}` is not a key of a documented predicate"
             advice = f"did you mean `{near_key}: {near}`?"
             problems.append(_problem(message, place, advice))
         elif key in said:
-            problems.append(_problem(f"`{key}` stands twice", place, "leave out one of them"))
+            problems.append(_problem(f"`{key}` occurs twice", place, "leave out one of them"))
         else:
             said[key] = value
     return " ".join(" ".join(lines).split()), said

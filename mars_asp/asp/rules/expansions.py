@@ -100,7 +100,7 @@ def wrong(
 ) -> Iterator[Diagnostic]:
     """Yield what is wrong with a line of metadata, but for what clingo says of its rules."""
     if not _is_above(rule, expansion):
-        message = f"`{key}` stands above a rule that does not derive `{expansion.of}` alone"
+        message = f"`{key}` is above a rule that does not derive `{expansion.of}` alone"
         advice = f"leave it out, or give the rule a head `{expansion.of}`"
         yield _wrong(message, place, advice)
         return
@@ -110,11 +110,13 @@ def wrong(
             yield _wrong(f"`{key}` lists nothing", place, advice)
             return
         if element.order and not expansion.is_ordered:
-            yield _wrong(f"`{key}` has no order, so `@` says nothing", place, advice)
+            yield _wrong(f"`{key}` has no order, so `@` has no effect", place, advice)
             return
     local = variables(rule.ast) - bound_variables(rule.text)
     for name in sorted(local.intersection(_VARIABLE.findall(_STRING.sub("", written)))):
-        message = f"`{name}` of `{key}` is another inside of an aggregate or a negation of the rule"
+        message = (
+            f"`{name}` of `{key}` is a different variable in an aggregate or negation of the rule"
+        )
         yield _wrong(message, place, f"give it a name of its own, `{name}'`")
         return
     elements = tuple(_elements(written))
@@ -124,7 +126,7 @@ def wrong(
     for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
         alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
         if not _is_rule(made.text, place.path) or not _is_rule(alone, place.path):
-            message = f"`{key}` cannot be read: it stands for `{made.text}`"
+            message = f"`{key}` cannot be read: it means `{made.text}`"
             yield _wrong(message, place, advice)
             return
         # What leaves 32 bits is told where a rule computes it, and this one stands in no file.

@@ -73,7 +73,7 @@ def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
             yield text.index(sign), f"holds {name}", "remove it"
             return
     if text.lstrip().startswith("asp "):
-        yield 0, "an intermediate format, no rules", "give the rules themselves"
+        yield 0, "an intermediate format, not rules", "pass the rules themselves"
     for match in _REFUSED.finditer(text):
         yield match.start(), f"`#{match[1]}` is not allowed", "leave it out"
     yield from _unfit(text)
@@ -113,7 +113,7 @@ def _unfit(text: str) -> Iterator[tuple[int, str, str]]:
         elif not " " <= sign <= "~":
             yield (
                 at,
-                f"`{token}` stands outside of comments and strings",
+                f"`{token}` is outside of comments and strings",
                 "names are of ASCII letters, digits and `_`; put any others in a string",
             )
         elif sign != '"':

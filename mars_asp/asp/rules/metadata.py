@@ -98,12 +98,12 @@ def _note_metadata(
         help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
         problems.append(
             Diagnostic(
-                "rule-metadata", "error", f"`{key}` is no metadata key", span, help=help_text
+                "rule-metadata", "error", f"`{key}` is not a metadata key", span, help=help_text
             )
         )
     elif key in pending:
         problems.append(
-            Diagnostic("rule-metadata", "error", f"`{key}` stands twice above one rule", span)
+            Diagnostic("rule-metadata", "error", f"`{key}` occurs twice above one rule", span)
         )
     else:
         pending[key] = (value, span)
@@ -161,7 +161,7 @@ def wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
             yield Diagnostic(
                 "rule-metadata",
                 "error",
-                f"`{{{hole}}}` in the message of `{rule.id}` is no variable of the rule's body",
+                f"`{{{hole}}}` in the message of `{rule.id}` is not a variable of the rule's body",
                 rule.span,
                 help=f"did you mean `{{{near}}}`?" if near else None,
             )
@@ -172,7 +172,7 @@ def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
         Diagnostic(
             "rule-metadata",
             "error",
-            f"`{key}` does not stand directly above a rule",
+            f"`{key}` is not directly above a rule",
             span,
             help="put it on the line above the rule it belongs to",
         )

@@ -29,7 +29,7 @@ def shared_names(rulebook: Rulebook) -> tuple[Diagnostic, ...]:
             f"`{name}/{other}` shares its name with `{name}/{arity}`",
             span,
             ((earlier, f"`{name}/{arity}`, first named here"),),
-            help="one name says one thing: give each predicate a name of its own",
+            help="one name has one meaning: give each predicate its own name",
         )
         for name, ((arity, earlier), *others) in (
             (name, places.items()) for name, places in first.items()

@@ -251,7 +251,7 @@ def pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Pa
                 Diagnostic(
                     "rules-missing",
                     "error",
-                    f"`{path}` is no file or folder",
+                    f"`{path}` is not a file or folder",
                     point(str(path), 1, 1),
                 )
             )

@@ -29,9 +29,9 @@ def risks(
             names = sorted(large & _variables(operation))
             message = f"`{operation.text}` may not fit into 32 bits"
             if names:
-                message += f", for `{names[0]}` may be as large as any number"
+                message += f", as `{names[0]}` has no upper bound"
             place = placed(rule.span, operation.place)
-            advice = "compare numbers, or signs instead of products; `%! fits:` says why it fits"
+            advice = "compare numbers, or signs, not products; or state in `%! fits:` why it fits"
             yield Diagnostic("rule-arithmetic", "warning", message, place, help=advice)
 
 

@@ -132,7 +132,7 @@ def _contradictions(statement: Statement, known: _Known, span: Span) -> Iterator
                 if first is not None and not first.sorts & use.sorts:
                     message = f"`{name}` is a {_in_words(first)} and a {_in_words(use)}"
                     advice = (
-                        "these are two things: name two variables, and say how they belong together"
+                        "these are two things: use two variables, and state how they are related"
                     )
                     place = placed(span, use.literal.place)
                     yield Diagnostic("rule-sort", "warning", message, place, help=advice)

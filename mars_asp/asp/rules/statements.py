@@ -384,7 +384,9 @@ def pieces(text: str) -> Iterator[Piece]:
         piece = "\n".join(written)
         if node.ast_type == _TYPE.Rule and not _says(piece, node):
             place = f"<string>:{begin.line}:{begin.column}"
-            raise RuleSyntaxError([f"{place}: error: this rule cannot be told from its neighbours"])
+            raise RuleSyntaxError(
+                [f"{place}: error: this rule cannot be separated from its neighbours"]
+            )
         yield Piece(
             _SORTS.get(node.ast_type, "other"),
             piece,

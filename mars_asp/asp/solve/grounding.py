@@ -350,7 +350,7 @@ class Grounding:
         `None` where no answer has it. To be asked after `resolve`.
 
         Raises:
-            TimeoutError: the deadline passed before any answer was found.
+            TimeoutError: the time limit passed before any answer was found.
         """
         atom = self.control.symbolic_atoms[symbol]
         if atom is None:

@@ -56,7 +56,7 @@ class LateError(TimeoutError):
 
     def __init__(self, bound: dict[int, int]) -> None:
         """Keep the bound, level by level."""
-        super().__init__("the deadline passed before any answer was found")
+        super().__init__("the time limit passed before any answer was found")
         self.bound = bound
 
 
@@ -111,7 +111,7 @@ def least(component: Component, deadline: float | None = None) -> Optimum:
 
     Raises:
         UnsatisfiableError: there is no answer.
-        TimeoutError: the deadline passed before any answer was found.
+        TimeoutError: the time limit passed before any answer was found.
     """
     levels = sorted({level for level, _, _ in component.costs}, reverse=True)
     control = _control(component)
@@ -144,7 +144,7 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
 
     Raises:
         UnsatisfiableError: no answer has it.
-        TimeoutError: the deadline passed before any answer was found.
+        TimeoutError: the time limit passed before any answer was found.
     """
     forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
     return least(forced, deadline)

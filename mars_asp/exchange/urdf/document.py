@@ -78,9 +78,11 @@ class _Reader:
 
     def document(self, root: Element) -> Document:
         if root.name != "robot":
-            self.note(root, f"`<{root.name}>` is no `<robot>`", "a URDF document is one `<robot>`")
+            self.note(
+                root, f"`<{root.name}>` is not a `<robot>`", "a URDF document is one `<robot>`"
+            )
         elif macro := next((c for c in root.children if c.name.startswith("xacro:")), None):
-            message = f"`<{macro.name}>` is a macro that was not expanded"
+            message = f"the macro `<{macro.name}>` is not expanded"
             self.note(macro, message, "expand it first: `xacro FILE > robot.urdf`")
         links = [child for child in root.children if child.name == "link"]
         joints = [child for child in root.children if child.name == "joint"]
@@ -118,7 +120,7 @@ class _Reader:
         origin, axis, mimic = (element.child(word) for word in ("origin", "axis", "mimic"))
         along = self.three(axis, "xyz", (_ONE, _NONE, _NONE))
         if axis is not None and not any(map(float, along)):
-            self.note(axis, "an axis of no length", "say where it points, as `0 0 1`")
+            self.note(axis, "an axis of length zero", "state its direction, such as `0 0 1`")
         lower, upper, rate = None, None, None
         if kind != "fixed" and (limit := element.child("limit")) is not None:
             rate = self.rate(limit)
@@ -164,7 +166,7 @@ class _Reader:
                 if max(abs(x), abs(y), abs(z)) < FARTHEST:
                     return x, y, z
         found = f'`{key}="{written[:_MOST]}"` are not three numbers below {FARTHEST}'
-        self.note(element, found, f'write `{key}="{" ".join(map(str, default))}"` or the like')
+        self.note(element, found, f'write `{key}="{" ".join(map(str, default))}"` or similar')
         return default
 
     def bounds(self, limit: Element) -> tuple[Decimal | None, Decimal | None]:
@@ -190,7 +192,7 @@ class _Reader:
         found = _number(written) if len(written) < _MOST else None
         if found is None:
             shown = f'`{key}="{written[:_MOST]}"`'
-            self.note(limit, f"{shown} is no number", "write one in metres or radians")
+            self.note(limit, f"{shown} is not a number", "write one in metres or radians")
         return found or _NONE
 
     def trees(self, joints: Sequence[Joint]) -> None:
@@ -200,13 +202,13 @@ class _Reader:
             first = above.setdefault(joint.child, joint)
             if first is not joint:
                 found = f"`{joint.child}` is the child of `{first.name}` and of `{joint.name}`"
-                self.note(joint, found, "a link hangs on one joint: delete the other")
+                self.note(joint, found, "a link has one parent joint: delete the other")
         edges = [(joint.child, joint.parent, number) for number, joint in enumerate(joints)]
         for knot in knots(edges):
             names = ", ".join(f"`{joints[number].name}`" for _, _, number in knot.walk)
-            found = f"joints lead back to `{knot.walk[0][0]}`: {names}"
+            found = f"the joints lead back to `{knot.walk[0][0]}`: {names}"
             self.note(
-                joints[knot.walk[0][2]], found, "the links of a robot make a tree: delete one"
+                joints[knot.walk[0][2]], found, "the links of a robot form a tree: delete one"
             )
 
 

@@ -74,7 +74,7 @@ def read_elements(text: str, path: str) -> Element:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         place = point(path, error.lineno, error.offset + 1)
-        message = f"the file is no XML: {expat.errors.messages[error.code]}"
+        message = f"the file is not XML: {expat.errors.messages[error.code]}"
         raise MarsError((Diagnostic("urdf", "error", message, place),)) from None
     assert root is not None  # a document without a root is no XML
     return root

@@ -145,9 +145,9 @@ def _remarks(joint: Joint) -> Iterator[Diagnostic]:
         yield Diagnostic(
             "urdf-mimic",
             "warning",
-            f"joint `{joint.name}` follows `{joint.mimics}`, but here it moves by itself",
+            f"joint `{joint.name}` follows `{joint.mimics}`, but is imported as independent",
             joint.span,
-            help="mounts know no such bond; what emerges may need both to move on their own",
+            help="mounts cannot couple joints; inheritance assumes that both move independently",
         )
     for angle in joint.turns:
         nearest = round(float(angle) / QUARTER) * QUARTER
@@ -155,9 +155,9 @@ def _remarks(joint: Joint) -> Iterator[Diagnostic]:
             yield Diagnostic(
                 "urdf-angle",
                 "warning",
-                f"`{angle}` is nearly a quarter turn, and taken as it stands",
+                f"`{angle}` is nearly a quarter turn, and is used as written",
                 joint.span,
-                help=f"for a right angle write `{nearest!r}`; what is inherited depends on it",
+                help=f"for a right angle write `{nearest!r}`; inheritance depends on it",
             )
 
 

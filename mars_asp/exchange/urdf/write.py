@@ -57,7 +57,7 @@ def _obstacles(
     seen: set[str] = set()
     for mount in mounts:
         if mount.mounting not in body.carrier:
-            message = f"the mounts of `{mount.mounting}` lead to no root"
+            message = f"the mounts of `{mount.mounting}` do not lead to a root"
             yield Diagnostic("urdf", "error", message, mount.span, help="open the cycle")
         elif mount.mounting in seen:
             message = f"`{mount.mounting}` is mounted twice"
@@ -68,8 +68,8 @@ def _obstacles(
         yield Diagnostic("urdf", "error", message, configuration.span, help="add `is_mounted_on`")
     elif len(roots) > 1:
         named = ", ".join(f"`{name}`" for name in roots)
-        message = f"there are {len(roots)} roots, {named}, and URDF has one"
-        help_text = "mount them on one module, or keep one robot in a file"
+        message = f"there are {len(roots)} roots, {named}, but URDF has one"
+        help_text = "mount them on one module, or write one robot to a file"
         yield Diagnostic("urdf", "error", message, configuration.span, help=help_text)
 
 

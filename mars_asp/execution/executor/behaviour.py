@@ -35,15 +35,15 @@ def single_command(result: object) -> dict[str, float]:
     Accepts a mapping with one entry, or a pair (function, rate).
 
     Raises:
-        ValueError: it names several functions, an unknown one, or a rate that is no number.
+        ValueError: it names several functions, an unknown one, or a rate that is not a number.
     """
     pairs = list(result.items()) if isinstance(result, dict) else [result]
     if len(pairs) != 1 or not isinstance(pairs[0], tuple) or len(pairs[0]) != 2:
         raise ValueError(f"a command names one function, not {result!r}")
     name, rate = pairs[0]
     if name != GRASP and name not in MOTION_FUNCTIONS:
-        raise ValueError(f"there is no function {name!r}")
+        raise ValueError(f"{name!r} is not a motion or grasp function")
     rate = float(rate)
     if not isfinite(rate):
-        raise ValueError(f"{rate} is no rate")
+        raise ValueError(f"{rate} is not a rate")
     return {name: rate}

@@ -160,7 +160,7 @@ def condition(mode: Mode) -> Callable[[float], bool]:
         return _entering(arguments[0], arguments[1] if len(arguments) > 1 else 0.0)
     if mode.name == "NotifyOnChange":
         return _changing(arguments[0] if arguments else 0.0)
-    raise ValueError(f"`{mode.text or mode.name}` sets no condition")
+    raise ValueError(f"`{mode.text or mode.name}` states no condition")
 
 
 def _beyond(arguments: list[float], sign: float) -> Callable[[float], bool]:

@@ -145,7 +145,7 @@ class Executor:
             return []
         if plan.kind(name) == "control_out" and plan.control_in[name]:
             return []
-        message = f"nothing ever makes `{name}` run: no input is notified and it has no period"
+        message = f"`{name}` would never run: no input is notified and it has no period"
         help_text = f"give `{name}` a period in the scenario"
         return [Diagnostic("never-runs", "error", message, span, (), help_text)]
 
@@ -280,14 +280,14 @@ class Executor:
 
 
 def _unbound(name: str, kind: str, span: Span) -> Diagnostic:
-    message = f"`{name}` has nothing to run it ({kind.replace('_', ' ')})"
+    message = f"`{name}` is not bound ({kind.replace('_', ' ')})"
     help_text = f"bind `{name}` to a device or a Python function in the scenario"
     return Diagnostic("unbound", "error", message, span, (), help_text)
 
 
 def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
-    message = f"nothing says which functions `{name}` provides to `{node}`"
-    help_text = f"describe `{name}`: name its source by `--sources`, or repeat its block"
+    message = f"the functions that `{name}` provides to `{node}` are unknown"
+    help_text = f"annotate `{name}`: name its source with `--sources`, or repeat its block"
     return Diagnostic("undescribed", "error", message, span, (), help_text)
 
 
@@ -296,11 +296,13 @@ def _stands_for_none(plan: Plan, node: str, span: Span) -> Iterator[Diagnostic]:
     named = plan.inheriting.stands_for(node)
     if len(named) > 1:
         names = " or ".join(f"`{name}`" for name in sorted(named))
-        message = f"`{node}` may stand for {names}, which move in different ways"
-        help_text = f"say which in a comment before its line: `// {node}: {min(named)}`"
+        message = f"`{node}` may serve {names}, which move in different ways"
+        help_text = f"name one in a comment before its line: `// {node}: {min(named)}`"
         yield Diagnostic("stand-in", "error", message, span, (), help_text)
     for each in plan.configuration.stand_ins:
         if each.node == node and each.module not in plan.inheriting.riders(node):
-            message = f"`{node}` feeds what does not carry `{each.module}`, whom its comment names"
+            message = (
+                f"`{node}` feeds modules that do not carry `{each.module}`, which its comment names"
+            )
             help_text = "name the module whose commands the node passes on"
             yield Diagnostic("stand-in", "error", message, each.span, (), help_text)

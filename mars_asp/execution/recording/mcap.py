@@ -134,7 +134,7 @@ def _told(event: Event) -> Entry:
         return Entry(at, topic, "mars_asp.Message", {"value": value})
     if what == "holds":
         holder, why = value
-        level, message = _INFO, f"{holder or 'nobody'} holds control: {why}"
+        level, message = _INFO, f"{holder or 'no controller'} holds control: {why}"
     else:
         level, message = _WARNING, f"a message was dropped: {value}"
     log = {

@@ -38,14 +38,14 @@ class Functions:
             self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
             return None
         if not callable(found):
-            self._note(module, f"`{path}:{name}` is no function")
+            self._note(module, f"`{path}:{name}` is not a motion or grasp function")
             return None
         return _staying(found)
 
     def _load(self, path: Path) -> ModuleType:
         specification = importlib.util.spec_from_file_location(f"_behaviour_{path.stem}", path)
         if specification is None or specification.loader is None:
-            raise ImportError("it is no Python file")
+            raise ImportError("it is not a Python file")
         module = importlib.util.module_from_spec(specification)
         # A behaviour that draws random numbers finds the run's seed here.
         module.__dict__["SEED"] = self.scenario.seed
@@ -150,7 +150,7 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
             last[0] = behaviour.call(*inputs)
             return last[0]
         if kind == "throwing":
-            raise AskedError(f"`{name}` throws, as the scenario asks")
+            raise AskedError(f"`{name}` raises an exception, as the scenario demands")
         return last[0] if kind == "stuck" else None
 
     return replace(behaviour, call=call)

@@ -59,7 +59,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
     deep = _DEEP.search(text)
     if deep is not None:
         line = text.count("\n", 0, deep.start()) + 1
-        raise MarsError([_problem(point(str(path), line, 1), "a key of more than 100 parts")])
+        raise MarsError([_problem(point(str(path), line, 1), "a key with more than 100 parts")])
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -68,7 +68,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
         message = str(error).split(" (at")[0]
         raise MarsError([_problem(point(str(path), line, column), message)]) from None
     except RecursionError:
-        message = "its lists and tables are too deep to be read"
+        message = "its lists and tables are nested too deep"
         raise MarsError([_problem(point(str(path), 1, 1), message)]) from None
     except ValueError as error:  # a number of more digits than Python reads
         raise MarsError([_problem(point(str(path), 1, 1), str(error).split(";")[0])]) from None

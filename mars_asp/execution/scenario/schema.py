@@ -169,7 +169,14 @@ SCHEMA: _Schema = {
 }
 _VALIDATOR = Draft4Validator(SCHEMA)
 #: What the schema calls types of TOML.
-_TYPES = {"object": "table", "array": "list", "number": "int or float", "integer": "int"}
+_TYPES = {
+    "object": "a table",
+    "array": "a list",
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "a string",
+    "boolean": "true or false",
+}
 #: In the place of numbers without an end, which JSON has not.
 _ENDLESS = 1.7e308
 #: No list or table of ours is in so many others.
@@ -220,7 +227,7 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
     if isinstance(kind, Kind.AdditionalProperties):
         known = schema["properties"]
         for unknown in kind.unexpected:
-            yield Mistake((*path, unknown), f"`{unknown}` is no key here", _hint(unknown, known))
+            yield Mistake((*path, unknown), f"unknown key `{unknown}`", _hint(unknown, known))
     elif isinstance(kind, Kind.Required):
         missing, owner = kind.property, f"`{key}`" if path else "the scenario"
         choices = schema["properties"][missing].get("enum")
@@ -228,16 +235,20 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
         yield Mistake(path, f"{owner} has no `{missing}`", help_text)
     elif _is_beyond(kind, schema, value):
         least, most = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
-        message = f"`{value}` is no number for `{key}`"
+        message = f"`{value}` is out of range for `{key}`"
         yield Mistake(path, message, f"from {least:g} to {most:g}")
     elif form is not None:
-        owner = f"`{key}` is" if isinstance(form[-1], str) else f"an entry of `{key}` is"
-        yield Mistake(form, f"{owner} not {_schema(form)['description']}")
+        owner = f"`{key}`" if isinstance(form[-1], str) else f"an entry of `{key}`"
+        yield Mistake(form, f"{owner} must be {_schema(form)['description']}")
     elif isinstance(kind, Kind.Enum) and isinstance(value, str):
-        yield Mistake(path, f"`{value}` is no `{key}`", _hint(value, schema["enum"]))
+        choices = schema["enum"]
+        near = nearest(value, choices)
+        help_text = f"did you mean `{near}`?" if near else None
+        message = f"`{key}` must be {', '.join(choices[:-1])} or {choices[-1]}, found `{value}`"
+        yield Mistake(path, message, help_text)
     else:
         wanted = schema.get("type", "string")
-        yield Mistake(path, f"`{key}` is no {_TYPES.get(wanted, wanted)}")
+        yield Mistake(path, f"`{key}` must be {_TYPES[wanted]}")
 
 
 def _schema(path: _Path) -> _Schema:
@@ -283,7 +294,7 @@ def _disordered(tables: Mapping[str, Any]) -> Iterator[Mistake]:
                 low, high = table.get(first), table.get(second)
                 if _is_number(low) and _is_number(high) and low > high:
                     message = f"`{first}` is {low}, above `{second}`, which is {high}"
-                    yield Mistake((name, module, first), message, "exchange or change them")
+                    yield Mistake((name, module, first), message, "swap or change them")
 
 
 def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:

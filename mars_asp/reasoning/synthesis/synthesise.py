@@ -170,7 +170,7 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
         "error",
         f"conversion costs that {together}",
         dearest.span,
-        help="state smaller costs behind `@Converts`: only how they compare counts",
+        help="state smaller costs after `@Converts`: only their ratios count",
     )
 
 

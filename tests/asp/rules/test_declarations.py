@@ -63,14 +63,14 @@ def test_what_is_no_mark_is_no_declaration() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("%*! P(X)\nWords.\n*%", "`P(X)` is no predicate with its arguments"),
-        ("%*! p(x)\nWords.\n*%", "`x` is no argument of a documented predicate"),
-        ("%*! p(X:)\nWords.\n*%", "`X:` is no argument of a documented predicate"),
-        ("%*! p(X: Y)\nWords.\n*%", "`Y` is no sort"),
-        ("%*! p(X: a |)\nWords.\n*%", "`` is no sort"),
-        ("%*! p(X)\nfrom: state\n*%", "`from: state` says nothing of a predicate"),
-        ("%*! p(X)\nfron: stated\n*%", "`fron: stated` says nothing of a predicate"),
-        ("%*! p(X)\nfrom: stated\nfrom: computed\n*%", "`from` stands twice"),
+        ("%*! P(X)\nWords.\n*%", "`P(X)` is not a predicate with its arguments"),
+        ("%*! p(x)\nWords.\n*%", "`x` is not an argument of a documented predicate"),
+        ("%*! p(X:)\nWords.\n*%", "`X:` is not an argument of a documented predicate"),
+        ("%*! p(X: Y)\nWords.\n*%", "`Y` is not a sort"),
+        ("%*! p(X: a |)\nWords.\n*%", "`` is not a sort"),
+        ("%*! p(X)\nfrom: state\n*%", "`from: state` is not a key of a documented predicate"),
+        ("%*! p(X)\nfron: stated\n*%", "`fron: stated` is not a key of a documented predicate"),
+        ("%*! p(X)\nfrom: stated\nfrom: computed\n*%", "`from` occurs twice"),
         ("%*! p(X)\nWords.\n*%\n%*! p(Y)\nWords.\n*%", "`p/1` is documented twice"),
     ],
 )

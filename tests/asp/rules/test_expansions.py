@@ -96,18 +96,18 @@ def test_a_rule_without_a_body_has_what_is_listed_without_conditions() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("%! via: X\npath(X) :- edge(X, _).", "`via` stands above a rule that does not derive"),
-        ("%! via: X\n{ loop(N, X) } :- name(N, X).", "`via` stands above a rule that does not"),
-        ("%! via: X\n-loop(N, X) :- name(N, X).", "`via` stands above a rule that does not"),
-        ("%! via: X\nloop(N, X) : p(N) :- name(N, X).", "`via` stands above a rule that does not"),
-        ("%! via: X\nloop(N, (X; Y)) :- name(N, X), edge(X, Y).", "`via` stands above a rule"),
-        ("%! via: X\n:- name(N, X).", "`via` stands above a rule that does not derive `loop/2`"),
+        ("%! via: X\npath(X) :- edge(X, _).", "`via` is above a rule that does not derive"),
+        ("%! via: X\n{ loop(N, X) } :- name(N, X).", "`via` is above a rule that does not"),
+        ("%! via: X\n-loop(N, X) :- name(N, X).", "`via` is above a rule that does not"),
+        ("%! via: X\nloop(N, X) : p(N) :- name(N, X).", "`via` is above a rule that does not"),
+        ("%! via: X\nloop(N, (X; Y)) :- name(N, X), edge(X, Y).", "`via` is above a rule"),
+        ("%! via: X\n:- name(N, X).", "`via` is above a rule that does not derive `loop/2`"),
         (f"%! via: \n{RULE}", "`via` lists nothing"),
         (f"%! via: X, , Y\n{RULE}", "`via` lists nothing"),
         (f"%! via: X;\n{RULE}", "`via` lists nothing"),
         (f"%! via: : p(X)\n{RULE}", "`via` lists nothing"),
-        (f"%! near: Y@3\n{RULE}", "`near` has no order, so `@` says nothing"),
-        (f"%! via: X) :- p(X). q(X\n{RULE}", "`via` cannot be read: it stands for `through(N,0,X)"),
+        (f"%! near: Y@3\n{RULE}", "`near` has no order, so `@` has no effect"),
+        (f"%! via: X) :- p(X). q(X\n{RULE}", "`via` cannot be read: it means `through(N,0,X)"),
         (f"%! via: X : p(X). q(X)\n{RULE}", "`via` cannot be read"),
         (f"%! via: (X\n{RULE}", "`via` cannot be read"),
         (f'%! via: "X\n{RULE}', "`via` cannot be read"),
@@ -123,11 +123,11 @@ def test_a_rule_without_a_body_has_what_is_listed_without_conditions() -> None:
         (f"%! via: X@99999999999\n{RULE}", "`99999999999` does not fit into 32 bits"),
         (
             "%! via: Y : edge(X, Y)\nloop(N, X) :- name(N, X), 1 #count { Y : edge(X, Y) }.",
-            "`Y` of `via` is another inside of an aggregate or a negation of the rule",
+            "`Y` of `via` is a different variable in an aggregate or negation of the rule",
         ),
-        (f"%! vai: X\n{RULE}", "`vai` is no metadata key"),
-        (f"%! via: X\n%! via: Y\n{RULE}", "`via` stands twice above one rule"),
-        (f"%! via: X\n\n{RULE}", "`via` does not stand directly above a rule"),
+        (f"%! vai: X\n{RULE}", "`vai` is not a metadata key"),
+        (f"%! via: X\n%! via: Y\n{RULE}", "`via` occurs twice above one rule"),
+        (f"%! via: X\n\n{RULE}", "`via` is not directly above a rule"),
     ],
 )
 def test_what_is_wrong_with_a_list_is_told_at_its_place(text: str, message: str) -> None:
@@ -139,4 +139,4 @@ def test_what_is_wrong_with_a_list_is_told_at_its_place(text: str, message: str)
 def test_without_a_host_no_key_lists_anything() -> None:
     problems: list[Diagnostic] = []
     assert read_rules("%! who: X\np(X) :- q(X).", "g.lp", "base", problems) is not None
-    assert [each.message for each in problems] == ["`who` is no metadata key"]
+    assert [each.message for each in problems] == ["`who` is not a metadata key"]

@@ -61,6 +61,6 @@ def test_a_line_that_is_not_below_metadata_goes_on_with_none() -> None:
     with pytest.raises(MarsError) as caught:
         Program.from_text(text, "a.lp")
     (found,) = caught.value.diagnostics
-    assert found.message == "`why` does not stand directly above a rule"
+    assert found.message == "`why` is not directly above a rule"
     (rule,) = Program.from_text("%!     not this\n%! why: this\np(1).\n", "a.lp").rulebook.rules
     assert rule.why == "this"

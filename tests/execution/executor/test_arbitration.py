@@ -246,7 +246,7 @@ def test_a_provider_that_nothing_describes_is_taken_where_it_is_the_only_one() -
     with pytest.raises(MarsError) as raised:
         executed(lines, [control_out("A"), effector("Base", "Rotn_X")], behaviours, 0.0)
     (found,) = raised.value.diagnostics
-    assert found.message == "nothing says which functions `Head` provides to `InheritanceNode1`"
+    assert found.message == "the functions that `Head` provides to `InheritanceNode1` are unknown"
 
 
 def test_a_module_that_is_led_in_both_does_its_own_and_leaves_what_it_inherits() -> None:

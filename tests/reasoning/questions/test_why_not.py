@@ -78,7 +78,7 @@ def test_no_node_is_there_where_nothing_realises_the_configuration(subject: str)
     done = mars("explain", UNREALISED, "--why-not", subject)
     assert done.returncode == 1
     assert f"no {subject}: no specification realises this configuration" in done.stdout
-    assert "no splitter makes what `Map` requires" in done.stdout
+    assert "no splitter makes the service that `Map` requires" in done.stdout
     found = json.loads(mars("explain", UNREALISED, "--why-not", subject, "--format=json").stdout)
     assert not found["present"]
     assert [trace["rule"]["id"] for trace in found["obstacles"]] == ["data/unresolvable"]

@@ -89,7 +89,7 @@ def test_where_several_fit_a_comment_is_asked_for() -> None:
         told(parse_text(COMMENT.sub("", text), "s.mars").configuration)
     (found,) = caught.value.diagnostics
     assert found.message == (
-        "`InheritanceNode1` may stand for `Cam` or `Pan`, which move in different ways"
+        "`InheritanceNode1` may serve `Cam` or `Pan`, which move in different ways"
     )
 
 
@@ -97,7 +97,7 @@ def test_a_comment_about_what_is_not_carried_is_refused_before_the_run() -> None
     _, text = specified(TURNED.format(led="Pan"))
     with pytest.raises(MarsError) as caught:
         told(parse_text(COMMENT.sub("// InheritanceNode1: Base\n", text), "s.mars").configuration)
-    assert "does not carry `Base`" in caught.value.diagnostics[0].message
+    assert "do not carry `Base`" in caught.value.diagnostics[0].message
 
 
 def test_two_nodes_with_the_same_controllers_and_providers() -> None:
