@@ -32,12 +32,15 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from mars_asp.execution.executor import Link
+    from mars_asp.execution.executor.link import Failures
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.scenario.read import Scenario
     from mars_asp.execution.trial import Trial
     from mars_asp.model.declarations import Configuration
     from mars_asp.reasoning.project import Project
 
+#: Who holds control where no controller does.
+_NONE = "none"
 #: Simulated seconds between two looks at the run.
 _GLANCE = 0.5
 
@@ -50,6 +53,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
+    )
+    parser.add_argument(
+        "--why", action="store_true", help="list who won at each arbiter, when and why"
     )
     parser.add_argument(
         "--dry-run",
@@ -121,6 +127,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(encoded(result))
     else:
         _print_run(trial, judgement, arguments)
+        if arguments.why:
+            _print_winners(trial)
         if arguments.explain:
             _explain(judgement)
     return int(not judgement.holds)
@@ -210,6 +218,7 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
             for arbiter in executor.arbiters.values()
             for h in arbiter.holdings
         ],
+        "failures": [_failures_json(*each) for each in executor.failures.items()],
     }
 
 
@@ -227,6 +236,14 @@ def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
         "faulty": link.faulty,
         "fault": link.fault or None,
     }
+
+
+def _failures_json(name: str, failures: "Failures") -> dict[str, object]:
+    from mars_asp.execution.judgement import raised_at
+
+    path, line = raised_at(failures)
+    first = {"first": failures.first, "path": path, "line": line, "seconds": failures.at / 1e9}
+    return {"name": name, "count": failures.count, **first, "inputs": list(failures.inputs)}
 
 
 def _print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
@@ -260,11 +277,29 @@ def _print_tables(
     console.print(
         Text(
             f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: {body.collisions} "
-            f"collisions, least clearance {body.clearance:.0f} mm, {body.driven:.0f} mm driven, "
+            f"collision{'s' * (body.collisions != 1)}, least clearance {body.clearance:.0f} mm, "
+            f"{body.driven:.0f} mm driven, "
             f"{body.both:.2f} s turning while driving"
         ),
         soft_wrap=True,
     )
+
+
+def _print_winners(trial: "Trial") -> None:
+    """Print who held control at each arbiter, from when on and why."""
+    from mars_asp.execution.executor.arbitration import FlatArbitration
+
+    for name, arbiter in trial.executor.arbiters.items():
+        print(f"\n{visible(name)}")
+        if isinstance(arbiter, FlatArbitration):
+            print(f"  flat: sends the mean of each {arbiter.period / 1e6:g} ms; no controller wins")
+            continue
+        width = max((len(held.holder or _NONE) for held in arbiter.holdings), default=0)
+        for held in arbiter.holdings:
+            holder = f"{held.holder or _NONE:{width}}"
+            print(visible(f"  {held.since / 1e9:9.3f} s  {holder}  {held.why}"))
+        if not arbiter.holdings:
+            print("  no command arrived")
 
 
 def _explain(judgement: "Judgement") -> None:

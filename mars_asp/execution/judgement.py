@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from itertools import pairwise
+from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -10,8 +12,10 @@ from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
 from mars_asp.execution.trial import Trial
+from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
 from mars_asp.reasoning.facts.vocabulary import given_in
@@ -36,8 +40,28 @@ ON_REQUEST = {
 #: Where facts are that stand in no file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
-#: As much of an exception's text is told.
+#: As much of an exception's text is shown.
 _LONGEST = 200
+#: Units of which integers are given, with how many decimals which unit of a scenario has.
+_WRITTEN = {
+    "milliseconds": (3, "s"),
+    "micrometres": (3, "mm"),
+    "thousandths": (1, "%"),
+    "times": (0, ""),
+}
+#: The units of the arguments of what `rules/run` is given; rates are in those of their functions.
+_UNITS = {
+    "held": ("", "", "milliseconds", "milliseconds"),
+    "in_force": ("", "", "milliseconds", "milliseconds"),
+    "collided": ("milliseconds",),
+    "obeyed": ("", "", "milliseconds", "milliseconds"),
+    "clearance": ("micrometres", "micrometres"),
+    "never_reached": ("milliseconds",),
+    "nearest": ("", "micrometres", "milliseconds"),
+    "together": ("", "", "milliseconds"),
+    "coverage": ("thousandths", "thousandths"),
+    "failed": ("", "times", ""),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,12 +143,18 @@ def judge_facts(
 
 def run_facts(trial: Trial) -> Iterator[Fact]:
     """Yield what `rules/run` is given about a run: what was stated, and what was observed."""
+    facts = tuple(_facts(trial))
+    yield from facts
+    yield from _written(facts)
+
+
+def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _services(trial)
     yield from _control(trial)
     yield from _limits(trial)
     yield from _functions(trial)
     for name, failures in trial.executor.failures.items():
-        yield _seen("failed", name, failures.count, visible(failures.first)[:_LONGEST])
+        yield _seen("failed", name, failures.count, failure_text(failures))
     body, scenario = trial.body, trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
@@ -138,10 +168,74 @@ def run_facts(trial: Trial) -> Iterator[Fact]:
     if "reach" in asked and trial.reached is None:
         within = asked["reach"].get("within", scenario.duration)
         yield _seen("never_reached", _whole(within * 1000))
+        x, y = asked["reach"]["at"]
+        distance, at = trial.nearest
+        # A pose between two that are kept may be nearer by a little: whole millimetres will do.
+        told = _whole(round(distance) * 1000), _whole(at * 1000)
+        yield _seen("nearest", f"({x:g}, {y:g})", *told)
     for first, second in asked.get("exclusive", ()):
         yield _seen("together", first, second, _whole(trial.together(first, second) * 1000))
     if "coverage" in asked:
         yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
+
+
+def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
+    """Yield how the numbers of facts are written in the units of a scenario."""
+    numbers: dict[tuple[str, int], None] = {}
+    for fact in facts:
+        arguments = fact.atom.arguments
+        if fact.atom.name in ("peak", "limit"):
+            _, unit, number = arguments
+            numbers[str(unit), int(str(number))] = None
+        for unit, argument in zip(_UNITS.get(fact.atom.name, ()), arguments, strict=False):
+            if unit:
+                numbers[unit, int(str(argument))] = None
+    for unit, number in numbers:
+        key = Atom(unit) if unit in _WRITTEN else unit
+        yield _seen("written", key, number, in_unit(unit, number))
+
+
+def in_unit(unit: str, number: int) -> str:
+    """Return a number of a unit of `rules/run`, or a rate of a function, in units of a scenario.
+
+    Seconds, millimetres (metres from one on), percent; millimetres or degrees a second.
+    """
+    if unit == "times":
+        return {1: "once", 2: "twice"}.get(number, f"{number} times")
+    if unit == "micrometres":
+        metres = abs(number) >= 1_000_000
+        return f"{_plain(number, 6)} m" if metres else f"{_plain(number, 3)} mm"
+    if unit in _WRITTEN:
+        return f"{_plain(number, _WRITTEN[unit][0])} {_WRITTEN[unit][1]}"
+    if unit == GRASP:
+        return f"{_plain(number, 3)} mm"
+    return f"{_plain(number, 3)} {'degrees/s' if unit.startswith('Rotn') else 'mm/s'}"
+
+
+def _plain(number: int, decimals: int) -> str:
+    """Return an integer with its point moved to the left, and no zeros at its end."""
+    return f"{Decimal(number).scaleb(-decimals).normalize():f}"
+
+
+def failure_text(failures: Failures) -> str:
+    """Return the first exception of a module: what, in which line, when, and with what inputs."""
+    told = [f"at {_plain(failures.at // 1000, 6)} s"]
+    if failures.raised is not None:
+        told.insert(0, "{}:{}".format(*raised_at(failures)))
+    if failures.inputs:
+        told.append(f"given {', '.join(failures.inputs)}")
+    first = " ".join(failures.first.split())
+    return visible(f"{first[:_LONGEST]} ({', '.join(told)[:_LONGEST]})")
+
+
+def raised_at(failures: Failures) -> tuple[str | None, int | None]:
+    """Return the file and line of the first exception; the file as seen from here."""
+    if failures.raised is None:
+        return None, None
+    path, line = Path(failures.raised[0]), failures.raised[1]
+    here = path.is_absolute() and path.is_relative_to(Path.cwd())
+    shown = path.relative_to(Path.cwd()) if here else path
+    return (shown.name if shown.is_absolute() else shown.as_posix()), line
 
 
 def _asked(trial: Trial) -> Iterator[str]:

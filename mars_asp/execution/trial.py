@@ -85,6 +85,17 @@ class Trial:
         return None
 
     @property
+    def nearest(self) -> tuple[float, float]:
+        """Return how near (mm) the robot came to the place it was to reach, in time, and when."""
+        asked = self.scenario.requirements["reach"]
+        x, y = asked["at"]
+        return min(
+            (hypot(pose.forward - x, pose.side - y), at)
+            for at, pose in self.body.track
+            if at <= asked.get("within", inf)
+        )
+
+    @property
     def coverage(self) -> float:
         """Return which share of squares of the robot's width it has been in, within the walls."""
         segments, size = self.body.world.segments, 2 * self.body.radius

@@ -119,6 +119,17 @@ def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
     assert len(traces[0]) > 10_000
 
 
+def test_who_won_at_an_arbiter_is_listed_with_the_instant_and_the_reason(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert _run("--duration", "5", "--why") == 0
+    told = capfd.readouterr().out.split("\nArbitrationNode\n")[1].splitlines()
+    assert told[0].split(maxsplit=3)[1:3] == ["s", "Turn"]
+    assert told[0].endswith("  alone in force")
+    instants = [float(line.split()[0]) for line in told]
+    assert instants == sorted(instants)
+
+
 def test_a_violated_requirement_is_status_1(
     capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -130,7 +141,7 @@ def test_a_violated_requirement_is_status_1(
     assert run_command(words) == 1
     out = " ".join(capfd.readouterr().out.split())
     assert "VIOLATED clearance" in out
-    assert "micrometres, and 3000000 were asked for [run/run/clearance]" in out
+    assert "mm, and 3 m is required [run/run/clearance]" in out
     assert f"s.toml:{len(text.splitlines())}: clearance = 3000" in out
     assert run_command([*words, "--format", "json"]) == 1
     (trace,) = json.loads(capfd.readouterr().out)["traces"]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.trace import Derived, Given
-from mars_asp.execution.judgement import ALWAYS, ON_REQUEST, judge
+from mars_asp.execution.judgement import ALWAYS, ON_REQUEST, in_unit, judge
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.trials import BASE, DRIVE, HAND, WALL, trial, verdicts
 
@@ -45,10 +45,7 @@ def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -
     limit, collision = traces["limit_breach"], traces["collision"]
     assert isinstance(limit, Derived)
     assert isinstance(collision, Derived)
-    assert (
-        limit.message
-        == "`P` was commanded Trans_Z at 200000 thousandths a second, and 100000 is its limit"
-    )
+    assert limit.message == "`P` was commanded Trans_Z at 200 mm/s, and its limit is 100 mm/s"
     assert [p.span.line for p in limit.premises if isinstance(p, Given) and p.span] == [4]
     asked, contact = collision.premises[0], collision.premises[1]
     assert isinstance(asked, Given)
@@ -56,7 +53,7 @@ def test_a_violation_is_explained_down_to_the_lines_that_asked(tmp_path: Path) -
     assert text.splitlines()[asked.span.line - 1] == "no_collision = true"
     assert isinstance(contact, Derived)
     assert contact.message is not None
-    assert contact.message.startswith("the robot obeyed `C` in Trans_Z from 0 to ")
+    assert contact.message.startswith("the robot obeyed `C` in Trans_Z from 0 s to ")
 
 
 def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
@@ -105,7 +102,7 @@ ODD_ERROR = "class Odd(Exception):\n    def __str__(self):\n        return 1 / 0
 
 @pytest.mark.parametrize(
     ("raised", "first"),
-    [("ValueError('no\\nmap')", r"ValueError: no\nmap"), ("Odd()", "Odd")],
+    [("ValueError('no\\nmap')", "ValueError: no map"), ("Odd()", "Odd")],
 )
 def test_a_module_that_fails_fails_the_run(raised: str, first: str, tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text(f"{ODD_ERROR}def go():\n    raise {raised}\n")
@@ -113,7 +110,79 @@ def test_a_module_that_fails_fails_the_run(raised: str, first: str, tmp_path: Pa
         r for r in judge(trial(BASE + FROM_FILE, folder=tmp_path)).requirements if not r.holds
     )
     assert requirement.name == "no module failed"
-    assert requirement.message == f"`C` failed 31 times, first by {first}"
+    assert requirement.message == f"`C` failed 31 times, first by {first} (b.py:5, at 0 s)"
+
+
+SONAR_ERRORS = """\
+class Blank:
+    def __repr__(self):
+        return 1 / 0
+
+def check(reading):
+    if reading > 3:
+        raise ValueError("too far")
+
+def sonar():
+    return Blank() if {odd} else 4.5
+
+def go(reading):
+    {body}
+"""
+
+
+@pytest.mark.parametrize(
+    ("odd", "body", "told"),
+    [
+        (False, "check(reading)", "ValueError: too far (b.py:7, at 0.1 s, given 4.5)"),
+        (
+            True,
+            "1 / 0",
+            "ZeroDivisionError: division by zero (b.py:13, at 0.1 s, given <Blank instance>)",
+        ),
+        (False, "exit(3)", "RuntimeError: it called `exit(3)` (b.py:13, at 0.1 s, given 4.5)"),
+    ],
+)
+def test_a_failure_has_its_line_its_instant_and_its_inputs(
+    odd: bool, body: str, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text(SONAR_ERRORS.format(odd=odd, body=body))
+    bound = FROM_FILE + ('[bindings.S]\npython = "b.py:sonar"\nperiod = 100\ndelay = 100\n')
+    specification = "@specification\n@modules P, C, S\nC uses_data_from S\nP is_controlled_by C\n"
+    made = trial(BASE + bound, specification, tmp_path)
+    (requirement,) = (r for r in judge(made).requirements if not r.holds)
+    times = made.executor.failures["C"].count
+    assert requirement.message == f"`C` failed {times} times, first by {told}"
+
+
+def test_a_place_that_was_not_reached_is_told_with_the_nearest_to_it(tmp_path: Path) -> None:
+    asked = "[requirements]\nreach = { at = [2500, 800], within = 1.5 }\n"
+    judgement = judge(trial(BASE + HAND + asked, folder=tmp_path))
+    (requirement,) = (r for r in judgement.requirements if not r.holds)
+    assert requirement.message == (
+        "the robot did not reach (2500, 800) within 1.5 s; nearest 2.341 m, at 1.5 s"
+    )
+
+
+@pytest.mark.parametrize(
+    ("unit", "number", "written"),
+    [
+        ("milliseconds", 0, "0 s"),
+        ("milliseconds", 18000, "18 s"),
+        ("milliseconds", 2**31 - 1, "2147483.647 s"),
+        ("micrometres", 350, "0.35 mm"),
+        ("micrometres", 999_999, "999.999 mm"),
+        ("micrometres", 2_999_900, "2.9999 m"),
+        ("thousandths", 1000, "100 %"),
+        ("times", 1, "once"),
+        ("times", 2, "twice"),
+        ("times", 31, "31 times"),
+        ("Trans_X", 250_500, "250.5 mm/s"),
+        ("Rotn_Y", 90_000, "90 degrees/s"),
+        ("Grasp", 40_000, "40 mm"),
+    ],
+)
+def test_numbers_are_written_in_units_of_a_scenario(unit: str, number: int, written: str) -> None:
+    assert in_unit(unit, number) == written
 
 
 def test_failures_that_are_asked_for_do_not_fail_a_run() -> None:

@@ -13,7 +13,7 @@ NOBODY = ""
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """From `since` (ns) on, `holder` (a module, or nobody) holds control of `node`, and why.
+    """From `since` (ns) on, `holder` (a module, or none) holds control of `node`, and why.
 
     `through` is the controller of the node that handed the holder's message on.
     """
@@ -130,13 +130,12 @@ class HierarchicalArbitration:
         self.schedule.at(until, self.rank, lambda: self.expire(source))
         best = self.best()
         if best is source:
-            others = any(other is not source and other.until > now for other in self.inputs)
-            self.forward(source, "highest priority in force" if others else "alone in force")
+            self.forward(source)
             return
         self.suppressed[message.origin] += 1
         if best is not None and source is self.winner:
             # The arbiter behind it fell back to an older message than what is in force here.
-            self.forward(best, f"latest among equals of {source.link.source}")
+            self.forward(best, f"{source.link.source} fell back to an older message; ")
 
     def best(self) -> _Input | None:
         """Return the input of the highest priority in force, among equals the latest."""
@@ -144,13 +143,16 @@ class HierarchicalArbitration:
         alive = [source for source in self.inputs if source.until > now]
         return max(alive, key=lambda s: (s.link.priority, s.arrival), default=None)
 
-    def forward(self, source: _Input, why: str) -> None:
-        """Send an input's message on, with the time until which it is in force."""
+    def forward(self, source: _Input, before: str = "") -> None:
+        """Send an input's message on, with the time until which it is in force.
+
+        `before` is what made the input the winner, where that was no message of its own.
+        """
         message = source.message
         if message is None:
             return
         self.winner = source
-        self._hold(message.origin, why, source.link.source)
+        self._hold(message.origin, lambda: before + self._rank(source), source.link.source)
         sent = message._replace(until=source.until, arrival=source.arrival)
         for link in self.outputs:
             link.send(sent)
@@ -161,20 +163,30 @@ class HierarchicalArbitration:
             return
         following = self.best()
         if following is not None:
-            self.forward(following, f"the hold of {source.link.source} ran out")
+            self.forward(following, f"the hold of {source.link.source} ran out; ")
             return
         self.winner = None
-        self._hold(NOBODY, "nothing is in force")
+        self._hold(NOBODY, lambda: "nothing is in force")
         if self.stops:
             now = self.schedule.now
             for link in self.outputs:
                 link.send(Message({}, now, NOBODY, until=now))
 
-    def _hold(self, holder: str, why: str, through: str = NOBODY) -> None:
+    def _rank(self, winner: _Input) -> str:
+        """Return how an input compares with the others in force."""
+        now, own = self.schedule.now, winner.link.priority
+        others = [i for i in self.inputs if i is not winner and i.until > now]
+        lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]
+        equal = [i.link.source for i in others if i.link.priority == own]
+        told = [f"priority {own} outranks {' and '.join(lower)}"] if lower else []
+        told += [f"later than {' and '.join(equal)} of the same priority {own}"] if equal else []
+        return ", ".join(told) or "alone in force"
+
+    def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
         last = self.holdings[-1] if self.holdings else None
         if last is not None and (last.holder, last.through) == (holder, through):
             return
-        now = self.schedule.now
-        self.holdings.append(Holding(self.name, holder, now, why, through))
+        now, reason = self.schedule.now, why()
+        self.holdings.append(Holding(self.name, holder, now, reason, through))
         if self.observe is not None:
-            self.observe(now, "holds", self.name, [holder, why])
+            self.observe(now, "holds", self.name, [holder, reason])

@@ -26,7 +26,7 @@ class Condition:
         try:
             wanted = self.fulfilled(number_of(message.value, self.of))
         except (TypeError, ValueError, KeyError, AttributeError) as error:
-            self.link.fail(error)
+            self.link.fail(error, message)
             return
         if wanted:
             self.link.send(message)

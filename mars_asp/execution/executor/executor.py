@@ -174,7 +174,7 @@ class Executor:
         if kind == "data_splitter":
             return DataSplitter()
         if kind == "data_transformer":
-            return DataTransformer(self._converter(name), plan.data_out[name])
+            return DataTransformer(self._converter(name), plan.data_out[name], self.schedule)
         if kind == "inheritance_node":
             led = plan.led_by_both(name)
             own = frozenset() if led is None else plan.inheriting.functions(led)

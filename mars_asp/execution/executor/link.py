@@ -1,10 +1,15 @@
 """Messages, and the links that carry and count them."""
 
+import re
+import sysconfig
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from pathlib import Path
+from reprlib import Repr
+from traceback import walk_tb
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import Span
@@ -32,22 +37,46 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
     tuple.__new__, Message
 )
 
+#: Code that is not the user's: ours, Python's own, and what is installed.
+_FOREIGN = tuple(
+    f"{path}/"
+    for path in {
+        Path(__file__).parents[2].as_posix(),
+        *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
+    }
+)
+#: Of a class whose text cannot be made, it shows the name.
+_SHORT = Repr()
+_SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
+
+_ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
+
 #: Told of every delivery, holding and fault: time, what happened, where, and with what.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
 
 
 @dataclass(slots=True)
 class Failures:
-    """How many exceptions somebody raised that nobody asked for, and the text of the first."""
+    """How many exceptions were raised that the scenario did not ask for, and the first of them.
+
+    `first` is its text, `at` (ns) when it was raised, `raised` its file and line in the code of the
+    user, where it has one, and `inputs` what that was given.
+    """
 
     count: int = 0
     first: str = ""
+    at: int = 0
+    raised: tuple[str, int] | None = None
+    inputs: tuple[str, ...] = ()
 
-    def note(self, error: Exception) -> None:
+    def note(self, error: Exception, now: int, inputs: Sequence[object] = ()) -> None:
         """Count an exception, unless it was asked for."""
-        if not isinstance(error, AskedError):
-            self.count += 1
-            self.first = self.first or _text_of(error)
+        if isinstance(error, AskedError):
+            return
+        self.count += 1
+        if self.count == 1:
+            self.first, self.at, self.raised = _text_of(error), now, _raised(error)
+            self.inputs = tuple(_shown(value) for value in inputs)
 
 
 def _text_of(error: Exception) -> str:
@@ -57,6 +86,24 @@ def _text_of(error: Exception) -> str:
         return f"{name}: {error}"
     except Exception:  # the class of a user's exception may be wrong in any way
         return name
+
+
+def _raised(error: BaseException) -> tuple[str, int] | None:
+    """Return the file and line of the innermost frame in code of the user."""
+    found = None
+    for frame, line in walk_tb(error.__traceback__):
+        path = frame.f_code.co_filename
+        if not path.startswith((*_FOREIGN, "<")):
+            found = path, line
+    if found is None and error.__context__ is not None:
+        # What ended the program in the place of an exception is its context.
+        return _raised(error.__context__)
+    return found
+
+
+def _shown(value: object) -> str:
+    """Return a short text of an input, the same in every run: without its address."""
+    return _ADDRESS.sub("", _SHORT.repr(value))
 
 
 @dataclass(slots=True, eq=False)
@@ -104,9 +151,9 @@ class Link:
             self.observe(now, self.kind, f"{self.source} -> {self.client}", message.value)
         self.receive(message)
 
-    def fail(self, error: Exception) -> None:
+    def fail(self, error: Exception, message: Message) -> None:
         """Count a message that the link itself cannot deal with."""
-        self.failures.note(error)
+        self.failures.note(error, self.schedule.now, (message.value,))
         self.drop(error)
 
     def drop(self, error: Exception) -> None:

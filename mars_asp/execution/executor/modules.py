@@ -1,6 +1,6 @@
 """Modules at work: what triggers them, and what becomes of their results."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -32,7 +32,7 @@ class Sensor:
         try:
             reading = self.call()
         except Exception as error:  # a device's fault must not end the run
-            fail(self.failures, self.outputs, error)
+            fail(self.failures, self.outputs, error, self.schedule.now)
             return
         if reading is None:
             return
@@ -130,7 +130,7 @@ class Algorithm:
             if result is not None and self.commands:
                 result = single_command(result)
         except Exception as error:  # a module's fault must not end the run
-            fail(self.failures, self.outputs, error)
+            fail(self.failures, self.outputs, error, self.schedule.now, self.latest)
             return
         if result is None:
             return
@@ -205,7 +205,8 @@ class Effector:
         try:
             self.behaviour.call(message.value)
         except Exception as error:  # a device's fault must not end the run
-            fail(self.failures, [link] if link else [], error)
+            links, given = [link] if link else [], [message.value]
+            fail(self.failures, links, error, self.schedule.now, given)
         if not self.applied or self.applied[-1][1:] != (message.origin, message.value):
             self.applied.append((self.schedule.now, message.origin, message.value))
 
@@ -222,8 +223,14 @@ def offer_all(offers: list[Offer], message: Message) -> None:
         offer(message)
 
 
-def fail(failures: Failures, links: list[Link], error: Exception) -> None:
+def fail(
+    failures: Failures,
+    links: list[Link],
+    error: Exception,
+    now: int,
+    inputs: Sequence[object] = (),
+) -> None:
     """Count an exception, and on every link the message that it lost by it."""
-    failures.note(error)
+    failures.note(error, now, inputs)
     for link in links:
         link.drop(error)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Failures, Link, Message
+from mars_asp.execution.executor.schedule import Schedule
 from mars_asp.model.declarations import GRASP, TAKING
 
 if TYPE_CHECKING:
@@ -26,8 +27,10 @@ class DataSplitter:
 class DataTransformer:
     """Applies its converter; an exception drops the message and marks the output faulty."""
 
-    def __init__(self, convert: Callable[[Any], Any], outputs: list[Link]) -> None:
-        self.convert, self.outputs = convert, outputs
+    def __init__(
+        self, convert: Callable[[Any], Any], outputs: list[Link], schedule: Schedule
+    ) -> None:
+        self.convert, self.outputs, self.schedule = convert, outputs, schedule
         self.failures = Failures()
         self.offers: list[Offer] = []
 
@@ -36,7 +39,7 @@ class DataTransformer:
         try:
             value = self.convert(message.value)
         except Exception as error:  # a converter's fault must not end the run
-            self.failures.note(error)
+            self.failures.note(error, self.schedule.now, (message.value,))
             for link in self.outputs:
                 link.drop(error)
             return
@@ -98,7 +101,7 @@ class InheritanceNode:
         if lacking:
             names = ", ".join(sorted(lacking))
             for link in list(self.providers.values())[:1]:
-                link.fail(LookupError(f"nothing provides {names} at this posture"))
+                link.fail(LookupError(f"nothing provides {names} at this posture"), message)
 
     def shares(self, function: str) -> list[tuple[str, str, float]]:
         """Return who does what for one unit of a function: provider, native function, rate.

@@ -78,7 +78,7 @@ function explain(arbiter) {
   }
   const holding = arbiter.holdings[indexAt(arbiter.holdings, now)];
   const told = holding
-    ? `${holding[1] || "nobody"} holds control since ${seconds(holding[0])}: ${holding[3]}`
+    ? `${holding[1] || "no controller"} holds control since ${seconds(holding[0])}: ${holding[3]}`
     : "nothing has been heard";
   section.append(element("p", told, "told"));
   const answer = verdict(arbiter, holding);

@@ -38,7 +38,7 @@ class Functions:
             self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
             return None
         if not callable(found):
-            self._note(module, f"`{path}:{name}` is not a motion or grasp function")
+            self._note(module, f"`{path}:{name}` is not a function")
             return None
         return _staying(found)
 

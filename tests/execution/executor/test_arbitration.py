@@ -111,8 +111,8 @@ def test_who_holds_control_why_and_since_when_is_recorded() -> None:
     held = [(h.since / 1e6, h.holder, h.why) for h in executor.arbiters["ArbitrationNode"].holdings]
     assert held == [
         (0, "A", "alone in force"),
-        (20, "B", "highest priority in force"),
-        (120, "A", "the hold of B ran out"),
+        (20, "B", "priority 1 outranks A (0)"),
+        (120, "A", "the hold of B ran out; alone in force"),
         (160, "", "nothing is in force"),
     ]
 

@@ -71,7 +71,7 @@ def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None
         if e.what in ("data", "control")
     ]
     logs = [(at, m["name"], m["message"]) for topic, _, at, m in found if topic == "/log"]
-    assert logs[1] == (0, "ArbitrationNode", "High holds control: highest priority in force")
+    assert logs[1] == (0, "ArbitrationNode", "High holds control: priority 7 outranks Low (3)")
     assert len(logs) == 4
 
 

@@ -87,9 +87,9 @@ def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     (arbiter,) = told["arbiters"]
     assert arbiter["holdings"] == [
         [0, "Low", "Low", "alone in force"],
-        [0, "High", "High", "highest priority in force"],
-        [1.15, "Low", "Low", "the hold of High ran out"],
-        [2, "High", "High", "highest priority in force"],
+        [0, "High", "High", "priority 7 outranks Low (3)"],
+        [1.15, "Low", "Low", "the hold of High ran out; alone in force"],
+        [2, "High", "High", "priority 7 outranks Low (3)"],
     ]
     low, high = arbiter["inputs"]
     assert (low["name"], low["priority"], low["in_force"]) == ("Low", 3, [[0, 3.25]])
@@ -225,7 +225,7 @@ def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
     )
     assert told["lost"] == [
         "0.75 s",
-        "High holds control since 0.00 s: highest priority in force",
+        "High holds control since 0.00 s: priority 7 outranks Low (3)",
         "Low lost to High: priority 3 against 7.",
         "Lowpriority 3in force until 3.25 s",
         "High",
@@ -233,8 +233,8 @@ def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
     ]
     assert told["won"] == [
         "1.50 s",
-        "Low holds control since 1.15 s: the hold of High ran out",
-        "Low won: the hold of High ran out.",
+        "Low holds control since 1.15 s: the hold of High ran out; alone in force",
+        "Low won: the hold of High ran out; alone in force.",
         "Lowpriority 3in force until 3.25 s",
         "Low",
         "The robot obeys Low: Trans_Z 200",
