@@ -64,7 +64,7 @@ class Uncompared:
 
 
 class _Words:
-    """Tells which words are ours or nearly so; `meant` keeps which of ours each of them is."""
+    """Finds our words and near misses of them; `meant` keeps which of ours each of them is."""
 
     def __init__(self) -> None:
         self.meant: dict[str, str] = {}
@@ -129,7 +129,7 @@ def directives(source: Source) -> Iterator[Directive | Misspelt | Uncompared]:
 
 
 def _is_plain(word: str, rest: str) -> bool:
-    """Say whether no other use of comments writes such a line, however its word is spelt."""
+    """Whether no other use of comments writes such a line, however its word is spelt."""
     return "_" in word or _DELIVERY.match(rest) is not None
 
 

@@ -70,12 +70,12 @@ def following(source: Source, begin: int, end: int) -> Following:
 
 
 def _begins_otherwise(read: Declaration | NoFunction) -> bool:
-    """Say whether what stands there is no function, however it goes on."""
+    """Whether what stands there is no function, however it goes on."""
     return isinstance(read, NoFunction) and read.found not in ("def", "async", "@")
 
 
 def _is_whole(language: str, read: Declaration | NoFunction | None, stretch: Stretch) -> bool:
-    """Say whether all of a declaration stands in a stretch that is cut.
+    """Whether all of a declaration stands in a stretch that is cut.
 
     What stands behind the parameters counts as well: a return type, or in old C their types.
     """

@@ -239,7 +239,7 @@ class _Reader:
         self.problems.note("MARS122", found.offset, found.offset + 1, message, help_text, "note")
 
     def give_up(self, found: Directive | Misspelt) -> None:
-        """Say that the rest is not read, and let nothing that is open be an error of its own."""
+        """Report that the rest is not read, and let nothing that is open be an error of its own."""
         self.open = None
         directive = found.corrected if isinstance(found, Misspelt) else found
         errors = self.problems.errors

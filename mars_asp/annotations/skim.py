@@ -174,7 +174,7 @@ def _line_end(data: bytes, at: int) -> int:
 
 
 def _is_block(data: bytes, at: int) -> bool:
-    """Say whether `%{` of MATLAB stands alone on its line."""
+    """Whether `%{` of MATLAB stands alone on its line."""
     start = data.rfind(b"\n", 0, at) + 1
     return _MATLAB_OPENING.match(data, at) is not None and not data[start:at].strip(b" \t")
 

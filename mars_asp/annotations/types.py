@@ -185,7 +185,7 @@ class _Reader:
         return _applied(words, arguments)
 
     def generic_bracket(self) -> bool:
-        """Say whether a `[` opens arguments; otherwise it is an array's."""
+        """Whether a `[` opens arguments; otherwise it is an array's."""
         following = self.peek(1)
         return bool(following) and following != "]" and not following[0].isdigit()
 
@@ -244,7 +244,7 @@ class _Reader:
         return found
 
     def is_array(self, closing: str) -> bool:
-        """Say whether a `[` among arguments begins an array of Rust or Go."""
+        """Whether a `[` among arguments begins an array of Rust or Go."""
         return closing == ">" or (self.peek(1) == "]" and self.peek(2) not in (",", "]"))
 
     def argument(self, closing: str) -> str | None:

@@ -48,7 +48,7 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Say whether the rules gave what is expected."""
+        """Whether the rules gave what is expected."""
         return self.expected == self.found
 
     def difference(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Say whether a robot can do something, or several things at one time, and why."""
+"""Report whether a robot can do something, or several things at one time, and why."""
 
 import argparse
 import sys

@@ -92,13 +92,13 @@ class _Output(io.RawIOBase):
 
 
 def runs_code_of(paths: Iterable[str]) -> None:
-    """Say whose code runs from now on, in case that it ends the worker."""
+    """Tell the parent whose code runs from now on, in case that it ends the worker."""
     if _pipe is not None:
         _send(_CODE, b"\0".join(map(os.fsencode, paths)))
 
 
 def end(status: int) -> None:
-    """Say that nothing follows, and the exit status.
+    """Tell the parent that nothing follows, and the exit status.
 
     Raises:
         ValueError: somebody closed standard output.

@@ -79,7 +79,7 @@ def limit_memory(megabytes: float | None) -> None:
 
 
 def say_memory_ended(arguments: argparse.Namespace) -> None:
-    """Say that there was not enough memory, how much that was, and how to allow more."""
+    """Report that there was not enough memory, how much that was, and how to allow more."""
     most = memory_limit(arguments)
     asked = arguments.memory_limit is not None
     half = "" if asked else ", half of what there is; --memory-limit MB allows more"

@@ -15,7 +15,7 @@ _SPACING = 0.1
 
 @contextmanager
 def stage(arguments: argparse.Namespace, what: str) -> Iterator[None]:
-    """Say what is being done where that takes long and a person is watching."""
+    """Show what is being done where that takes long and a person is watching."""
     if arguments.quiet or not sys.stderr.isatty():
         yield
         return

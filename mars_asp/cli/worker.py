@@ -254,7 +254,7 @@ def _end_group(worker: int) -> None:
 
 
 def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
-    """Say why a worker ended without its end mark; return the exit status.
+    """Report why a worker ended without its end mark; return the exit status.
 
     `code` are the files of others whose code it ran.
     """

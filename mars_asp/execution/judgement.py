@@ -73,7 +73,7 @@ class Requirement:
 
     @property
     def holds(self) -> bool:
-        """Say whether nothing violated it."""
+        """Whether nothing violated it."""
         return not self.violations
 
     @property
@@ -94,7 +94,7 @@ class Judgement:
 
     @property
     def holds(self) -> bool:
-        """Say whether all requirements hold."""
+        """Whether all requirements hold."""
         return all(requirement.holds for requirement in self.requirements)
 
     def traces(self) -> tuple[tuple[Consequence, Trace], ...]:

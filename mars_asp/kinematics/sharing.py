@@ -74,7 +74,7 @@ class Carrying:
         ]
 
     def anyone(self, function: str) -> bool:
-        """Say whether a carrier alone gives a function at rest."""
+        """Whether a carrier alone gives a function at rest."""
         return any(self.alone(carrier, function) for carrier in self.carriers)
 
     def together(self, function: str) -> dict[Joint, float]:

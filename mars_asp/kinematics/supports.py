@@ -23,7 +23,7 @@ _NOTHING = sqrt(TOLERANCE) / 10
 
 
 def spanned(columns: Matrix) -> NDArray[np.bool_]:
-    """Say which unit vectors of n lie in the span of columns (nxk)."""
+    """Return which unit vectors of n lie in the span of columns (nxk)."""
     columns = scaled(columns)
     size = columns.shape[0]
     if not columns.size:

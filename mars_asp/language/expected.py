@@ -72,7 +72,7 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
 
 
 def _hint(piece: str, found: str) -> str | None:
-    """Say which `,` is too much, or the keyword that a word of the statement is meant to be."""
+    """Return which `,` is too much, or the keyword that a word of the statement is meant to be."""
     if found in KEYWORDS and "," in piece[: piece.rfind(found)]:
         return "the `,` before it continues the list; drop it where the list ends"
     words = [found, *_WORD.findall(piece)]

@@ -75,7 +75,7 @@ class Analysis:
 
     @cached_property
     def has_errors(self) -> bool:
-        """Say whether a consequence is an error."""
+        """Whether a consequence is an error."""
         severities = {arguments(a)[1] for a in atoms(self.grounding.control, *CONSEQUENCE)}
         return any(_severity(as_symbol(severity)) == "error" for severity in severities)
 

@@ -49,7 +49,7 @@ class Verdict:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Say what would make it possible, as the rules that deny it say."""
+        """Return what would make it possible, by the help of the rules that deny it."""
         if self.able:
             return ()
         told = (fill(t.rule.help, t.bindings, shown) for t in self.traces if isinstance(t, Derived))
@@ -65,12 +65,12 @@ class Answer:
 
     @property
     def able(self) -> bool:
-        """Say whether everything that is asked can be done at one time."""
+        """Whether everything that is asked can be done at one time."""
         return all(verdict.able for verdict in self.verdicts)
 
 
 def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
-    """Say whether a robot can do what a query asks, all at one time.
+    """Whether a robot can do what a query asks, all at one time.
 
     A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stage
     `can`.

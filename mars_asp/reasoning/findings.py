@@ -68,7 +68,7 @@ def check_severities(said: Iterable[Said]) -> None:
 
 
 def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
-    """Return what is said of a severity that is none."""
+    """Return the diagnostic for an unknown severity."""
     near = nearest(written, SEVERITIES)
     advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
     message = f"`{written}` is not a severity"

@@ -148,12 +148,12 @@ def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tup
 
 
 def has_mounts(project: Project) -> bool:
-    """Say whether a project mounts anything; only then is numpy worth loading."""
+    """Whether a project mounts anything; only then is numpy worth loading."""
     return any(isinstance(r, Mount) for r in project.configuration.relationships)
 
 
 def _has_functions(project: Project) -> bool:
-    """Say whether any module has a native function, without which nothing is inherited."""
+    """Whether any module has a native function, without which nothing is inherited."""
     described = (*project.modules.values(), *project.configuration.declared)
     return any(module.functions for module in described)
 

@@ -137,7 +137,7 @@ def _behind_requires(tokens: Sequence[Token], at: int) -> int:
 
 
 def _is_macro_call(tokens: Sequence[Token], head: Sequence[Token], end: int) -> bool:
-    """Say whether brackets, closed before `end`, are those of a macro before the declaration."""
+    """Whether brackets, closed before `end`, are those of a macro before the declaration."""
     following = text_at(tokens, end)
     goes_on = (is_word(following) and following not in _BEHIND) or following == "::"
     if not head or not goes_on:

@@ -31,7 +31,7 @@ def declarators(tokens: Sequence[Token]) -> list[Sequence[Token]]:
 
 
 def are_parameters(found: Sequence[Sequence[Token]]) -> bool:
-    """Say whether declarators can be parameters, and not a call's arguments."""
+    """Whether declarators can be parameters, and not a call's arguments."""
     for declarator in found:
         words = _top_level(declarator)
         if not any(is_word(text) or text == "..." for text in words):
@@ -135,7 +135,7 @@ def _named(tokens: Sequence[Token], arrays: str) -> Parameter:
 
 
 def _is_out(parts: Sequence[Unit]) -> bool:
-    """Say whether what a type points or refers to can be written to."""
+    """Whether what a type points or refers to can be written to."""
     words = [part.text for part in parts if part.kind in ("specifier", "sign")]
     stars = [at for at, text in enumerate(words) if text in ("*", "&")]
     return bool(stars) and "const" not in words[: stars[-1]]

@@ -34,7 +34,7 @@ _MACRO = re.compile(r"_*[A-Z][A-Z0-9_]*[A-Z0-9_]|_[A-Z][a-z]*_(?:[a-z]+_)*")
 
 
 def is_macro(text: str) -> bool:
-    """Say whether a word is written as macros are."""
+    """Whether a word is written as macros are."""
     return _MACRO.fullmatch(text) is not None
 
 

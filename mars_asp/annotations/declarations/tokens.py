@@ -31,7 +31,7 @@ def tokenise(code: str) -> list[Token]:
 
 
 def is_word(text: str) -> bool:
-    """Say whether a token is an identifier or a keyword."""
+    """Whether a token is an identifier or a keyword."""
     return text[:1].isidentifier() or text[:1] == "$"
 
 

@@ -107,11 +107,11 @@ def _merged(one: Mapping[str, Shape], other: Mapping[str, Shape]) -> Mapping[str
 
 
 def tells(own: Shapes, signature: Signature) -> bool:
-    """Say whether the atoms of a predicate belong to one part each."""
+    """Whether the atoms of a predicate belong to one part each."""
     return any(own.get(signature, ()))
 
 
 def linked(one: Mapping[str, Shape], other: Mapping[str, Shape]) -> bool:
-    """Say whether variables with these shapes are about one part, as one of them is in both."""
+    """Whether variables with these shapes are about one part, as one of them is in both."""
     common = one.keys() & other.keys()
     return any(shapes.share(one[name], other[name]) for name in common)

@@ -99,7 +99,7 @@ def are_forced(rules: Iterable[Statement]) -> bool:
 
 
 def negates_itself(rules: Iterable[Statement]) -> bool:
-    """Say whether recursion leads through anything but positive literals."""
+    """Whether recursion leads through anything but positive literals."""
     reads: dict[Signature, set[Signature]] = {}
     others: set[tuple[Signature, Signature]] = set()
     for rule in rules:
@@ -139,7 +139,7 @@ class _Writer:
     unknown: dict[Asked, set[int]] = field(default_factory=dict)
 
     def is_derived(self, signature: Signature) -> bool:
-        """Say whether rules alone say what is true of a predicate."""
+        """Whether rules alone say what is true of a predicate."""
         return signature in self.rules and signature not in self.keys
 
     def program(self, asked: Asked) -> list[str]:
@@ -261,7 +261,7 @@ def _needed(asked: Asked, rule: Statement) -> str:
 
 
 def _is_known(term: Pattern, bound: Set[str]) -> bool:
-    """Say whether a term is a known value; new ones are not made."""
+    """Whether a term is a known value; new ones are not made."""
     return term.is_constant or (term.is_variable and term.variables <= bound)
 
 

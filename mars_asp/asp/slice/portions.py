@@ -95,7 +95,7 @@ def _derived(each: Iterable[Statement]) -> frozenset[Signature]:
 
 
 def _is_apart(statement: Statement, own: Shapes, derived: Set[Signature]) -> bool:
-    """Say whether each instance of a statement is about one part, or the same for all."""
+    """Whether each instance of a statement is about one part, or the same for all."""
     scopes = (Scope(()), *statement.inner, *(condition for _, condition in statement.heads))
     if not all(_is_about_one(statement.body, inner, own) for inner in scopes):
         return False
@@ -110,7 +110,7 @@ def _is_apart(statement: Statement, own: Shapes, derived: Set[Signature]) -> boo
 
 
 def _is_about_one(body: Scope, inner: Scope, own: Shapes) -> bool:
-    """Say whether all literals of a body and of an element in it are about one part."""
+    """Whether all literals of a body and of an element in it are about one part."""
     found = groups_of((*body.positive, *inner.positive), own)
     others = [x for x in (*body.others, *inner.others) if tells(own, x.signature)]
     if not found:
@@ -119,7 +119,7 @@ def _is_about_one(body: Scope, inner: Scope, own: Shapes) -> bool:
 
 
 def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
-    """Say whether no tuple is one of two parts, as tuples say at one place whose they are."""
+    """Whether no tuple is one of two parts, as tuples say at one place whose they are."""
     places: dict[str, set[int]] = {}
     for statement in each:
         if statement.cost is not None:
@@ -166,7 +166,7 @@ def _deciding(program: Program, derived: Set[Signature]) -> Iterator[Sequence[St
 
 
 def _meet(one: Cost, other: Cost) -> bool:
-    """Say whether a tuple of one cost could be one of the other."""
+    """Whether a tuple of one cost could be one of the other."""
     pairs = ((a.constant, b.constant) for a, b in zip(one.terms, other.terms, strict=False))
     return one.level == other.level and not any(a and b and a != b for a, b in pairs)
 

@@ -58,7 +58,7 @@ def both(one: Shape, other: Shape) -> Shape:
 
 
 def share(one: Shape, other: Shape) -> bool:
-    """Say whether a value of both shapes has its constant at one place for both of them."""
+    """Whether a value of both shapes has its constant at one place for both of them."""
     if one is UNKNOWN or other is UNKNOWN:
         return True
     if not one or not other:

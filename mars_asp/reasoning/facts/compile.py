@@ -130,7 +130,7 @@ class Compiler:
         return tuple(self.facts)
 
     def tell(self) -> None:
-        """Tell all that is wanted."""
+        """Add all facts that are wanted."""
         parts = (
             (self.heading, HEADING),
             (self.each_module, MODULES),
@@ -145,19 +145,19 @@ class Compiler:
                 tell()
 
     def heading(self) -> None:
-        """Tell the architecture."""
+        """Add the architecture."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
 
     def each_module(self) -> None:
-        """Tell the modules that the configuration names."""
+        """Add the modules that the configuration names."""
         for name in self.configuration.modules:
             self.module(name)
 
     def module(self, name: Name) -> None:
-        """Tell one module that the configuration names."""
+        """Add one module that the configuration names."""
         self.add(name.span, "module", name.text)
         self.place(name.text, name.span)
         if self.configuration.kind == "specification":
@@ -166,12 +166,12 @@ class Compiler:
                 self.add(name.span, "node", name.text, Atom(kind))
 
     def relationships(self) -> None:
-        """Tell the relationships."""
+        """Add the relationships."""
         for number, relationship in self.numbered:
             self.relationship(number, relationship)
 
     def annotations(self) -> None:
-        """Tell what modules are described to be."""
+        """Add what modules are described to be."""
         if self.wanted is None or not self.wanted.isdisjoint(("described", "class")):
             for module in self.described.values():
                 self.description(module)
@@ -179,13 +179,13 @@ class Compiler:
             self.annotation(number, module, annotation)
 
     def description(self, module: Module) -> None:
-        """Tell that a module is described, and of which classes it is."""
+        """Add that a module is described, and of which classes it is."""
         self.add(module.span, "described", module.name)
         for module_class in module_classes(module):
             self.add(module.span, "class", module.name, Atom(module_class))
 
     def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
-        """Tell one annotation of a module."""
+        """Add one annotation of a module."""
         if isinstance(annotation, Service):
             self.service(number, module.name, annotation)
         else:
@@ -198,11 +198,11 @@ class Compiler:
             self.facts.append(Fact(Atom(name, arguments), span))
 
     def place(self, identifier: Term, span: Span) -> None:
-        """Tell where something stands."""
+        """Add the place of a statement or annotation."""
         self.add(span, "place", identifier, span.path, span.line, span.column)
 
     def relationship(self, number: int, relationship: Relationship) -> None:
-        """Tell one relationship."""
+        """Add one relationship."""
         span = relationship.span
         match relationship:
             case Data(client, source):
@@ -225,7 +225,7 @@ class Compiler:
         self.place(number, span)
 
     def requirement(self, number: int, data: Data) -> None:
-        """Tell which service a data relationship asks for."""
+        """Add which service a data relationship asks for."""
         if data.mode is None:
             return
         mode = mode_term(data.mode)
@@ -235,7 +235,7 @@ class Compiler:
         self.add(data.span, "required_rate", number, millihertz(data.hz))
 
     def words(self) -> None:
-        """Say once how each mode with its rate is written."""
+        """Add once how each mode with its rate is written."""
         known = set()
         told = set()
         for mode, hz, otherwise, span in self.written_modes():
@@ -264,7 +264,7 @@ class Compiler:
                         yield mode, hz, NONE, service.span
 
     def service(self, number: int, name: str, service: Service) -> None:
-        """Tell a function annotation of a module."""
+        """Add a function annotation of a module."""
         span = service.span
         if service.kind == "Converts":
             source, target = (*service.inputs, None)[0], service.output
@@ -284,7 +284,7 @@ class Compiler:
             self.candidates(number, name, representation, span)
 
     def offer(self, number: int, name: str, service: Service) -> None:
-        """Tell what a module delivers, and how."""
+        """Add what a module delivers, and how."""
         span = service.span
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.names.ambiguous:
@@ -297,12 +297,12 @@ class Compiler:
                 self.add(span, "offered_rate", number, millihertz(service.hz))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
-        """Tell what an ambiguous representation could mean."""
+        """Add what an ambiguous representation could mean."""
         for candidate in self.names.ambiguous.get(written or "", ()):
             self.add(span, "ambiguous_name", number, name, written or "", candidate)
 
     def resemblances(self) -> None:
-        """Tell which known name a name that nothing declares is spelt like."""
+        """Add which known name a name that nothing declares is spelt like."""
         declared = {name.text for name in self.configuration.modules}
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
         pools = [(ends - declared, sorted(declared | set(self.known)))]
@@ -316,7 +316,7 @@ class Compiler:
                 self.add(span, "resembles", stranger, near)
 
     def knots(self) -> None:
-        """Tell what relationships of one kind lead back to itself, and the shortest way round."""
+        """Add what relationships of one kind lead back to itself, and the shortest way round."""
         data, control, mounts = [], [], []
         spans = {}
         for number, relationship in self.numbered:

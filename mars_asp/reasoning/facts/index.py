@@ -113,7 +113,7 @@ class Lookup:
                 compiler.annotation(number, module, annotation)
 
     def _tell_together(self, name: str) -> None:
-        """Tell all facts of one predicate."""
+        """Add all facts of one predicate."""
         compiler = self._compiler
         if name in FRAMES:
             compiler.facts += (fact for fact in self._frames if fact.atom.name == name)

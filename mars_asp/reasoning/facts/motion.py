@@ -136,7 +136,7 @@ def _rank(columns: Matrix) -> int:
 
 
 def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Iterator[Atom]:
-    """Tell as what one function appears: one signed function, or shares of several."""
+    """Add the fact of what one function appears: one signed function, or shares of several."""
     turns = function.startswith("Rotn")
     direction = twist[:3] if turns else twist[3:]
     names = MOTION_FUNCTIONS[:3] if turns else MOTION_FUNCTIONS[3:]
@@ -151,7 +151,7 @@ def _appearance(name: str, provider: str, function: str, twist: Matrix) -> Itera
 
 
 def _lever_arms(name: str, provider: str, place: Matrix, twists: Matrix) -> Iterator[Atom]:
-    """Tell how far the axes of a provider, which meet in its place, pass what they turn."""
+    """Add how far the axes of a provider, which meet in its place, pass what they turn."""
     turned = np.abs(twists[:3]).max(axis=1) > TOLERANCE
     for axis in np.flatnonzero(turned):
         micrometres = round(float(np.linalg.norm(np.delete(place, axis))) * 1000)
@@ -171,7 +171,7 @@ def _combinations(joints: Sequence[Joint], twists: Matrix) -> Iterator[tuple[str
 
 
 def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterator[Atom]:
-    """Tell the sets of fewest and nearest carriers that give together what none does alone."""
+    """Add the sets of fewest and nearest carriers that give together what none does alone."""
     distance = {ancestor: n for n, ancestor in enumerate(robot.ancestors(name), 1)}
     providers = [ancestor for ancestor in distance if robot.joints[ancestor]]
     joints = [joint for provider in providers for joint in robot.joints[provider]]
@@ -196,7 +196,7 @@ def _supports(robot: Robot, name: str, free: Matrix, alone: Set[str]) -> Iterato
 
 
 def _circuits(robot: Robot, name: str, free: Matrix, function: str) -> Iterator[Atom]:
-    """Tell which motions of several carriers together give a function, with none to spare."""
+    """Add which motions of several carriers together give a function, with none to spare."""
     joints = [joint for ancestor in robot.ancestors(name) for joint in robot.joints[ancestor]]
     if function not in MOTION_FUNCTIONS:
         return

@@ -95,7 +95,7 @@ def _stand_ins(
 
 
 def _states_architecture(configuration: Configuration, nodes: Iterable[Node]) -> bool:
-    """Say whether `flat` or `hierarchical` is printed."""
+    """Whether `flat` or `hierarchical` is printed."""
     if configuration.architecture == "hierarchical" or configuration.period_ms is not None:
         return True
     if configuration.kind == "specification" and configuration.stated:

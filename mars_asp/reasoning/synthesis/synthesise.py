@@ -175,12 +175,12 @@ def _too_costly(error: TooCostlyError, facts: Iterable[Fact]) -> Diagnostic:
 
 
 def is_unresolvable(analysis: Analysis) -> bool:
-    """Say whether something can never be resolved, so that there is no specification."""
+    """Whether something can never be resolved, so that there is no specification."""
     return any(True for _ in analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
 def is_resolved(rulebook: Rulebook, signature: Signature) -> bool:
-    """Say whether the rules of the resolution, or of what it means, derive a predicate.
+    """Whether the rules of the resolution, or of what it means, derive a predicate.
 
     Then no atom of it holds where nothing realises the configuration. Some may be derived all the
     same, for what stands against a part does not stop the others.
