@@ -8,7 +8,7 @@ LOCK := requirements-dev.txt
 NEWEST ?= $(firstword $(wildcard $(foreach version,14 13 12,/usr/bin/python3.$(version) \
 	/usr/local/bin/python3.$(version) $(HOME)/.pyenv/versions/3.$(version).*/bin/python)))
 
-.PHONY: demo test test-newest lock clean
+.PHONY: demo test test-newest site lock clean
 
 demo: $(VENV)/installed
 	@echo "== explaining the paper's Level 0 robot (figure 18)"
@@ -35,6 +35,20 @@ else
 	@.venv-newest/bin/python -m pytest $(TESTS)
 endif
 
+# The documentation as a static site in `build/site`, in an environment of its own; a warning ends it.
+site: .venv-site/installed
+	@echo "== building the site"
+	@rm -rf build/pages && mkdir -p build/pages
+	@git ls-files -z '*.md' docs examples rules LICENSE | tar -c --null -T - | tar -x -C build/pages
+	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict --quiet
+
+.venv-site/installed: pyproject.toml
+	@echo "== installing what builds the site (once)"
+	@$(PYTHON) -m venv .venv-site
+	@.venv-site/bin/python -m pip --disable-pip-version-check install --quiet --upgrade "pip>=25.1"
+	@.venv-site/bin/python -m pip --disable-pip-version-check install --quiet --group site
+	@touch $@
+
 # Write the newest versions, for all systems and from Python 3.11 on; commit what changed.
 lock: $(VENV)/bin/python
 	@$(PIP) install --quiet --upgrade "pip>=25.1"
@@ -43,7 +57,7 @@ lock: $(VENV)/bin/python
 		--no-header --no-annotate --group dev --all-extras pyproject.toml --output-file $(LOCK)
 
 clean:
-	rm -rf $(VENV) .venv-newest
+	rm -rf $(VENV) .venv-newest .venv-site build
 
 $(VENV)/bin/python:
 	@echo "== making a virtual environment in $(VENV)"

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from docs.make_reference import pages
 from mars_asp.annotations.languages import LANGUAGES
 from tests.support.documents import ROOT, commands, refresh, run
 
 DOCUMENTS = [
     ROOT / "README.md",
-    *sorted(ROOT.glob("docs/*.md")),
+    *sorted(ROOT.glob("docs/**/*.md")),
+    ROOT / "examples" / "README.md",
     *sorted(ROOT.glob("examples/*/README.md")),
     ROOT / "mars_asp" / "asp" / "README.md",
     ROOT / "rules" / "README.md",
@@ -23,6 +25,33 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         refresh(document)
     for command, shown in commands(document):
         assert run(command) == shown, command
+
+
+@pytest.mark.parametrize(("name", "text"), tuple(pages()), ids=lambda value: value[:8])
+def test_the_reference_is_what_parsers_and_rules_make(
+    name: str, text: str, update_golden: bool
+) -> None:
+    path = ROOT / "docs" / "reference" / name
+    if update_golden:
+        path.write_text(text, encoding="utf-8")
+    assert path.read_text(encoding="utf-8") == text
+
+
+LINK = re.compile(r"\]\(([^)#]+)[^)]*\)")
+
+
+def linked(page: Path) -> set[Path]:
+    """Return the files that a page links to; none of those of the web."""
+    links = LINK.findall(page.read_text(encoding="utf-8"))
+    return {(page.parent / link).resolve() for link in links if "://" not in link}
+
+
+def test_each_page_is_two_clicks_from_the_readme_and_no_link_is_dead() -> None:
+    first = linked(ROOT / "README.md")
+    pages_of_them = [page for page in first if page.suffix == ".md"]
+    reached = {ROOT / "README.md"}.union(first, *map(linked, pages_of_them))
+    assert not [page for page in reached if not page.exists()]
+    assert not [page for page in DOCUMENTS if page.resolve() not in reached]
 
 
 ANNOTATIONS = ROOT / "docs" / "annotations.md"
