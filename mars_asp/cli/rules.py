@@ -254,9 +254,13 @@ def _document(rule: Rule, heading: str) -> str:
 
 
 def _predicate_document(declaration: Declaration) -> str:
-    said = [f"from: {declaration.origin}"] if declaration.origin else []
+    said = [f"says: {sentence}" for sentence in declaration.says]
+    said += [f"unless: {sentence}" for sentence in declaration.unless]
+    said += [f"from: {declaration.origin}"] if declaration.origin else []
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
+    said += [] if declaration.cited else ["cited: never"]
+    said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
     place = f"{declaration.span.path}:{declaration.span.line}"
     parts = (f"## {declaration.written}", declaration.words, *said, place)
     return "\n\n".join(filter(None, parts))
@@ -270,6 +274,10 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
             for name, sorts, constants in declaration.arguments
         ],
         "words": declaration.words,
+        "says": list(declaration.says),
+        "unless": list(declaration.unless),
+        "cited": declaration.cited,
+        "orders": declaration.ordering,
         "from": declaration.origin,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,
