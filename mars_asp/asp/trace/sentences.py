@@ -132,7 +132,9 @@ def _written(value: Term, argument: Argument) -> str | None:
         return str(value) if unit is None else measured(value, unit)
     if isinstance(value, str):
         return value
+    if value.name == OPEN:
+        return None
     if not value.arguments:
-        return None if value.name == OPEN else value.name
+        return value.name.replace("_", " ")
     # Of a term that stands for something written, what is written.
     return " ".join(each for each in value.arguments if each and isinstance(each, str)) or None

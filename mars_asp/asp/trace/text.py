@@ -8,6 +8,7 @@ from typing import NamedTuple
 import clingo
 
 from mars_asp.asp.messages import shown
+from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
@@ -50,7 +51,7 @@ def traces_text(
             else:
                 yield from wrapped(line, level, width)
             continue
-        key, text = id(step), _said(step)
+        key, text = id(step), _said(step, folded)
         if key in numbers:
             yield from wrapped(text, level, width, f", as in ({numbers[key]})")
         else:
@@ -90,8 +91,19 @@ class _Entry(NamedTuple):
     step: Derived | Attempt | None = None
 
 
-def _said(step: Derived | Attempt) -> str:
-    return attempt_text(step) if isinstance(step, Attempt) else step.message or step.atom
+def _said(step: Derived | Attempt, folded: bool) -> str:
+    if isinstance(step, Attempt):
+        return attempt_text(step)
+    return step.message or (_named(step.head) if folded else step.atom)
+
+
+def _named(head: TermId) -> str:
+    """Return what an atom is about where no rule says it: its predicate in words, and names."""
+    symbol = as_symbol(head)
+    texts = (each for each in symbol.arguments if each.type == clingo.SymbolType.String)
+    names = ", ".join(f"`{each.string}`" for each in texts)
+    words = symbol.name.replace("_", " ").strip()
+    return f"{words}: {names}" if names else words
 
 
 class _Teller:
@@ -134,7 +146,7 @@ class _Teller:
                 case Derived():
                     remark = ", chosen as the cheapest" if step.chosen else ""
                     if step.others:
-                        said_of |= _numbered(step)
+                        said_of |= _numbered(step, self._folded)
                         stack += [(other, level) for other in reversed(step.others)]
                     if id(step) in said_of:
                         remark += f", {said_of[id(step)]}"
@@ -308,11 +320,11 @@ def _shown_path(path: str) -> str:
     return path.removeprefix(os.path.join(os.getcwd(), ""))  # noqa: PTH109, PTH118
 
 
-def _numbered(step: Derived) -> dict[int, str]:
+def _numbered(step: Derived, folded: bool) -> dict[int, str]:
     """Return what is said of a step and of its others, by their `id`: `derivation 1 of 2`.
 
     Where the same rule says the same in several, the values that are not the same in all of these
-    follow.
+    follow; where steps are folded, those of them that are names.
     """
     every = (step, *step.others)
     alike: dict[tuple[int, str | None], list[Derived]] = {}
@@ -323,8 +335,12 @@ def _numbered(step: Derived) -> dict[int, str]:
         bindings = [one.bindings for one in group]
         names = [name for name in bindings[0] if _differs(name, bindings)]
         for one, bound in zip(group, bindings, strict=True):
-            pairs = [f"{name} = {shown(bound[name])}" for name in names]
-            values[id(one)] = f" for {', '.join(pairs)}" if pairs else ""
+            if folded:
+                found = (bound[name] for name in names)
+                told = [f"`{v.string}`" for v in found if v.type == clingo.SymbolType.String]
+            else:
+                told = [f"{name} = {shown(bound[name])}" for name in names]
+            values[id(one)] = f" for {', '.join(told)}" if told else ""
     return {
         id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
         for number, one in enumerate(every, 1)

@@ -56,6 +56,28 @@ def test_words_and_arguments_are_enough(header: str, signature: str) -> None:
     assert (found.origin, found.extensible, found.joins) == (None, False, True)
 
 
+def test_sentences_are_read_in_their_order() -> None:
+    (found,), problems = read("""%*! p(X: thing, Y': grams)
+Words.
+says: {X} weighs
+    {Y'}, as {other.X'} says
+unless: {X} is not {Y'}
+unless: nothing is
+from: stated
+cited: never
+orders: Y'
+*%""")
+    assert not problems
+    assert found.says == ("{X} weighs {Y'}, as {other.X'} says",)
+    assert found.unless == ("{X} is not {Y'}", "nothing is")
+    assert (found.words, found.origin, found.cited, found.ordering) == (
+        "Words.",
+        "stated",
+        False,
+        "Y'",
+    )
+
+
 def test_what_is_no_mark_is_no_declaration() -> None:
     assert read('%* p(X) *%\n% p(X)\nq("%*! p(X) *%").\n') == ([], [])
 
@@ -64,6 +86,11 @@ def test_what_is_no_mark_is_no_declaration() -> None:
     ("text", "problem"),
     [
         ("%*! P(X)\nWords.\n*%", "`P(X)` is no predicate with its arguments"),
+        ("%*! p(X)\nsays: {Y} is\n*%", "`{Y}` names no argument"),
+        ("%*! p(X)\nunless: {x} is\n*%", "`{x}` names no argument"),
+        ("%*! p(X)\nsays:\n*%", "`says: ` says nothing of a predicate"),
+        ("%*! p(X)\norders: Y\n*%", "`orders: Y` names no argument"),
+        ("%*! p(X)\ncited: always\n*%", "`cited: always` says nothing of a predicate"),
         ("%*! p(x)\nWords.\n*%", "`x` is no argument of a documented predicate"),
         ("%*! p(X:)\nWords.\n*%", "`X:` is no argument of a documented predicate"),
         ("%*! p(X: Y)\nWords.\n*%", "`Y` is no sort"),

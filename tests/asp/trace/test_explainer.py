@@ -215,7 +215,9 @@ def test_a_road_is_walked_from_each_entrance_alone(entrances: str, count: int) -
 
 def test_several_derivations_are_numbered_and_told_apart() -> None:
     program = "t :- p. p :- q(X). p :- r. q(1..2). r :- p. r."
-    lines = traces_text([("t", derivations(program, "t"))], lambda span: "", depth=None)
+    lines = traces_text(
+        [("t", derivations(program, "t"))], lambda span: "", depth=None, folded=False
+    )
     assert [re.sub(r"  \[.*", "", line) for line in lines] == [
         "t",
         "    t :- p.",
