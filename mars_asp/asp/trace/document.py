@@ -249,6 +249,8 @@ def _place(leaf: Given) -> _Json | None:
 
 
 def _bindings(step: Derived | Attempt) -> dict[str, str]:
+    if isinstance(step, Derived):
+        return step.values_written
     return {name: str(value) for name, value in step.bindings.items()}
 
 

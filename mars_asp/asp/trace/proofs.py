@@ -102,7 +102,7 @@ class Proofs:
     def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
         premises, absent = below
         found = (*map(self._least, premises), *map(self._absent, absent))
-        steps = tuple(step for step in found if step is not None)
+        steps = tuple(filter(None, found))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 

@@ -1,8 +1,7 @@
 """What declarations of predicates say of atoms, and of atoms that do not hold."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.rules.declarations import SENTENCE_HOLE, Argument, Declaration
@@ -15,11 +14,19 @@ OPEN = "_any"
 _Index: TypeAlias = Mapping[tuple[Term, ...], Fact]
 
 
+class _Hole(NamedTuple):
+    """A place in a sentence: an argument, of the fact of `other` if it is not its own."""
+
+    other: Declaration | None
+    place: int
+    argument: Argument
+
+
 class _Form(NamedTuple):
-    """A sentence for `%`, and its holes: the predicate of each, empty for its own, and argument."""
+    """A sentence for `%`, and its holes."""
 
     text: str
-    holes: tuple[tuple[str, str], ...]
+    holes: tuple[_Hole, ...]
 
 
 class Told(NamedTuple):
@@ -43,6 +50,8 @@ class Sentences:
         self._ordering = [each for each in declarations.values() if each.orders is not None]
         self._facts = facts
         self._found: dict[tuple[str, tuple[int, ...]], _Index] = {}
+        self._alike: dict[tuple[int, int], tuple[tuple[int, int], ...]] = {}
+        self._forms: dict[tuple[str, int, str], _Form | None] = {}
 
     def says(self, atom: Atom) -> Told | None:
         """Return the sentence of an atom; `None` where nobody declares one."""
@@ -71,37 +80,53 @@ class Sentences:
 
     def _first(self, sentences: Sequence[str], declared: Declaration, atom: Atom) -> Told | None:
         for sentence in sentences:
-            form = _form(sentence)
-            values = tuple(self._values(form, declared, atom))
-            if None not in values:
-                written = tuple(filter(None, values))
-                return Told(form.text % written, written)
+            key = declared.name, len(declared.arguments), sentence
+            if key not in self._forms:
+                self._forms[key] = self._form(sentence, declared)
+            form = self._forms[key]
+            values = [] if form is None else self._values(form, declared, atom)
+            if form is not None and values is not None:
+                return Told(form.text % tuple(values), tuple(values))
         return None
 
-    def _values(self, form: _Form, declared: Declaration, atom: Atom) -> Iterator[str | None]:
-        for predicate, name in form.holes:
-            other, about = declared, atom
-            if predicate:
-                found = self._named.get(predicate)
-                fact = None if found is None else self._joined(found, declared, atom)
-                if found is None or fact is None:
-                    yield None
-                    continue
-                other, about = found, fact.atom
-            at = next((n for n, each in enumerate(other.arguments) if each.name == name), None)
-            yield None if at is None else _written(about.arguments[at], other.arguments[at])
+    def _form(self, sentence: str, declared: Declaration) -> _Form | None:
+        """Return a sentence with its holes; `None` where one names nothing."""
+        holes = []
+        for match in re.finditer(SENTENCE_HOLE, sentence):
+            of = declared if match[1] is None else self._named.get(match[1])
+            names = [] if of is None else [argument.name for argument in of.arguments]
+            if of is None or match[2] not in names:
+                return None
+            place = names.index(match[2])
+            other = None if match[1] is None else of
+            holes.append(_Hole(other, place, of.arguments[place]))
+        return _Form(re.sub(SENTENCE_HOLE, "%s", sentence.replace("%", "%%")), tuple(holes))
+
+    def _values(self, form: _Form, declared: Declaration, atom: Atom) -> list[str] | None:
+        found = []
+        for other, place, argument in form.holes:
+            about: Atom | None = atom
+            if other is not None:
+                fact = self._joined(other, declared, atom)
+                about = None if fact is None else fact.atom
+            value = None if about is None else _written(about.arguments[place], argument)
+            if value is None:
+                return None
+            found.append(value)
+        return found
 
     def _joined(self, other: Declaration, own: Declaration, atom: Atom) -> Fact | None:
         """Return the fact of another predicate with the arguments that are named alike."""
-        values = {
-            argument.name: value
-            for argument, value in zip(own.arguments, atom.arguments, strict=True)
-            if not _is_open(value)
-        }
-        places = tuple(n for n, each in enumerate(other.arguments) if each.name in values)
-        if not places:
+        # A declaration is hashed slowly, and all live as long as this.
+        pairs = self._alike.get((id(other), id(own)))
+        if pairs is None:
+            pairs = self._alike[id(other), id(own)] = _alike(other, own)
+        if any(_is_open(atom.arguments[mine]) for _, mine in pairs):
+            pairs = tuple(pair for pair in pairs if not _is_open(atom.arguments[pair[1]]))
+        if not pairs or other.name not in self._facts:
             return None
-        key = tuple(values[other.arguments[place].name] for place in places)
+        key = tuple(atom.arguments[mine] for _, mine in pairs)
+        places = tuple(theirs for theirs, _ in pairs)
         return self._by_values(other.name, len(other.arguments), places).get(key)
 
     def _by_values(self, name: str, arity: int, places: tuple[int, ...]) -> _Index:
@@ -115,10 +140,14 @@ class Sentences:
         return self._found[name, places]
 
 
-@cache
-def _form(sentence: str) -> _Form:
-    holes = tuple((m[1] or "", m[2]) for m in re.finditer(SENTENCE_HOLE, sentence))
-    return _Form(re.sub(SENTENCE_HOLE, "%s", sentence.replace("%", "%%")), holes)
+def _alike(other: Declaration, own: Declaration) -> tuple[tuple[int, int], ...]:
+    """Return the positions of arguments of two predicates that have one name."""
+    names = [argument.name for argument in own.arguments]
+    return tuple(
+        (place, names.index(argument.name))
+        for place, argument in enumerate(other.arguments)
+        if argument.name in names
+    )
 
 
 def _is_open(value: Term) -> bool:

@@ -252,17 +252,19 @@ class _Teller:
         if not steps:
             return found
         nears: list[_Near] = []
+        told: set[int] = set()
         for step in steps:
-            if not any(id(step) in near.steps for near in nears):
+            if id(step) not in told:
                 near = self._near.get(id(step))
                 if near is None:
                     near = self._near[id(step)] = _near(step)
                 nears.append(near)
+                told |= near.steps
         return [
             premise
             for premise in found
-            if not isinstance(premise, Absent)
-            and not any(id(premise) in near.steps for near in nears)
+            if id(premise) not in told
+            and not isinstance(premise, Absent)
             and not (isinstance(premise, Given) and self._is_seen(premise, nears))
         ]
 
@@ -352,19 +354,30 @@ def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool
 
 
 def _near(step: Derived) -> _Near:
-    below = _below(step, NEAR)
+    """Return what stands near below a step, the nearest first until there is enough."""
+    waiting = [step]
+    seen = {id(step)}
     facts: set[str] = set()
     lines: set[tuple[object, ...]] = set()
-    for part in below:
-        if isinstance(part, Given):
-            facts.add(part.atom)
-            if part.span is not None:
-                lines.add(part.span[:2])
-    return _Near({id(part) for part in below if part is not step}, facts, lines)
+    for part in waiting:
+        for premise in part.premises:
+            if id(premise) in seen:
+                continue
+            seen.add(id(premise))
+            if isinstance(premise, Derived):
+                waiting.append(premise)
+            elif isinstance(premise, Given):
+                facts.add(premise.atom)
+                if premise.span is not None:
+                    lines.add(premise.span[:2])
+        if len(seen) >= NEAR:
+            break
+    seen.remove(id(step))
+    return _Near(seen, facts, lines)
 
 
-def _below(step: Trace, most: int | None = None) -> list[Trace]:
-    """Return a step and everything that supports it, the nearest first; so many at most."""
+def _below(step: Trace) -> list[Trace]:
+    """Return a step and everything that supports it, the nearest first."""
     found: list[Trace] = [step]
     seen = {id(step)}
     for part in found:
@@ -373,8 +386,6 @@ def _below(step: Trace, most: int | None = None) -> list[Trace]:
                 if id(premise) not in seen:
                     seen.add(id(premise))
                     found.append(premise)
-        if most is not None and len(found) >= most:
-            return found[:most]
     return found
 
 

@@ -134,6 +134,11 @@ class Derived:
         return bindings_of(self.values)
 
     @property
+    def values_written(self) -> dict[str, str]:
+        """Return what the variables stand for, as clingo writes it."""
+        return {name: _text(value) for name, value in _terms_of(self.values).items()}
+
+    @property
     def message(self) -> str | None:
         """Return the rule's message, its holes filled; `None` where the rule has none."""
         return fill(self.rule.because, _terms_of(self.values), _shown)
@@ -210,6 +215,11 @@ def _strings(names: TermId) -> tuple[str, ...]:
 
 
 # The same few names stand in the messages of very many steps.
+@lru_cache(maxsize=100_000)
+def _text(value: TermId) -> str:
+    return text(value)
+
+
 @lru_cache(maxsize=100_000)
 def _shown(value: TermId) -> str:
     return shown(as_symbol(value))
