@@ -130,12 +130,15 @@ def test_a_violated_requirement_is_status_1(
     assert run_command(words) == 1
     out = " ".join(capfd.readouterr().out.split())
     assert "VIOLATED clearance" in out
-    assert "micrometres, and 3000000 were asked for [run/run/clearance]" in out
-    assert f"s.toml:{len(text.splitlines())}: clearance = 3000" in out
+    assert "mm, and 3000 mm was asked for [run/run/clearance]" in out
+    assert f"s.toml:{len(text.splitlines())} clearance = 3000" in out
     assert run_command([*words, "--format", "json"]) == 1
     (trace,) = json.loads(capfd.readouterr().out)["traces"]
     assert trace["rule"]["id"] == "run/run/clearance"
-    assert [premise["atom"] for premise in trace["premises"]][:1] == ["asked(clearance)"]
+    asked, observed = trace["premises"]
+    assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
+    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", None, None)
+    assert observed["message"].endswith(" mm, and 3000 mm was asked for")
 
 
 def test_annotated_functions_run_without_another_line_of_glue(
