@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import Declaration, declarations
+from mars_asp.asp.rules.declarations import Declaration, declarations, wrong_references
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
@@ -98,6 +98,7 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     misread: list[Diagnostic] = []
     for file in rulebook.documented:
         tuple(declarations(file.docstrings, file.path, misread))
+    misread += wrong_references(rulebook.declarations.values())
     large = unbounded(rulebook.declarations.values())
     return (
         *(replace(each, severity="warning") for each in misread),
@@ -262,7 +263,7 @@ def _predicate_document(declaration: Declaration) -> str:
     said += [] if declaration.cited else ["cited: never"]
     said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
     place = f"{declaration.span.path}:{declaration.span.line}"
-    parts = (f"## {declaration.written}", declaration.words, *said, place)
+    parts = (f"## {declaration.written}", declaration.words, "\n".join(said), place)
     return "\n\n".join(filter(None, parts))
 
 

@@ -209,6 +209,30 @@ def _wrong_holes(sentence: str, names: Sequence[str], place: Span) -> Iterator[D
             yield _problem(f"`{hole}` names no argument", place, advice)
 
 
+def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
+    """Yield the holes of sentences that name no argument of another predicate.
+
+    A fact of that one is found by the arguments that both name alike, so there has to be one.
+    """
+    declared = tuple(declared)
+    arguments = {each.name: [argument.name for argument in each.arguments] for each in declared}
+    for each in declared:
+        for sentence in (*each.says, *each.unless):
+            for match in re.finditer(SENTENCE_HOLE, sentence):
+                if match[1] is None:
+                    continue
+                names = arguments.get(match[1], [])
+                if match[2] not in names:
+                    near = nearest(match[1], arguments)
+                    advice = f"did you mean `{near}`?" if near else "name a documented predicate"
+                    advice = f"name one of {', '.join(names)}" if names else advice
+                    yield _problem(f"`{match[0]}` names no argument", each.span, advice)
+                elif not set(names) & set(arguments[each.name]):
+                    message = f"`{match[1]}` has no argument that `{each.name}` has, too"
+                    advice = "call the argument by which its fact is found the same"
+                    yield _problem(message, each.span, advice)
+
+
 def _split(written: str) -> Iterator[str]:
     """Yield what stands between the commas outside of brackets."""
     depth = begin = 0

@@ -7,7 +7,16 @@ from typing import TypeAlias
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.trace.absence_text import attempt_text
 from mars_asp.asp.trace.premise_order import PremiseOrder
-from mars_asp.asp.trace.tree import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
+from mars_asp.asp.trace.tree import (
+    Absent,
+    Attempt,
+    Derived,
+    Given,
+    Missing,
+    Trace,
+    Unexplained,
+    is_pseudo,
+)
 from mars_asp.diagnostic import Span
 
 FORMAT, VERSION = "mars-trace", 2
@@ -243,7 +252,7 @@ def _message(step: _Step) -> str:
 def _place(leaf: Given) -> _Json | None:
     """Return where a fact is; `<...>` is the name of no file."""
     span: Span | None = leaf.span
-    if span is None or span.path.startswith("<"):
+    if span is None or is_pseudo(span):
         return None
     return {"path": span.path, "line": span.line, "column": span.column}
 

@@ -101,8 +101,8 @@ class Proofs:
 
     def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
         premises, absent = below
-        found = (*map(self._least, premises), *map(self._absent, absent))
-        steps = tuple(filter(None, found))
+        found: list[Trace | None] = [*map(self._least, premises), *map(self._absent, absent)]
+        steps: tuple[Trace, ...] = tuple(filter(None, found))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 

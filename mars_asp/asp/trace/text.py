@@ -11,7 +11,16 @@ from mars_asp.asp.messages import shown
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
 from mars_asp.asp.trace.premise_order import PremiseOrder
-from mars_asp.asp.trace.tree import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
+from mars_asp.asp.trace.tree import (
+    Absent,
+    Attempt,
+    Derived,
+    Given,
+    Missing,
+    Trace,
+    Unexplained,
+    is_pseudo,
+)
 from mars_asp.diagnostic import Span
 
 #: Where nobody knows how wide the lines can be.
@@ -213,7 +222,7 @@ class _Teller:
                 if origin == "observed" and self._folded:
                     when = "" if step.seconds is None else f" at {step.seconds:g} s"
                     return f"{told}  (observed{when})"
-                if span is None:
+                if span is None or (self._folded and is_pseudo(span)):
                     return told if self._folded and step.message else None
                 place = f"{_shown_path(span.path)}:{span.line}"
                 return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
@@ -282,7 +291,7 @@ class _Teller:
 
 def _is_told(given: Given) -> bool:
     """Whether a fact is told in words and not by a line that states it."""
-    return given.span is None or given.origin != "stated"
+    return given.span is None or given.origin != "stated" or is_pseudo(given.span)
 
 
 def _note(given: Given, line: str) -> str | None:

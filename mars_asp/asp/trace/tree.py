@@ -199,6 +199,11 @@ class Missing:
         return self.words is not None and self.words.sentences.unless(self.words.atom) is not None
 
 
+def is_pseudo(span: Span) -> bool:
+    """Whether a place is in no file: `<...>` is where a question, a run or the like is."""
+    return span.path.startswith("<")
+
+
 def bindings_of(values: TermId) -> dict[str, clingo.Symbol]:
     """Return what variables stand for, of a term `v(n("X",...),1,...)`."""
     return {name: as_symbol(value) for name, value in _terms_of(values).items()}

@@ -1,6 +1,12 @@
 import pytest
 
-from mars_asp.asp.rules.declarations import Argument, Declaration, declarations, docstrings
+from mars_asp.asp.rules.declarations import (
+    Argument,
+    Declaration,
+    declarations,
+    docstrings,
+    wrong_references,
+)
 from mars_asp.asp.rules.statements import pieces
 from mars_asp.diagnostic import Diagnostic
 
@@ -76,6 +82,28 @@ orders: Y'
         False,
         "Y'",
     )
+
+
+def test_references_lead_to_an_argument_by_one_that_both_have() -> None:
+    found, problems = read("""
+%*! p(R, C)
+says: {R}
+*%
+%*! q(R, F)
+says: {p.C} {p.D} {pp.C}
+*%
+%*! r(F)
+unless: {p.C}
+*%""")
+    assert not problems
+    assert [(each.message, each.help) for each in wrong_references(found)] == [
+        ("`{p.D}` names no argument", "name one of R, C"),
+        ("`{pp.C}` names no argument", "did you mean `p`?"),
+        (
+            "`p` has no argument that `r` has, too",
+            "call the argument by which its fact is found the same",
+        ),
+    ]
 
 
 def test_what_is_no_mark_is_no_declaration() -> None:

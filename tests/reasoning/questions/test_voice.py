@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT, run
 from tests.support.forbidden import FORBIDDEN, forbidden_in
 
@@ -38,3 +39,10 @@ def test_each_pattern_finds_something(text: str, what: str) -> None:
 
 def test_every_pattern_is_tried() -> None:
     assert {what for _, what in SHOWN} == FORBIDDEN.keys()
+
+
+def test_each_given_predicate_that_is_cited_has_words() -> None:
+    declared = load_rulebook(stages=tuple(STAGES)).declarations.values()
+    given = [each for each in declared if each.origin is not None and each.cited]
+    assert len(given) > 60
+    assert [each.written for each in given if not (each.says and each.unless)] == []
