@@ -11,7 +11,7 @@ FORBIDDEN: Mapping[str, str] = {
     "a variable": r"\b[A-Z]'* = ",
     "an absence by an atom": r"\bno -?[a-z_]+\(|\bnot: ",
     "a number of a relationship or mode": r"\b(?:relationship|mode number|annotation) \d",
-    "a unit of the encoding": r"\d (?:mHz|ms)\b|milli(?:hertz|onths?)|micromet|thousandths?\b",
+    "a unit of the encoding": r"\d mHz\b|milli(?:hertz|onths?)|micromet|thousandths?\b",
     HEADING: r"@module_(?:start|end)",
     "a module of ours": r"\bmars_asp[./]",
     "a path of this machine": r"(?:^|[\s`\"'])/(?:tmp|work|home|root|usr)/",
