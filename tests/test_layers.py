@@ -23,7 +23,7 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments signature solve rules messages cases slice trace program",
+    "asp": "cache fragments signature units solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate statements rule computed expansions checks symbols arithmetic outline declarations "
@@ -31,8 +31,9 @@ FILES = {
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
-        "firings scope tree absence_text counted counting_rules given heights literal_order "
-        "patterns dominators firing_rules text near_misses proofs explainer absence"
+        "firings scope sentences tree absence_text counted counting_rules given heights "
+        "literal_order patterns premise_order dominators firing_rules text document near_misses "
+        "proofs explainer absence"
     ),
     "model": "cycles declarations described ranges modes transformation",
     "annotations": (
@@ -71,9 +72,9 @@ FILES = {
     "execution/scenario": "schema toml_places read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
-        "deliver encode lines live progress outputs report extract limits worker reason "
-        "alternatives analyse can check draw export facts fmt import rules run synthesise test "
-        "verify diff repair explain"
+        "deliver encode lines live progress outputs report extract limits terminal trace_document "
+        "worker reason alternatives analyse can check draw export facts fmt import rules run "
+        "synthesise test verify diff repair explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

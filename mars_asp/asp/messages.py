@@ -1,6 +1,5 @@
 """What rules say: the texts above them, with holes that values fill as people read them."""
 
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from typing import NamedTuple, TypeVar
@@ -8,12 +7,12 @@ from typing import NamedTuple, TypeVar
 import clingo
 
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, labelled
+from mars_asp.asp.units import UNITS, measured
 from mars_asp.diagnostic import Diagnostic, MarsError
 
 _Value = TypeVar("_Value")
-_HOLE = re.compile(r"\{([^{}]*)\}")
 
 
 class Said(NamedTuple):
@@ -98,19 +97,28 @@ def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) ->
 def fill(
     text: str | None, values: Mapping[str, _Value], show: Callable[[_Value], str]
 ) -> str | None:
-    """Fill the `{Variable}` holes of a message with values as `show` writes them."""
+    """Fill the `{Variable}` holes of a message with values as `show` writes them.
+
+    The number in a hole `{Variable:sort}` is written in the unit of the sort.
+    """
     if text is None:
         return None
-    form, holes = _form(text)
+    form, holes, sorts = _form(text)
     if not holes:
         return text
-    return form % tuple([show(values[h]) if h in values else f"{{{h}}}" for h in holes])
+    shown_values = [show(values[h]) if h in values else f"{{{h}}}" for h in holes]
+    for at, sort in sorts:
+        if shown_values[at].removeprefix("-").isdigit():
+            shown_values[at] = measured(int(shown_values[at]), sort)
+    return form % tuple(shown_values)
 
 
 @cache
-def _form(text: str) -> tuple[str, tuple[str, ...]]:
-    """Return a message for `%`, and the names of its holes."""
-    return _HOLE.sub("%s", text.replace("%", "%%")), tuple(_HOLE.findall(text))
+def _form(text: str) -> tuple[str, tuple[str, ...], tuple[tuple[int, str], ...]]:
+    """Return a message for `%`, the names of its holes, and the sorts that some of these state."""
+    found = HOLE.findall(text)
+    sorts = tuple((at, sort) for at, (_, sort) in enumerate(found) if sort in UNITS)
+    return HOLE.sub("%s", text.replace("%", "%%")), tuple(name for name, _ in found), sorts
 
 
 # The same few names stand in very many messages.

@@ -25,10 +25,11 @@ from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
 from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.patterns import fits, pattern_in
-from mars_asp.asp.trace.text import WIDTH, leaves_of, trace_json, traces_text
+from mars_asp.asp.trace.text import WIDTH, leaves_of, traces_text
 from mars_asp.asp.trace.tree import Derived, Given, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
@@ -212,7 +213,7 @@ class Reason:
         A rule without a message is told by the atom that it gives. Below `depth`, facts follow.
         """
         topics = [(self.title, self.trace)]
-        lines = list(traces_text(topics, self.line_at, depth, width, folded=False))
+        lines = list(traces_text(topics, self.line_at, depth, width, folded=False, places=True))
         if self.extra is not None:
             costs = [f"{cost} at priority {at}" for at, cost in sorted(self.extra.items())[::-1]]
             lines.append(f"  with it an answer costs {' and '.join(costs)} more")
@@ -228,7 +229,7 @@ class Reason:
         return trace_json(self.trace, depth)
 
     def leaves(self) -> Sequence[Given]:
-        """Return the facts that the trace rests on, one for each place, in their order."""
+        """Return the facts that the trace rests on, each once, in the order of their places."""
         return leaves_of(self.trace)
 
     @property
@@ -338,9 +339,7 @@ class Answer:
         symbols = ((clingo.parse_term(text), span) for text, span in self.spans.items())
         facts = [Fact(_atom_of(symbol), span) for symbol, span in symbols]
         control, opened = self.grounding.control, self.resolution.answer.true
-        declared = self.program.explained.declarations.values()
-        origins = {each.signature: each.origin for each in declared if each.origin is not None}
-        given = GivenFacts(facts, origins)
+        given = GivenFacts(facts, self.program.explained.declarations)
         return Explainer(self.program.explained, control, given, opened)
 
     @property

@@ -81,7 +81,7 @@ def _run(words: Sequence[str], contained: bool = True) -> int:
         return _no_verb(words)
     module = importlib.import_module(f"mars_asp.cli.{verb}")
     parser = _Parser(prog=f"mars-asp {word}", description=(module.__doc__ or "").partition("\n")[0])
-    _common_options(parser)
+    _common_options(parser, getattr(module, "FORMATS", ("text", "json")))
     module.configure(parser)
     from mars_asp.cli.limits import run_plain
     from mars_asp.cli.worker import run_contained
@@ -123,7 +123,7 @@ class _Parser(argparse.ArgumentParser):
         (file or sys.stderr).write(message)
 
 
-def _common_options(parser: argparse.ArgumentParser) -> None:
+def _common_options(parser: argparse.ArgumentParser, formats: Sequence[str]) -> None:
     group = parser.add_argument_group("common options")
     group.add_argument(
         "--rules", metavar="DIR", action="append", default=[], help="more rule files"
@@ -131,7 +131,7 @@ def _common_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--sources", metavar="PATH", action="append", default=[], help="more sources"
     )
-    group.add_argument("--format", choices=("text", "json"), default="text", help="of the output")
+    group.add_argument("--format", choices=formats, default="text", help="of the output")
     group.add_argument(
         "--time-limit", metavar="SECONDS", type=positive, help="stop after this long (status 3)"
     )

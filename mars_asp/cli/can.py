@@ -3,11 +3,13 @@
 import argparse
 import sys
 
-from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.asp.trace.document import Document
+from mars_asp.asp.trace.text import DEPTH, traces_text
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
+from mars_asp.cli.terminal import width
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.capability import QUERY, Answer, capability
@@ -26,13 +28,14 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     answer = capability(project, rulebook_for(arguments, ("can",)), arguments.query)
     if arguments.format == "json":
+        document = Document()
         demands = [
             {
                 "function": v.demand.function,
                 "module": v.demand.module,
                 "can": v.able,
                 "missing": list(v.missing),
-                "traces": [trace_json(trace) for trace in v.traces],
+                "traces": [document.trace(trace) for trace in v.traces],
             }
             for v in answer.verdicts
         ]
@@ -52,7 +55,7 @@ def _print_answer(answer: Answer, coloured: bool) -> None:
         for v in answer.verdicts
         for trace in v.traces
     ]
-    for line in traces_text(topics, asked_or_line, DEPTH):
+    for line in traces_text(topics, asked_or_line, DEPTH, width()):
         title = not line.startswith(" ")
         if title:
             print()

@@ -7,12 +7,15 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.trace.absence_text import is_unspoken
-from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.asp.trace.document import trace_json
+from mars_asp.asp.trace.text import DEPTH, traces_text
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
+from mars_asp.cli.terminal import width
+from mars_asp.cli.trace_document import add_schema, write_topics
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -23,6 +26,8 @@ from mars_asp.reasoning.session import Reasoner
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.why_not import WhyNot
 
+#: The verb's output has one format more than that of others.
+FORMATS = ("text", "json", "jsonl")
 MOST_ALTERNATIVES = 1000
 #: Deep enough to say which premise fails; why that one does is the next question.
 ABSENCE_DEPTH = 1
@@ -72,6 +77,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=_depth,
         help=f"how deep (default {DEPTH}, of what is absent {ABSENCE_DEPTH})",
     )
+    parser.add_argument("--places", action="store_true", help="say where each rule is written")
+    add_schema(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -100,9 +107,8 @@ def run(arguments: argparse.Namespace) -> int:
     closing = () if arguments.quiet else tuple(_closing(answer, arguments))
     # The traces stand without what was grounded, which takes as much memory.
     del answer
-    if arguments.format == "json":
-        traces = [{"title": t.title, **trace_json(t.trace)} for t in topics]
-        print(encoded({"subject": subject, "traces": traces}))
+    if arguments.format != "text":
+        write_topics(subject, topics, arguments.format, sys.stdout.write)
     else:
         told = [(topic.title, topic.trace) for topic in topics]
         depth = getattr(arguments, "depth", DEPTH)
@@ -121,6 +127,11 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
         return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
     if arguments.why_not is not None and arguments.only is not None:
         return "--why-not asks about its ATOM alone: leave out --only, or --why-not"
+    if arguments.format == "jsonl":
+        for option in ("why_not", "repair", "alternatives"):
+            if getattr(arguments, option):
+                named = option.replace("_", "-")
+                return f"--{named} prints no trace line by line: take `--format json`"
     for option in ("repair", "alternatives"):
         if getattr(arguments, option) and arguments.only is not None:
             return f"--{option} prints no trace, so --only says nothing: leave it out"
@@ -220,7 +231,7 @@ def _lines(
     topics: Sequence[tuple[str, Trace]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
     coloured = colours(arguments, sys.stdout)
-    for line in traces_text(topics, line_at, depth):
+    for line in traces_text(topics, line_at, depth, width(), places=arguments.places):
         title = not line.startswith(" ")
         if title:
             yield ""

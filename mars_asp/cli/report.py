@@ -26,7 +26,7 @@ def report(diagnostics: Iterable[Diagnostic], arguments: argparse.Namespace) -> 
     for diagnostic in diagnostics:
         if arguments.quiet and diagnostic.severity == "note":
             continue
-        if arguments.format == "json":
+        if arguments.format in ("json", "jsonl"):
             print(encoded(diagnostic_json(diagnostic)), file=sys.stderr)
         else:
             print(diagnostic_text(diagnostic, colours(arguments, sys.stderr)), file=sys.stderr)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import Declaration, declarations
+from mars_asp.asp.rules.declarations import Declaration, declarations, wrong_references
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
@@ -98,6 +98,7 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     misread: list[Diagnostic] = []
     for file in rulebook.documented:
         tuple(declarations(file.docstrings, file.path, misread))
+    misread += wrong_references(rulebook.declarations.values())
     large = unbounded(rulebook.declarations.values())
     return (
         *(replace(each, severity="warning") for each in misread),
@@ -254,11 +255,15 @@ def _document(rule: Rule, heading: str) -> str:
 
 
 def _predicate_document(declaration: Declaration) -> str:
-    said = [f"from: {declaration.origin}"] if declaration.origin else []
+    said = [f"says: {sentence}" for sentence in declaration.says]
+    said += [f"unless: {sentence}" for sentence in declaration.unless]
+    said += [f"from: {declaration.origin}"] if declaration.origin else []
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
+    said += [] if declaration.cited else ["cited: never"]
+    said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
     place = f"{declaration.span.path}:{declaration.span.line}"
-    parts = (f"## {declaration.written}", declaration.words, *said, place)
+    parts = (f"## {declaration.written}", declaration.words, "\n".join(said), place)
     return "\n\n".join(filter(None, parts))
 
 
@@ -270,6 +275,10 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
             for name, sorts, constants in declaration.arguments
         ],
         "words": declaration.words,
+        "says": list(declaration.says),
+        "unless": list(declaration.unless),
+        "cited": declaration.cited,
+        "orders": declaration.ordering,
         "from": declaration.origin,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,

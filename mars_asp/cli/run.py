@@ -83,7 +83,7 @@ class _Schema(argparse.Action):
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated."""
-    from mars_asp.asp.trace.text import trace_json
+    from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.judgement import judge
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
@@ -123,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         result = run_json(trial, judgement)
         if arguments.explain:
-            result["traces"] = [trace_json(trace) for _, trace in judgement.traces()]
+            result["traces"] = traces_json(trace for _, trace in judgement.traces())
         print(encoded(result))
     else:
         _print_run(trial, judgement, arguments)
@@ -305,8 +305,10 @@ def _print_winners(trial: "Trial") -> None:
 def _explain(judgement: "Judgement") -> None:
     from mars_asp.asp.trace.text import traces_text
     from mars_asp.cli.lines import line_at
+    from mars_asp.cli.terminal import width
 
-    for line in traces_text([(c.kind, trace) for c, trace in judgement.traces()], line_at):
+    topics = [(c.kind, trace) for c, trace in judgement.traces()]
+    for line in traces_text(topics, line_at, width=width()):
         print(visible(line) if line.startswith(" ") else f"\n{visible(line)}")
 
 

@@ -18,7 +18,6 @@ from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
-from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.rules import load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -100,11 +99,9 @@ class Judgement:
     def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
         """Return why each violation was found, down to lines of scenario and configuration.
 
-        What was observed has no line: rules put it in words.
+        What was observed has no line but, where it has one, an instant.
         """
-        placed = (fact for fact in self.facts if fact.span != OBSERVED)
-        declared = given_in(self.rulebook, "base")
-        given = GivenFacts(placed, {each.signature: each.origin for each in declared})
+        given = GivenFacts(self.facts, self.rulebook.declarations)
         explainer = Explainer(self.rulebook, self.analysis.grounding.control, given)
         found = [c for requirement in self.requirements for c in requirement.violations]
         traces = explainer.why(dict.fromkeys(c.atom for c in found))

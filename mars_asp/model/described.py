@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from mars_asp.model.declarations import Configuration, Module, ends_of
+from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import Configuration, Module, ServiceKind, ends_of
 
 #: The classes of modules, in the order in which they are told.
 CLASSES = (
@@ -14,6 +15,13 @@ CLASSES = (
     "data_sink",
     "converter",
 )
+_OF_SERVICE: Mapping[ServiceKind, str] = {
+    "Sense": "sensor",
+    "DataOut": "data_out_algorithm",
+    "ControlOut": "control_out_algorithm",
+    "DataIn": "data_sink",
+    "Converts": "converter",
+}
 
 
 def described_modules(
@@ -34,15 +42,14 @@ def described_modules(
 
 def module_classes(module: Module) -> Iterator[str]:
     """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
-    kinds = {service.kind for service in module.services}
-    functions = {function.name for function in module.functions}
-    tests = (
-        "Sense" in kinds,
-        bool(functions - {"Grasp"}),
-        "Grasp" in functions,
-        "DataOut" in kinds,
-        "ControlOut" in kinds,
-        "DataIn" in kinds,
-        "Converts" in kinds,
-    )
-    return (name for name, holds in zip(CLASSES, tests, strict=True) if holds)
+    return iter(annotated_classes(module))
+
+
+def annotated_classes(module: Module) -> dict[str, Span]:
+    """Return those classes with the first annotation that makes the module each of them."""
+    found: dict[str, Span] = {}
+    for service in module.services:
+        found.setdefault(_OF_SERVICE[service.kind], service.span)
+    for function in module.functions:
+        found.setdefault("end_effector" if function.name == "Grasp" else "effector", function.span)
+    return {name: found[name] for name in CLASSES if name in found}

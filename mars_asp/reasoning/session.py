@@ -16,7 +16,6 @@ from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
-from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis import Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
@@ -41,8 +40,7 @@ class Evidence:
     def explainer(self) -> Explainer:
         """Return what explains what is derived and chosen; no more answers can be asked for."""
         opened = {} if self.resolution is None else self.resolution.answer.true
-        origins = {each.signature: each.origin for each in given_in(self.rulebook, "base")}
-        given = GivenFacts(self.facts, origins)
+        given = GivenFacts(self.facts, self.rulebook.declarations)
         return Explainer(self.rulebook, self.analysis.grounding.control, given, opened)
 
     @property

@@ -146,7 +146,10 @@ def test_a_violated_requirement_is_status_1(
     assert run_command([*words, "--format", "json"]) == 1
     (trace,) = json.loads(capfd.readouterr().out)["traces"]
     assert trace["rule"]["id"] == "run/run/clearance"
-    assert [premise["atom"] for premise in trace["premises"]][:1] == ["asked(clearance)"]
+    asked, observed = trace["premises"]
+    assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
+    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", None, None)
+    assert observed["message"].endswith(" mm, and 3000 mm was asked for")
 
 
 def test_annotated_functions_run_without_another_line_of_glue(

@@ -72,7 +72,9 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     atoms = grounding.control.symbolic_atoms
     taken = {term for terms in opened.values() for term in terms}
     true = frozenset(atom.symbol for atom in atoms if atom.is_fact or as_term(atom.symbol) in taken)
-    return Explainer(rulebook, grounding.control, GivenFacts(given), opened), true
+    return Explainer(
+        rulebook, grounding.control, GivenFacts(given, rulebook.declarations), opened
+    ), true
 
 
 def goldens(stage: str) -> Iterator[tuple[Rule, str]]:

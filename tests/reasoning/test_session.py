@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from mars_asp.asp.trace.text import trace_json
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.reasoning import session
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.alternatives import alternatives

@@ -2,7 +2,9 @@
 
     %*! required_rate(R: relationship, F: millihertz)
     Data relationship R states a frequency of F.
-    from: stated
+    says:   `{uses_data_from.C}` asks for {F}
+    unless: `{uses_data_from.C}` states no frequency
+    from:   stated
     *%
 
 A sort behind an argument says what its values are: one word or several (`relationship |
@@ -10,10 +12,17 @@ annotation`), or the constants that there are (`{flat, hierarchical}`). Behind t
 stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
 that rules from elsewhere may derive it, and `joins: nothing` that its facts do not bring together
 what they name. Names of arguments and words are enough, as for what rules derive.
+
+Traces tell an atom by `says`, its absence by `unless`. A hole `{F}` is an argument, written in the
+unit of its sort, and `{uses_data_from.C}` the argument C of the given fact that has the same values
+of all arguments that both declarations name alike. Of several forms the first counts of which all
+holes have a value: an absence leaves arguments open. `cited: never` is said of what is no reason
+for anything, such as how something is written, and `orders: P` that things are told in the order
+of the numbers P, the highest first. A line goes on in lines that begin with white space.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
@@ -41,7 +50,16 @@ _SAID: Mapping[str, tuple[str, ...]] = {
     "from": get_args(Origin),
     "packs": ("extend",),
     "joins": ("nothing",),
+    "cited": ("never",),
 }
+#: The keys of lines that hold a sentence, of which there can be several.
+_SENTENCES = ("says", "unless")
+_ORDERS = "orders"
+_KEYS = (*_SAID, *_SENTENCES, _ORDERS)
+_CONTINUED = r"\n[ \t]+(?![a-z]+:)"
+#: A hole of a sentence: an argument, of the predicate itself or of the fact of another one.
+SENTENCE_HOLE = r"\{(?:([a-z_]\w*)\.)?([A-Z_]\w*'*)\}"
+_BRACES = r"\{[^{}]*\}"
 
 
 class Argument(NamedTuple):
@@ -75,7 +93,10 @@ class Documented(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What is declared of a predicate; `origin` is `None` where nobody says it."""
+    """What is declared of a predicate; `origin` is `None` where nobody says it.
+
+    `orders` is the position from 0 of the argument that things are ordered by.
+    """
 
     name: str
     arguments: tuple[Argument, ...]
@@ -84,12 +105,21 @@ class Declaration:
     origin: Origin | None = None
     extensible: bool = False
     joins: bool = True
+    says: tuple[str, ...] = ()
+    unless: tuple[str, ...] = ()
+    cited: bool = True
+    orders: int | None = None
 
     @property
     def signature(self) -> Signature:
         """Return the predicate."""
         positive = not self.name.startswith("-")
         return Signature(self.name.removeprefix("-"), len(self.arguments), positive)
+
+    @property
+    def ordering(self) -> str | None:
+        """Return the name of the argument that things are ordered by."""
+        return None if self.orders is None else self.arguments[self.orders].name
 
     @property
     def written(self) -> str:
@@ -146,9 +176,61 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     if len(read) < len(arguments):
         return None
     words, said = _lines(rest, place, problems)
-    origin = next((each for each in get_args(Origin) if each == said.get("from")), None)
-    joins, extensible = "joins" not in said, "packs" in said
-    return Declaration(match[1], read, words, place, origin, extensible, joins)
+    first = {key: values[0] for key, values in said.items()}
+    origin = next((each for each in get_args(Origin) if each == first.get("from")), None)
+    names = [argument.name for argument in read]
+    for sentence in (*said.get("says", ()), *said.get("unless", ())):
+        problems += _wrong_holes(sentence, names, place)
+    if _ORDERS in first and first[_ORDERS] not in names:
+        message = f"`{_ORDERS}: {first[_ORDERS]}` names no argument"
+        problems.append(_problem(message, place, f"name one of {', '.join(names)}"))
+    return Declaration(
+        match[1],
+        read,
+        words,
+        place,
+        origin,
+        extensible="packs" in said,
+        joins="joins" not in said,
+        says=tuple(said.get("says", ())),
+        unless=tuple(said.get("unless", ())),
+        cited="cited" not in said,
+        orders=names.index(first[_ORDERS]) if first.get(_ORDERS) in names else None,
+    )
+
+
+def _wrong_holes(sentence: str, names: Sequence[str], place: Span) -> Iterator[Diagnostic]:
+    """Yield the holes of a sentence that name no argument."""
+    for hole in re.findall(_BRACES, sentence):
+        match = re.fullmatch(SENTENCE_HOLE, hole)
+        if match is None or (match[1] is None and match[2] not in names):
+            near = nearest(hole[1:-1], names) if names else None
+            advice = f"did you mean `{{{near}}}`?" if near else "name an argument of the predicate"
+            yield _problem(f"`{hole}` names no argument", place, advice)
+
+
+def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
+    """Yield the holes of sentences that name no argument of another predicate.
+
+    A fact of that one is found by the arguments that both name alike, so there has to be one.
+    """
+    declared = tuple(declared)
+    arguments = {each.name: [argument.name for argument in each.arguments] for each in declared}
+    for each in declared:
+        for sentence in (*each.says, *each.unless):
+            for match in re.finditer(SENTENCE_HOLE, sentence):
+                if match[1] is None:
+                    continue
+                names = arguments.get(match[1], [])
+                if match[2] not in names:
+                    near = nearest(match[1], arguments)
+                    advice = f"did you mean `{near}`?" if near else "name a documented predicate"
+                    advice = f"name one of {', '.join(names)}" if names else advice
+                    yield _problem(f"`{match[0]}` names no argument", each.span, advice)
+                elif not set(names) & set(arguments[each.name]):
+                    message = f"`{match[1]}` has no argument that `{each.name}` has, too"
+                    advice = "call the argument by which its fact is found the same"
+                    yield _problem(message, each.span, advice)
 
 
 def _split(written: str) -> Iterator[str]:
@@ -189,27 +271,35 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
     return Argument(match[1], frozenset(sorts))
 
 
-def _lines(text: str, place: Span, problems: list[Diagnostic]) -> tuple[str, dict[str, str]]:
+def _lines(
+    text: str, place: Span, problems: list[Diagnostic]
+) -> tuple[str, Mapping[str, Sequence[str]]]:
     """Return the words for readers, and what the lines behind them say by their keys."""
-    lines = text.rstrip().split("\n")
-    said: dict[str, str] = {}
+    lines = re.sub(_CONTINUED, " ", text.rstrip()).split("\n")
+    said: dict[str, list[str]] = {}
     while lines and (match := re.fullmatch(_LINE, lines[-1].strip())):
-        key, value = match[1], match[2].strip()
-        near_key = key if key in _SAID else nearest(key, _SAID)
+        key, value = match[1], " ".join(match[2].split())
+        near_key = key if key in _KEYS else nearest(key, _KEYS)
         if near_key is None:
             break
         lines.pop()
-        if near_key != key or value not in _SAID[key]:
-            choices = _SAID[near_key]
-            near = nearest(value, choices) or choices[0]
-            message = f"`{key}: {value}` is not a key of a documented predicate"
-            advice = f"did you mean `{near_key}: {near}`?"
-            problems.append(_problem(message, place, advice))
-        elif key in said:
+        wrong = _wrong_line(key, value, near_key)
+        if wrong is not None:
+            problems.append(_problem(f"`{key}: {value}` is not a key of a documented predicate", place, wrong))
+        elif key in said and key not in _SENTENCES:
             problems.append(_problem(f"`{key}` occurs twice", place, "leave out one of them"))
         else:
-            said[key] = value
+            said.setdefault(key, []).insert(0, value)
     return " ".join(" ".join(lines).split()), said
+
+
+def _wrong_line(key: str, value: str, near_key: str) -> str | None:
+    """Return what to write instead of a line that says nothing; `None` where it does."""
+    choices = _SAID.get(near_key, ())
+    if key == near_key and (value in choices if choices else value):
+        return None
+    near = (nearest(value, choices) or choices[0]) if choices else value or "..."
+    return f"did you mean `{near_key}: {near}`?"
 
 
 def _written(argument: Argument) -> str:

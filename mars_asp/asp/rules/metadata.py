@@ -17,8 +17,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 from mars_asp.asp.rules.expansions import Expansions, expanded, wrong
-from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.rules.statements import Piece, bound_variables
+from mars_asp.asp.units import UNITS
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
@@ -164,6 +165,16 @@ def wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
                 f"`{{{hole}}}` in the message of `{rule.id}` is not a variable of the rule's body",
                 rule.span,
                 help=f"did you mean `{{{near}}}`?" if near else None,
+            )
+    for hole, sort in HOLE.findall(f"{rule.because or ''}{rule.help or ''}"):
+        if sort and sort not in UNITS:
+            near = nearest(sort, UNITS) or next(iter(UNITS))
+            yield Diagnostic(
+                "rule-metadata",
+                "error",
+                f"`{{{hole}:{sort}}}` in the message of `{rule.id}` names no sort with a unit",
+                rule.span,
+                help=f"did you mean `{{{hole}:{near}}}`?",
             )
 
 

@@ -9,7 +9,8 @@ from mars_asp.asp.rules.statements import Statement, Tree, statements, tree
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
-_HOLE = re.compile(r"\{([^{}]*)\}")
+#: A variable in a message, and the sort in the unit of which its value is written, if any.
+HOLE = re.compile(r"\{([^{}:]*)(?::([a-z_]+))?\}")
 
 
 @dataclass(frozen=True)
@@ -98,4 +99,5 @@ class Rule:
     @property
     def holes(self) -> tuple[str, ...]:
         """Return the variables that `because` and `help` name, each once."""
-        return tuple(dict.fromkeys(_HOLE.findall(f"{self.because or ''}{self.help or ''}")))
+        said = HOLE.findall(f"{self.because or ''}{self.help or ''}")
+        return tuple(dict.fromkeys(name for name, _ in said))

@@ -6,11 +6,11 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing
+from mars_asp.asp.trace.given import is_cited
 from mars_asp.asp.trace.near_misses import IN_QUESTION, LACKING, NEAR, Candidate, NearMisses
 from mars_asp.asp.trace.patterns import can_be_followed, fixed_parts, shown_pattern
 from mars_asp.asp.trace.tree import Absent, Attempt, Missing, Trace, bindings_of
@@ -35,7 +35,7 @@ def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing
         parts = dict.fromkeys(lack.arguments[0] for lack in lacking if lack.name == "no")
         pending = [part for part in parts if part not in found and can_be_followed(part)]
     true = {atom for a in found.values() for _, firing in a for atom in _believed(firing)}
-    return _absence(pattern, found, explainer.rules, explainer.why(sorted(true)))
+    return _absence(pattern, found, explainer, explainer.why(sorted(true)))
 
 
 def _come_near(
@@ -111,7 +111,7 @@ def _believed(firing: Firing) -> tuple[clingo.Symbol, ...]:
 def _absence(
     pattern: clingo.Symbol,
     found: Found,
-    rules: Sequence[Rule],
+    explainer: Explainer,
     true: Mapping[clingo.Symbol, Trace],
     above: Set[clingo.Symbol] = frozenset(),
     known: dict[clingo.Symbol, Missing | Absent] | None = None,
@@ -121,27 +121,27 @@ def _absence(
     What is needed twice is one object; what leads back to itself ends in a leaf.
     """
     known = {} if known is None else known
-    written = shown_pattern(pattern)
+    written, words = shown_pattern(pattern), explainer.given.words_of_absence(as_term(pattern))
     if pattern in above:
-        return Absent(written)
+        return Absent(written, words)
     if pattern in known:
         return known[pattern]
     if pattern not in found:
-        return Missing(written, (), followed=False)
+        return Missing(written, (), False, words)
     if not found[pattern]:
-        return Absent(written)
+        return Absent(written, words)
     attempts = []
     for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
         lack = _lack(firing)
         cause: Trace | None = None
         held: tuple[Trace, ...] = ()
         if lack.name == "no":
-            cause = _absence(lack.arguments[0], found, rules, true, {*above, pattern}, known)
+            cause = _absence(lack.arguments[0], found, explainer, true, {*above, pattern}, known)
         elif lack.name == "holds":
             cause = true[lack.arguments[0]]
         else:
-            held = tuple(true[atom] for atom in _believed(firing))
-        rule, bindings = rules[candidate.rule], bindings_of(firing.values)
+            held = tuple(filter(is_cited, map(true.__getitem__, _believed(firing))))
+        rule, bindings = explainer.rules[candidate.rule], bindings_of(firing.values)
         attempts.append(
             Attempt(
                 written,
@@ -154,7 +154,7 @@ def _absence(
                 held,
             )
         )
-    known[pattern] = Missing(written, tuple(attempts))
+    known[pattern] = Missing(written, tuple(attempts), words=words)
     return known[pattern]
 
 

@@ -41,7 +41,7 @@ def failure(attempt: Attempt, go_on: bool) -> Sequence[Trace | Attempt | str]:
     if isinstance(cause, Missing) and cause.attempts and (go_on or is_unspoken(cause)):
         return nearest(cause)
     if cause is not None:
-        return (cause,) if go_on or not isinstance(cause, Missing) else (f"no {cause.atom}",)
+        return (cause,) if go_on or not isinstance(cause, Missing) else (cause.message,)
     return () if attempt.message is None else (_test(attempt),)
 
 
@@ -55,7 +55,7 @@ def is_unspoken(missing: Missing) -> bool:
 
 def _short(attempt: Attempt) -> str:
     assert isinstance(attempt.cause, Missing)
-    return f"no {attempt.cause.atom}"
+    return attempt.cause.message
 
 
 def _test(attempt: Attempt) -> str:

@@ -41,7 +41,7 @@ class Explainer:
         self._rulebook = rulebook
         self.rewriter = Rewriter(frozenset(Signature(name, arity) for name, arity, _ in opened))
         self._control = control
-        self._given = given
+        self.given = given
         self._opened = opened
         self._question = 0
         self._copied: set[Signature] = set()
@@ -56,7 +56,7 @@ class Explainer:
         asked = tuple(atoms)
         unsupported = self.rewriter.unsupported
         # An iterator lets go of them when they are read.
-        proofs = Proofs(iter(self._ask(asked)), self._given, self.rules, unsupported, every)
+        proofs = Proofs(iter(self._ask(asked)), self.given, self.rules, unsupported, every)
         return {atom: proofs.of(atom) for atom in asked}
 
     def _ask(self, atoms: Sequence[clingo.Symbol]) -> list[Firing]:

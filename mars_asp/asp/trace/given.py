@@ -1,14 +1,14 @@
-"""Facts of the input, found by their atoms."""
+"""Facts of the input, found by their atoms, and what is declared of their predicates."""
 
 from collections.abc import Iterable, Mapping, Set
 from types import MappingProxyType
 
-from mars_asp.asp.rules.declarations import Origin
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.asp.trace.tree import Given
-from mars_asp.diagnostic import Span
+from mars_asp.asp.trace.sentences import Sentences
+from mars_asp.asp.trace.tree import Absent, Given, Trace, Words
 
 
 class GivenFacts:
@@ -17,14 +17,17 @@ class GivenFacts:
     def __init__(
         self,
         facts: Iterable[Fact],
-        origins: Mapping[Signature, Origin] = MappingProxyType({}),
+        declarations: Mapping[Signature, Declaration] = MappingProxyType({}),
     ) -> None:
-        """Sort facts by their predicates; `origins` says where those are from."""
-        self._origins = origins
+        """Sort facts by their predicates; `declarations` say where those are from, and in words."""
         self._facts: dict[str, list[Fact]] = {}
         for fact in facts:
             self._facts.setdefault(fact.atom.name, []).append(fact)
-        self._spans: dict[str, dict[str, Span]] = {}
+        self._by_text: dict[str, dict[str, Fact]] = {}
+        self._declared = declarations
+        self._sentences = Sentences(declarations, self._facts)
+        uncited = [s for s, each in declarations.items() if not each.cited]
+        self._uncited = {*((s.name, s.arity) for s in uncited), *(s.name for s in uncited)}
 
     @property
     def predicates(self) -> Set[str]:
@@ -37,12 +40,32 @@ class GivenFacts:
         name = written.partition("(")[0]
         if name not in self._facts:
             return None
-        if name not in self._spans:
-            self._spans[name] = {str(fact.atom): fact.span for fact in self._facts[name]}
-        span = self._spans[name].get(written)
-        if span is None:
+        if name not in self._by_text:
+            self._by_text[name] = {str(fact.atom): fact for fact in self._facts[name]}
+        fact = self._by_text[name].get(written)
+        if fact is None:
             return None
-        if not self._origins:
-            return Given(written, span)
-        signature = Signature(name, len(term_ids.arguments(atom)))
-        return Given(written, span, self._origins.get(signature, "stated"))
+        declared = self._declared.get(Signature(name, len(fact.atom.arguments)))
+        origin = "stated" if declared is None or declared.origin is None else declared.origin
+        words = None if declared is None else Words(self._sentences, fact.atom, declared)
+        return Given(written, fact.span, origin, words)
+
+    def absence(self, pattern: term_ids.TermId, written: str) -> Absent | None:
+        """Return the absence of what a pattern with holes stands for, which is `written` so.
+
+        It is `None` where that is no reason for anything.
+        """
+        name = written.partition("(")[0]
+        if name in self._uncited and (name, len(term_ids.arguments(pattern))) in self._uncited:
+            return None
+        return Absent(written, self.words_of_absence(pattern))
+
+    def words_of_absence(self, pattern: term_ids.TermId) -> Words | None:
+        """Return what tells an absence; `None` where nothing is declared at all."""
+        return Words(self._sentences, pattern) if self._declared else None
+
+
+def is_cited(leaf: Trace) -> bool:
+    """Whether a leaf is a reason; some only say how something is written."""
+    declared = leaf.words.declared if isinstance(leaf, Given) and leaf.words is not None else None
+    return declared is None or declared.cited

@@ -10,7 +10,7 @@ from mars_asp.asp.solve.term_ids import TermId, as_term, text
 from mars_asp.asp.trace.counted import CountedBelow, CountedWithout, Support, support
 from mars_asp.asp.trace.dominators import Needs
 from mars_asp.asp.trace.firings import Firing, firing_order
-from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.given import GivenFacts, is_cited
 from mars_asp.asp.trace.heights import least_heights
 from mars_asp.asp.trace.tree import Absent, Derived, Trace, Unexplained
 
@@ -35,8 +35,8 @@ class Proofs:
         firings = [f for f in firings if f.rule not in told or not given.leaf(f.head)]
         self._best, heights = least_heights(firings)
         self._counted = CountedBelow(heights)
-        self._traces: dict[TermId, Trace] = {}
-        self._absences: dict[TermId, Absent] = {}
+        self._traces: dict[TermId, Trace | None] = {}
+        self._absences: dict[TermId, Absent | None] = {}
         self._needs = Needs(firings, heights) if every else None
         del firings
         self._heights = heights
@@ -56,16 +56,17 @@ class Proofs:
     def of(self, atom: clingo.Symbol) -> Trace:
         """Return the trace of a true atom, of least height."""
         root = as_term(atom)
-        trace = self._least(root)
+        trace = self._least(root) or self._leaf(root)
         if self._needs is not None:
             self._add_others(root, self._needs)
         return trace
 
-    def _least(self, atom: TermId) -> Trace:
-        trace = self._traces.get(atom)
-        if trace is None:
-            trace = self._traces[atom] = self._leaf(atom)
-        return trace
+    def _least(self, atom: TermId) -> Trace | None:
+        """Return the trace of an atom; `None` where it is no reason for anything."""
+        if atom not in self._traces:
+            leaf = self._leaf(atom)
+            self._traces[atom] = leaf if is_cited(leaf) else None
+        return self._traces[atom]
 
     def _add_others(self, root: TermId, needs: Needs) -> None:
         """Add the other derivations of an atom and of all that any of its derivations rests on.
@@ -100,18 +101,22 @@ class Proofs:
 
     def _step(self, firing: Firing, below: Support, others: Sequence[Derived] = ()) -> Derived:
         premises, absent = below
-        steps = (*map(self._least, premises), *map(self._absent, absent))
+        found: list[Trace | None] = [*map(self._least, premises), *map(self._absent, absent)]
+        steps: tuple[Trace, ...] = tuple(filter(None, found))
         rule = self._rules[firing.rule]
         return Derived(firing.head, rule, firing.values, steps, rule.is_choice, others)
 
-    def _absent(self, pattern: TermId) -> Absent:
-        known = self._absences.get(pattern)
-        if known is None:
-            atom = text(pattern).replace("_any", "_")
-            if atom.startswith("_not("):
-                atom = f"not {atom.removeprefix('_not(').removesuffix(')')}"
-            known = self._absences[pattern] = Absent(atom)
-        return known
+    def _absent(self, pattern: TermId) -> Absent | None:
+        if pattern not in self._absences:
+            self._absences[pattern] = self._absence(pattern)
+        return self._absences[pattern]
+
+    def _absence(self, pattern: TermId) -> Absent | None:
+        """Return an absence; `None` where it is no reason for anything."""
+        atom = text(pattern).replace("_any", "_")
+        if atom.startswith("_not("):
+            return Absent(f"not {atom.removeprefix('_not(').removesuffix(')')}")
+        return self._given.absence(pattern, atom)
 
     def _leaf(self, atom: TermId) -> Trace:
         given = self._given.leaf(atom)

@@ -1,16 +1,29 @@
-"""Traces as text of 80 columns and as JSON, without recursion."""
+"""Traces as text, without recursion."""
 
+import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from typing import NamedTuple
 
 import clingo
 
 from mars_asp.asp.messages import shown
+from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
-from mars_asp.asp.trace.tree import Absent, Attempt, Derived, Given, Missing, Trace, Unexplained
+from mars_asp.asp.trace.premise_order import PremiseOrder
+from mars_asp.asp.trace.tree import (
+    Absent,
+    Attempt,
+    Derived,
+    Given,
+    Missing,
+    Trace,
+    Unexplained,
+    is_pseudo,
+)
 from mars_asp.diagnostic import Span
 
+#: Where nobody knows how wide the lines can be.
 WIDTH = 80
 #: Deep enough for a reason, short enough to read.
 DEPTH = 4
@@ -18,6 +31,8 @@ DEPTH = 4
 _SPACE = re.compile(r"[\t\n\x0b\x0c\r]")
 #: Among so many steps below a premise it is looked for what need not be said beside it.
 NEAR = 200
+#: How far a level is indented, and how far what continues a line.
+_STEP, _FURTHER = 4, 2
 
 
 def traces_text(
@@ -26,41 +41,52 @@ def traces_text(
     depth: int | None = DEPTH,
     width: int = WIDTH,
     folded: bool = True,
+    places: bool = False,
 ) -> Iterator[str]:
     """Yield the lines of several traces, each under its title: messages, rules and places.
 
     What has no message is `folded` into what it supports, else told by its atom, as facts are then.
     What is shared stands once; where it is needed again, it is referred to by a number. Several
-    derivations of an atom stand one below the other, each with its number.
+    derivations of an atom stand one below the other, each with its number. `places` adds where the
+    rules are. Quoted lines of files are as long as they are.
     """
-    opened: set[int] = set()
-    again: set[int] = set()
-    near: _Near = {}
-    entries = [
-        entry
-        for topic in topics
-        for entry in _entries(*topic, line_at, depth, folded, opened, again, near)
-    ]
+    teller = _Teller(line_at, depth, folded)
+    entries = [entry for topic in topics for entry in teller.entries(*topic)]
     numbers: dict[int, int] = {}
     for level, line, step in entries:
         if step is None:
-            yield from wrapped(line, level, width)
+            if isinstance(line, _Quoted):
+                yield from _quoted(line, level, width)
+            else:
+                yield from wrapped(line, level, width)
             continue
-        key, text = id(step), _said(step)
+        key, text = id(step), _said(step, folded)
         if key in numbers:
-            yield from wrapped(f"{text}, as in ({numbers[key]})", level, width)
+            yield from wrapped(text, level, width, f", as in ({numbers[key]})")
         else:
             mark = ""
-            if key in again:
+            if key in teller.again:
                 numbers[key] = len(numbers) + 1
                 mark = f"({numbers[key]}) "
-            span = step.rule.span
-            place = f"[{step.rule.id}] {span.path}:{span.line}"
-            yield from wrapped(f"{mark}{text}{line}  {place}", level, width)
+            *lines, last = wrapped(f"{mark}{text}{line}", level, width, f"  [{step.rule.id}]")
+            yield from lines
+            yield from _placed(last, step.rule.span, level, width) if places else (last,)
 
 
-#: What stands near below steps, by their `id`: steps, and places of facts.
-_Near: TypeAlias = dict[int, tuple[frozenset[int], frozenset[Span | None]]]
+class _Near(NamedTuple):
+    """What stands near below a step: steps by their `id`, facts, and the lines of these."""
+
+    steps: Set[int]
+    facts: Set[str]
+    lines: Set[tuple[object, ...]]
+
+
+class _Quoted(NamedTuple):
+    """A line of a file, and what it says of a fact that cannot be seen in it."""
+
+    place: str
+    line: str
+    notes: str
 
 
 class _Entry(NamedTuple):
@@ -70,77 +96,246 @@ class _Entry(NamedTuple):
     """
 
     level: int
-    line: str
+    line: str | _Quoted
     step: Derived | Attempt | None = None
 
 
-def _said(step: Derived | Attempt) -> str:
-    return attempt_text(step) if isinstance(step, Attempt) else step.message or step.atom
+def _said(step: Derived | Attempt, folded: bool) -> str:
+    if isinstance(step, Attempt):
+        return attempt_text(step)
+    return step.message or (_named(step.head) if folded else step.atom)
 
 
-def _entries(
-    title: str,
-    trace: Trace,
-    line_at: Callable[[Span], str],
-    depth: int | None,
-    folded: bool,
-    opened: set[int],
-    again: set[int],
-    near: _Near,
-) -> Iterator[_Entry]:
-    """Yield the lines of one trace.
+def _named(head: TermId) -> str:
+    """Return what an atom is about where no rule says it: its predicate in words, and names."""
+    symbol = as_symbol(head)
+    texts = (each for each in symbol.arguments if each.type == clingo.SymbolType.String)
+    names = ", ".join(f"`{each.string}`" for each in texts)
+    words = symbol.name.replace("_", " ").strip()
+    return f"{words}: {names}" if names else words
 
-    What a step in `opened` rests on was told before; one that comes once more is put in `again`.
-    """
-    yield _Entry(0, title)
-    stack: list[tuple[Trace | Attempt | str, int]] = [(trace, 1)]
-    said_of: dict[int, str] = {}
-    #: The leaves told at each level since the last step above it.
-    said: list[set[str]] = []
-    while stack:
-        step, level = stack.pop()
-        if isinstance(step, Derived | Attempt):
-            del said[level + 1 :]
-            if id(step) in opened:
-                again.add(id(step))
-                yield _Entry(level, "", step)
+
+class _Teller:
+    """Finds out what stands in which line. What it told in one trace it does not tell again."""
+
+    def __init__(self, line_at: Callable[[Span], str], depth: int | None, folded: bool) -> None:
+        self._line_at = line_at
+        self._depth = depth
+        self._folded = folded
+        #: The steps that come more than once.
+        self.again: set[int] = set()
+        self._opened: set[int] = set()
+        self._near: dict[int, _Near] = {}
+        self._order = PremiseOrder()
+
+    def entries(self, title: str, trace: Trace) -> Iterator[_Entry]:
+        """Yield the lines of one trace."""
+        yield _Entry(0, title)
+        depth = self._depth
+        stack: list[tuple[Trace | Attempt | str | _Quoted, int]] = [(trace, 1)]
+        if not isinstance(trace, Derived | Missing):
+            stack = [(leaf, 1) for leaf in self._leaves([trace])[::-1]]
+        said_of: dict[int, str] = {}
+        #: The leaves told at each level since the last step above it.
+        said: list[set[str | _Quoted]] = []
+        while stack:
+            step, level = stack.pop()
+            if isinstance(step, Derived | Attempt):
+                del said[level + 1 :]
+                if id(step) in self._opened:
+                    self.again.add(id(step))
+                    yield _Entry(level, "", step)
+                    continue
+                self._opened.add(id(step))
+            below: Sequence[Trace | Attempt | str]
+            match step:
+                case Missing() if step.attempts:
+                    stack += [(attempt, level) for attempt in reversed(nearest(step))]
+                    continue
+                case Derived():
+                    remark = ", chosen as the cheapest" if step.chosen else ""
+                    if step.others:
+                        said_of |= _numbered(step, self._folded)
+                        stack += [(other, level) for other in reversed(step.others)]
+                    if id(step) in said_of:
+                        remark += f", {said_of[id(step)]}"
+                    yield _Entry(level, remark, step)
+                    below = self._interesting(step.premises, level == 1 or depth is None)
+                    if depth is not None and level >= depth:
+                        cut = any(isinstance(premise, Derived) for premise in below)
+                        below = leaves_of(step) if cut else below
+                case Attempt():
+                    yield _Entry(level, "", step)
+                    below = failure(step, depth is None or level < depth)
+                    below = (*below, *self._interesting(step.held, False))
+                case str() | tuple():
+                    said += (set[str | _Quoted]() for _ in range(len(said), level + 1))
+                    if step not in said[level]:
+                        said[level].add(step)
+                        yield _Entry(level, step)
+                    continue
+                case _:
+                    continue
+            stack += [(premise, level + 1) for premise in reversed(self._leaves(below))]
+
+    def _leaves(
+        self, below: Sequence[Trace | Attempt | str]
+    ) -> Sequence[Trace | Attempt | str | _Quoted]:
+        """Return what stands below a step, leaves as they are written: each line of a file once.
+
+        Lines that follow each other are in the order of what they say and then of their places.
+        """
+        found: list[Trace | Attempt | str | _Quoted] = []
+        quoted: dict[tuple[object, ...], list[Given]] = {}
+        for each in below:
+            if isinstance(each, Given) and self._folded and not _is_told(each):
+                assert each.span is not None
+                quoted.setdefault(each.span[:2], []).append(each)
                 continue
-            opened.add(id(step))
-        below: Sequence[Trace | Attempt | str]
+            found += self._quotations(quoted)
+            quoted.clear()
+            goes_on = isinstance(each, Missing) and bool(each.attempts)
+            if goes_on or isinstance(each, Derived | Attempt | str):
+                found.append(each)
+            elif (line := self._plain(each)) is not None:
+                found.append(line)
+        found += self._quotations(quoted)
+        return found
+
+    def _quotations(self, quoted: Mapping[tuple[object, ...], Sequence[Given]]) -> list[_Quoted]:
+        found = []
+        for givens in self._order.lines(list(quoted.values())):
+            span = givens[0].span
+            assert span is not None
+            line = self._line_at(span)
+            notes = dict.fromkeys(filter(None, (_note(each, line) for each in givens)))
+            place = f"{_shown_path(span.path)}:{span.line}"
+            found.append(_Quoted(place, line, "; ".join(notes)))
+        width = max((len(leaf.place) for leaf in found), default=0) if len(found) > 1 else 0
+        return [leaf._replace(place=leaf.place.ljust(width)) for leaf in found]
+
+    def _plain(self, step: Trace) -> str | None:
+        """Return a leaf that is told in words, or by its atom where nothing is folded."""
         match step:
-            case Missing() if step.attempts:
-                stack += [(attempt, level) for attempt in reversed(nearest(step))]
-                continue
-            case Derived():
-                remark = ", chosen as the cheapest" if step.chosen else ""
-                if step.others:
-                    said_of |= _numbered(step)
-                    stack += [(other, level) for other in reversed(step.others)]
-                if id(step) in said_of:
-                    remark += f", {said_of[id(step)]}"
-                yield _Entry(level, remark, step)
-                below = _interesting(step.premises, level == 1 or depth is None, folded, near)
-                if depth is not None and level >= depth:
-                    below = leaves_of(step) if any(isinstance(p, Derived) for p in below) else below
-            case Attempt():
-                yield _Entry(level, "", step)
-                below = failure(step, depth is None or level < depth)
-                below = (*below, *_interesting(step.held, False, folded, near))
+            case Given(atom, span, origin):
+                told = step.message or atom
+                if origin == "observed" and self._folded:
+                    when = "" if step.seconds is None else f" at {step.seconds:g} s"
+                    return f"{told}  (observed{when})"
+                if span is None or (self._folded and is_pseudo(span)):
+                    return told if self._folded and step.message else None
+                place = f"{_shown_path(span.path)}:{span.line}"
+                return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
+            case Absent() | Missing():
+                return step.sentence if self._folded else step.message
+            case Unexplained(atom, reason):
+                return f"{atom}: not traced, for {reason}"
             case _:
-                line = step if isinstance(step, str) else _leaf(step, line_at, folded)
-                said += (set[str]() for _ in range(len(said), level + 1))
-                if line is not None and line not in said[level]:
-                    said[level].add(line)
-                    yield _Entry(level, line)
+                return None
+
+    def _interesting(self, premises: Sequence[Trace], absences: bool) -> Sequence[Trace]:
+        """Return the premises that say something of their own, in their order.
+
+        Those without a message give way to their premises; what another premise leads to as well is
+        left to that one. Beside a message an absence says nothing that the message leaves out.
+        """
+        if not self._folded:
+            told_once = {id(each): each for each in premises}.values()
+            return [each for each in told_once if absences or not isinstance(each, Absent)]
+        found: list[Trace] = []
+        stack = list(reversed(premises))
+        seen: set[int] = set()
+        while stack:
+            premise = stack.pop()
+            if id(premise) in seen:
                 continue
-        stack += [(premise, level + 1) for premise in reversed(below)]
+            seen.add(id(premise))
+            if isinstance(premise, Derived) and premise.rule.because is None and not premise.others:
+                stack += reversed(premise.premises)
+            elif absences or not isinstance(premise, Absent):
+                found.append(premise)
+        if len(found) == 1:
+            return found
+        found = self._order.among(found)
+        steps = [premise for premise in found if isinstance(premise, Derived)]
+        if not steps:
+            return found
+        nears: list[_Near] = []
+        told: set[int] = set()
+        for step in steps:
+            if id(step) not in told:
+                near = self._near.get(id(step))
+                if near is None:
+                    near = self._near[id(step)] = _near(step)
+                nears.append(near)
+                told |= near.steps
+        return [
+            premise
+            for premise in found
+            if id(premise) not in told
+            and not isinstance(premise, Absent)
+            and not (isinstance(premise, Given) and self._is_seen(premise, nears))
+        ]
+
+    def _is_seen(self, given: Given, nears: Sequence[_Near]) -> bool:
+        """Whether a fact stands below other steps, or is all that a line there says."""
+        if any(given.atom in near.facts for near in nears):
+            return True
+        if given.span is None or _is_told(given):
+            return False
+        line = given.span[:2]
+        if not any(line in near.lines for near in nears):
+            return False
+        return _note(given, self._line_at(given.span)) is None
 
 
-def _numbered(step: Derived) -> dict[int, str]:
+def _is_told(given: Given) -> bool:
+    """Whether a fact is told in words and not by a line that states it."""
+    return given.span is None or given.origin != "stated" or is_pseudo(given.span)
+
+
+def _note(given: Given, line: str) -> str | None:
+    """Return the sentence of a fact, unless all that it names can be seen in the line."""
+    told = given.told
+    if told is None or all(value.partition(" ")[0] in line for value in told.values):
+        return None
+    return told.sentence
+
+
+def _quoted(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
+    """Yield a line that is quoted, and behind or below it what it says."""
+    indent = " " * _indent(level, width)
+    line = f"{indent}{leaf.place}  {_SPACE.sub(' ', leaf.line)}".rstrip(" ")
+    if leaf.notes and len(line) + 4 + len(leaf.notes) <= width:
+        line += f"    {leaf.notes}"
+        yield line
+        return
+    yield line
+    if leaf.notes:
+        further = indent + " " * _FURTHER
+        yield from _lines(leaf.notes, further, further, width)
+
+
+def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
+    """Return the last line of what a rule says with the place of the rule behind or below it."""
+    place = f"{_shown_path(span.path)}:{span.line}"
+    if len(line) + 1 + len(place) <= width:
+        return (f"{line} {place}",)
+    return line, " " * (_indent(level, width) + _FURTHER) + place
+
+
+def _shown_path(path: str) -> str:
+    """Return a path from the current directory, where it leads below that."""
+    if not os.path.isabs(path):  # noqa: PTH117 -- for each line
+        return path
+    return path.removeprefix(os.path.join(os.getcwd(), ""))  # noqa: PTH109, PTH118
+
+
+def _numbered(step: Derived, folded: bool) -> dict[int, str]:
     """Return what is said of a step and of its others, by their `id`: `derivation 1 of 2`.
 
     Where the same rule says the same in several, the values that are not the same in all of these
-    follow.
+    follow; where steps are folded, those of them that are names.
     """
     every = (step, *step.others)
     alike: dict[tuple[int, str | None], list[Derived]] = {}
@@ -151,8 +346,12 @@ def _numbered(step: Derived) -> dict[int, str]:
         bindings = [one.bindings for one in group]
         names = [name for name in bindings[0] if _differs(name, bindings)]
         for one, bound in zip(group, bindings, strict=True):
-            pairs = [f"{name} = {shown(bound[name])}" for name in names]
-            values[id(one)] = f" for {', '.join(pairs)}" if pairs else ""
+            if folded:
+                found = (bound[name] for name in names)
+                told = [f"`{v.string}`" for v in found if v.type == clingo.SymbolType.String]
+            else:
+                told = [f"{name} = {shown(bound[name])}" for name in names]
+            values[id(one)] = f" for {', '.join(told)}" if told else ""
     return {
         id(one): f"derivation {number} of {len(every)}{values[id(one)]}"
         for number, one in enumerate(every, 1)
@@ -163,150 +362,31 @@ def _differs(name: str, bindings: Sequence[Mapping[str, clingo.Symbol]]) -> bool
     return len({bound.get(name) for bound in bindings}) > 1
 
 
-def trace_json(trace: Trace, depth: int | None = None) -> dict[str, object]:
-    """Return a trace with the keys of the command line's contract.
-
-    What is shared stands once; elsewhere it has `"shared": true` and no premises. The other
-    derivations of an atom are its `others`, each with premises of its own.
-    """
-    root: dict[str, object] = {}
-    shown: set[int] = set()
-    stack: list[tuple[Trace | Attempt, dict[str, object], int]] = [(trace, root, 0)]
-    while stack:
-        step, target, level = stack.pop()
-        target.update(_step_json(step))
-        inside = _inside(step)
-        if not inside:
-            continue
-        if id(step) in shown:
-            target["shared"] = True
-            continue
-        if depth is not None and level >= depth:
-            target["folded"] = True
-            continue
-        shown.add(id(step))
-        premises: list[dict[str, object]] = [{} for _ in inside]
-        target["premises"] = premises
-        below = list(zip(inside, premises, strict=True))
-        if isinstance(step, Derived) and step.others:
-            others: list[dict[str, object]] = [{} for _ in step.others]
-            target["others"] = others
-            below += zip(step.others, others, strict=True)
-        stack += [(premise, entry, level + 1) for premise, entry in reversed(below)]
-    return root
+def _near(step: Derived) -> _Near:
+    """Return what stands near below a step, the nearest first until there is enough."""
+    waiting = [step]
+    seen = {id(step)}
+    facts: set[str] = set()
+    lines: set[tuple[object, ...]] = set()
+    for part in waiting:
+        for premise in part.premises:
+            if id(premise) in seen:
+                continue
+            seen.add(id(premise))
+            if isinstance(premise, Derived):
+                waiting.append(premise)
+            elif isinstance(premise, Given):
+                facts.add(premise.atom)
+                if premise.span is not None:
+                    lines.add(premise.span[:2])
+        if len(seen) >= NEAR:
+            break
+    seen.remove(id(step))
+    return _Near(seen, facts, lines)
 
 
-def _inside(step: Trace | Attempt) -> Sequence[Trace | Attempt]:
-    match step:
-        case Derived():
-            return step.premises
-        case Missing(_, attempts):
-            return attempts
-        case Attempt():
-            return (*(() if step.cause is None else (step.cause,)), *step.held)
-        case _:
-            return ()
-
-
-def _step_json(step: Trace | Attempt) -> dict[str, object]:
-    atom = step.atom
-    entry: dict[str, object] = {"atom": atom, "message": atom, "kind": "given"}
-    entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
-    match step:
-        case Given(_, span, origin) if span is not None:
-            place = {"path": span.path, "line": span.line, "column": span.column}
-            entry["location"] = place
-            if origin != "stated":
-                entry["kind"] = origin
-            if origin == "computed":
-                entry["computed_from"] = [place]
-        case Absent(atom):
-            entry |= {"kind": "absent", "message": f"no {atom}"}
-        case Missing():
-            entry |= {"kind": "absent", "message": f"no {step.atom}"}
-            if not step.followed:
-                entry["folded"] = True
-        case Unexplained(_, reason):
-            entry |= {"message": reason}
-        case Derived():
-            entry["kind"] = "chosen" if step.chosen else "derived"
-            entry["message"] = step.message or step.atom
-            entry |= _instance_json(step)
-        case Attempt():
-            value = None if step.value is None else str(step.value)
-            entry |= {"kind": "absent", "atom": step.atom, "message": attempt_text(step)}
-            entry |= {"fails": step.fails, "value": value}
-            entry |= _instance_json(step)
-        case _:
-            pass
-    return entry
-
-
-def _instance_json(step: Derived | Attempt) -> dict[str, object]:
-    span = step.rule.span
-    return {
-        "bindings": {name: str(value) for name, value in step.bindings.items()},
-        "rule": {
-            "id": step.rule.id,
-            "path": span.path,
-            "line": span.line,
-            "text": step.rule.text,
-        },
-    }
-
-
-def _near(step: Trace) -> tuple[frozenset[int], frozenset[Span | None]]:
-    """Return what stands near below a step: the steps by their `id`, and the places of facts."""
-    _, *below = _below(step, NEAR)
-    places = (part.span for part in below if isinstance(part, Given))
-    return frozenset(map(id, below)), frozenset(places)
-
-
-def _interesting(
-    premises: Sequence[Trace], absences: bool, folded: bool, near: _Near
-) -> list[Trace]:
-    """Return the premises that say something of their own.
-
-    `near` has what was found near below steps, for many premises support several steps. Those
-    without a message give way to their premises; what another premise leads to as well is
-    left to that one. Beside a message an absence says nothing that the message leaves out.
-    """
-    if not folded:
-        told_once = {id(each): each for each in premises}.values()
-        return [each for each in told_once if absences or not isinstance(each, Absent)]
-    found: list[Trace] = []
-    stack = list(reversed(premises))
-    seen: set[int] = set()
-    while stack:
-        premise = stack.pop()
-        if id(premise) in seen:
-            continue
-        seen.add(id(premise))
-        if isinstance(premise, Derived) and premise.rule.because is None and not premise.others:
-            stack += reversed(premise.premises)
-        elif absences or not isinstance(premise, Absent):
-            found.append(premise)
-    steps = [premise for premise in found if isinstance(premise, Derived)]
-    if not steps or len(found) == 1:
-        return found
-    told: set[int] = set()
-    places: set[Span | None] = set()
-    for step in steps:
-        if id(step) not in told:
-            steps_below, places_below = near.get(id(step)) or near.setdefault(id(step), _near(step))
-            told |= steps_below
-            places |= places_below
-    return [
-        premise
-        for premise in found
-        if id(premise) not in told
-        and not isinstance(premise, Absent)
-        and not (isinstance(premise, Given) and premise.span in places)
-    ]
-
-
-def _below(step: Trace, most: int | None = None) -> list[Trace]:
-    """Return a step and everything that supports it, the nearest first; so many at most."""
+def _below(step: Trace) -> list[Trace]:
+    """Return a step and everything that supports it, the nearest first."""
     found: list[Trace] = [step]
     seen = {id(step)}
     for part in found:
@@ -315,50 +395,48 @@ def _below(step: Trace, most: int | None = None) -> list[Trace]:
                 if id(premise) not in seen:
                     seen.add(id(premise))
                     found.append(premise)
-        if most is not None and len(found) >= most:
-            return found[:most]
     return found
 
 
 def leaves_of(trace: Trace) -> Sequence[Given]:
-    """Return the facts that a trace rests on, one for each place, in their order."""
-    found: dict[Span, Given] = {}
+    """Return the facts that a trace rests on, each once, in the order of their places."""
+    found: dict[str, Given] = {}
     for part in _below(trace):
         if isinstance(part, Given) and part.span is not None:
-            found.setdefault(part.span, part)
-    return [found[span] for span in sorted(found)]
+            found.setdefault(part.atom, part)
+    return sorted(found.values(), key=lambda leaf: (leaf.span or (), leaf.atom))
 
 
-def _leaf(step: Trace, line_at: Callable[[Span], str], folded: bool) -> str | None:
-    match step:
-        case Given(atom, span) if span is not None and not folded:
-            return f"{atom}  {span.path}:{span.line}"
-        case Given(_, span) if span is not None:
-            return f"{span.path}:{span.line}: {line_at(span)}"
-        case Given():
-            return None
-        case Absent(atom) | Missing(atom):
-            return f"no {atom}"
-        case Unexplained(atom, reason):
-            return f"{atom}: not traced, for {reason}"
-        case _:
-            return None
+def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequence[str]:
+    """Return a text's lines, indented by its level, what goes on further but not as far as below.
 
-
-def wrapped(text: str, level: int, width: int = WIDTH) -> Sequence[str]:
-    """Return a text's lines, indented by its level, what goes on further."""
-    indent = "  " * min(level, 20)
+    The `end` stands behind the last word, never alone in a line.
+    """
+    indent = " " * _indent(level, width)
     if not text.isprintable():
         text = _SPACE.sub(" ", text.expandtabs())
     text = text.strip(" ")
-    if len(indent) + len(text) <= width:
-        return (indent + text,) if text else ()
-    return tuple(_lines(text, indent, width))
+    if len(indent) + len(text) + len(end) <= width:
+        return (indent + text + end,) if text or end else ()
+    further = indent + " " * _FURTHER
+    lines = list(_lines(text, indent, further, width))
+    if not end:
+        return lines
+    last = lines.pop() if lines else indent
+    begin, space, word = last.rpartition(" ")
+    if len(last) + len(end) > width and space and begin.strip(" "):
+        lines.append(begin.rstrip(" "))
+        last = further + word
+    return [*lines, last + end]
 
 
-def _lines(text: str, indent: str, width: int) -> Iterator[str]:
+def _indent(level: int, width: int) -> int:
+    """Return how far a level is indented: never more than half of the width."""
+    return _STEP * min(level, width // 2 // _STEP)
+
+
+def _lines(text: str, indent: str, further: str, width: int) -> Iterator[str]:
     """Yield the lines of a text, as `textwrap` does at many times the cost."""
-    further = indent + "    "
     while text:
         end = len(text)
         if len(indent) + end > width:

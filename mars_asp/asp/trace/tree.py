@@ -1,17 +1,38 @@
 """Derivation traces as plain values."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.rules.declarations import Origin
+from mars_asp.asp.rules.declarations import Declaration, Origin
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.symbols import term_of
+from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
+from mars_asp.asp.trace.sentences import Sentences, Told
 from mars_asp.diagnostic import Span
+
+
+class Words(NamedTuple):
+    """What tells an atom or its absence in words, when somebody asks for them."""
+
+    sentences: Sentences
+    given: Atom | TermId
+    declared: Declaration | None = None
+
+    # Taken apart when somebody asks, as of a derived atom.
+    @property
+    def atom(self) -> Atom:
+        """Return the atom, or the pattern that no atom fits."""
+        if isinstance(self.given, Atom):
+            return self.given
+        symbol = as_symbol(self.given)
+        name = symbol.name if symbol.positive else f"-{symbol.name}"
+        return Atom(name, tuple(map(term_of, symbol.arguments)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +45,32 @@ class Given:
     atom: str
     span: Span | None
     origin: Origin = "stated"
+    words: Words | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def told(self) -> Told | None:
+        """Return the sentence that the vocabulary has for the fact; `None` where it has none."""
+        return None if self.words is None else self.words.sentences.says(self.words.atom)
+
+    @property
+    def message(self) -> str | None:
+        """Return that sentence as text."""
+        told = self.told
+        return None if told is None else told.sentence
+
+    @property
+    def rank(self) -> int | None:
+        """Return the number by which things like this are ordered, the highest first."""
+        return None if self.words is None else self.words.sentences.rank(self.words.atom)
+
+    @property
+    def seconds(self) -> float | None:
+        """Return the first instant that the fact names, in seconds; `None` where it names none."""
+        if self.words is None or self.words.declared is None:
+            return None
+        places = self.words.declared.places("instant")
+        instant = self.words.atom.arguments[places[0]] if places else None
+        return instant / 1000 if isinstance(instant, int) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +78,28 @@ class Absent:
     """A premise `not atom` that holds because the atom does not; `_` stands for anything."""
 
     atom: str
+    words: Words | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def message(self) -> str:
+        """Return a sentence about the absence."""
+        return _absence(self.atom, self.words)
+
+    @property
+    def sentence(self) -> str | None:
+        """Return the sentence that the vocabulary has for it; `None` where it has none."""
+        return None if self.words is None else self.words.sentences.unless(self.words.atom)
+
+
+def _absence(atom: str, words: Words | None) -> str:
+    """Return a sentence about an absence; of what nothing is declared it names the atom."""
+    if words is None:
+        return f"no {atom}"
+    pattern = words.atom
+    names = [f"`{each}`" for each in pattern.arguments if isinstance(each, str)]
+    of = f" of {' and '.join(names)}" if names else ""
+    name = pattern.name.removeprefix("-").replace("_", " ").strip()
+    return words.sentences.unless(pattern) or f"no {name}{of}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +132,11 @@ class Derived:
     def bindings(self) -> Mapping[str, clingo.Symbol]:
         """Return what the variables stand for."""
         return bindings_of(self.values)
+
+    @property
+    def values_written(self) -> dict[str, str]:
+        """Return what the variables stand for, as clingo writes it."""
+        return {name: _text(value) for name, value in _terms_of(self.values).items()}
 
     @property
     def message(self) -> str | None:
@@ -107,6 +181,27 @@ class Missing:
     atom: str
     attempts: tuple[Attempt, ...]
     followed: bool = True
+    words: Words | None = None
+
+    @property
+    def message(self) -> str:
+        """Return a sentence about the absence."""
+        return _absence(self.atom, self.words)
+
+    @property
+    def sentence(self) -> str | None:
+        """Return the sentence that the vocabulary has for it; `None` where it has none."""
+        return None if self.words is None else self.words.sentences.unless(self.words.atom)
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the vocabulary has a sentence for the absence."""
+        return self.words is not None and self.words.sentences.unless(self.words.atom) is not None
+
+
+def is_pseudo(span: Span) -> bool:
+    """Whether a place is in no file: `<...>` is where a question, a run or the like is."""
+    return span.path.startswith("<")
 
 
 def bindings_of(values: TermId) -> dict[str, clingo.Symbol]:
@@ -125,6 +220,11 @@ def _strings(names: TermId) -> tuple[str, ...]:
 
 
 # The same few names stand in the messages of very many steps.
+@lru_cache(maxsize=100_000)
+def _text(value: TermId) -> str:
+    return text(value)
+
+
 @lru_cache(maxsize=100_000)
 def _shown(value: TermId) -> str:
     return shown(as_symbol(value))

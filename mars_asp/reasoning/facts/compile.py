@@ -26,7 +26,7 @@ from mars_asp.model.declarations import (
     ends_of,
     node_kind,
 )
-from mars_asp.model.described import CLASSES, described_modules, module_classes
+from mars_asp.model.described import CLASSES, annotated_classes, described_modules
 from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
@@ -180,9 +180,9 @@ class Compiler:
 
     def description(self, module: Module) -> None:
         """Add that a module is described, and of which classes it is."""
-        self.add(module.span, "described", module.name)
-        for module_class in module_classes(module):
-            self.add(module.span, "class", module.name, Atom(module_class))
+        self.add(module.named or module.span, "described", module.name)
+        for module_class, span in annotated_classes(module).items():
+            self.add(span, "class", module.name, Atom(module_class))
 
     def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
         """Add one annotation of a module."""

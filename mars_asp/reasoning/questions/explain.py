@@ -36,10 +36,24 @@ Sort: TypeAlias = Literal["consequences", "nodes"]
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One thing that is explained: a node, a consequence or an atom."""
+    """One thing that is explained, which is called `name`; a node `resolves` consequences."""
 
     title: str
+    name: str
+    sort: Literal["consequence", "node", "atom"]
+    resolves: tuple[str, ...]
     trace: Trace
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a subject names: a consequence, a node, or an atom of another kind."""
+
+    title: str
+    atom: clingo.Symbol
+    name: str
+    sort: Literal["consequence", "node", "atom"]
+    resolves: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,8 +116,8 @@ def _asked(
     subject: str | None,
     only: Sort | None,
     chosen: Sequence[Consequence],
-) -> list[tuple[str, clingo.Symbol]]:
-    """Return the titles and atoms of what a subject names: consequences, nodes, or an atom.
+) -> list[_Asked]:
+    """Return what a subject names: consequences, nodes, or an atom.
 
     Consequences are those `chosen`, nodes those of the `synthesis` or, of a part, its own.
 
@@ -111,26 +125,32 @@ def _asked(
         MarsError: it names nothing.
     """
     introduced = evidence.introduced if synthesis is None else synthesis.specification
-    asked: list[tuple[str, clingo.Symbol]] = []
+    asked: list[_Asked] = []
     if only != "nodes":
-        asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
+        titles = [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
+        asked += [_Asked(title, atom, title, "consequence") for title, atom in titles]
     if only != "consequences" and introduced is not None:
         asked += [
-            (_node_title(node, introduced), _node_atom(node, evidence, synthesis))
+            _Asked(
+                _node_title(node, introduced),
+                _node_atom(node, evidence, synthesis),
+                node.name,
+                "node",
+                tuple(introduced.resolves[node.name]),
+            )
             for node in _nodes(introduced, subject, chosen)
         ]
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
-        asked = [_asked_atom(subject, project, evidence, synthesis)]
+        title, atom = _asked_atom(subject, project, evidence, synthesis)
+        asked = [_Asked(title, atom, title, "atom")]
     return asked
 
 
-def _topics(
-    evidence: Evidence, asked: Sequence[tuple[str, clingo.Symbol]], every: bool
-) -> tuple[Topic, ...]:
-    traces = evidence.explainer.why(dict.fromkeys(atom for _, atom in asked), every)
-    return tuple(Topic(title, traces[atom]) for title, atom in asked)
+def _topics(evidence: Evidence, asked: Sequence[_Asked], every: bool) -> tuple[Topic, ...]:
+    traces = evidence.explainer.why(dict.fromkeys(each.atom for each in asked), every)
+    return tuple(Topic(a.title, a.name, a.sort, a.resolves, traces[a.atom]) for a in asked)
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

@@ -1,6 +1,12 @@
 import pytest
 
-from mars_asp.asp.rules.declarations import Argument, Declaration, declarations, docstrings
+from mars_asp.asp.rules.declarations import (
+    Argument,
+    Declaration,
+    declarations,
+    docstrings,
+    wrong_references,
+)
 from mars_asp.asp.rules.statements import pieces
 from mars_asp.diagnostic import Diagnostic
 
@@ -56,6 +62,50 @@ def test_words_and_arguments_are_enough(header: str, signature: str) -> None:
     assert (found.origin, found.extensible, found.joins) == (None, False, True)
 
 
+def test_sentences_are_read_in_their_order() -> None:
+    (found,), problems = read("""%*! p(X: thing, Y': grams)
+Words.
+says: {X} weighs
+    {Y'}, as {other.X'} says
+unless: {X} is not {Y'}
+unless: nothing is
+from: stated
+cited: never
+orders: Y'
+*%""")
+    assert not problems
+    assert found.says == ("{X} weighs {Y'}, as {other.X'} says",)
+    assert found.unless == ("{X} is not {Y'}", "nothing is")
+    assert (found.words, found.origin, found.cited, found.ordering) == (
+        "Words.",
+        "stated",
+        False,
+        "Y'",
+    )
+
+
+def test_references_lead_to_an_argument_by_one_that_both_have() -> None:
+    found, problems = read("""
+%*! p(R, C)
+says: {R}
+*%
+%*! q(R, F)
+says: {p.C} {p.D} {pp.C}
+*%
+%*! r(F)
+unless: {p.C}
+*%""")
+    assert not problems
+    assert [(each.message, each.help) for each in wrong_references(found)] == [
+        ("`{p.D}` names no argument", "name one of R, C"),
+        ("`{pp.C}` names no argument", "did you mean `p`?"),
+        (
+            "`p` has no argument that `r` has, too",
+            "call the argument by which its fact is found the same",
+        ),
+    ]
+
+
 def test_what_is_no_mark_is_no_declaration() -> None:
     assert read('%* p(X) *%\n% p(X)\nq("%*! p(X) *%").\n') == ([], [])
 
@@ -64,6 +114,11 @@ def test_what_is_no_mark_is_no_declaration() -> None:
     ("text", "problem"),
     [
         ("%*! P(X)\nWords.\n*%", "`P(X)` is not a predicate with its arguments"),
+        ("%*! p(X)\nsays: {Y} is\n*%", "`{Y}` names no argument"),
+        ("%*! p(X)\nunless: {x} is\n*%", "`{x}` names no argument"),
+        ("%*! p(X)\nsays:\n*%", "`says: ` is not a key of a documented predicate"),
+        ("%*! p(X)\norders: Y\n*%", "`orders: Y` names no argument"),
+        ("%*! p(X)\ncited: always\n*%", "`cited: always` is not a key of a documented predicate"),
         ("%*! p(x)\nWords.\n*%", "`x` is not an argument of a documented predicate"),
         ("%*! p(X:)\nWords.\n*%", "`X:` is not an argument of a documented predicate"),
         ("%*! p(X: Y)\nWords.\n*%", "`Y` is not a sort"),

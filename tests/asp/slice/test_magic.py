@@ -12,8 +12,8 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, demand_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace import Explainer
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.given import GivenFacts
-from mars_asp.asp.trace.text import trace_json
 from mars_asp.diagnostic import Span
 from tests.support.programs import atom_of, rulebook_of
 

@@ -19,7 +19,8 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Absent, Derived, Given
 from mars_asp.asp.trace.absence import why_not
-from mars_asp.asp.trace.text import trace_json, traces_text, wrapped
+from mars_asp.asp.trace.document import trace_json
+from mars_asp.asp.trace.text import traces_text, wrapped
 from mars_asp.diagnostic import Span
 from tests.support.programs import explainer_of, rulebook_of
 from tests.support.random_programs import atoms_besides, random_program
@@ -214,18 +215,20 @@ def test_a_road_is_walked_from_each_entrance_alone(entrances: str, count: int) -
 
 def test_several_derivations_are_numbered_and_told_apart() -> None:
     program = "t :- p. p :- q(X). p :- r. q(1..2). r :- p. r."
-    lines = traces_text([("t", derivations(program, "t"))], lambda span: "", depth=None)
+    lines = traces_text(
+        [("t", derivations(program, "t"))], lambda span: "", depth=None, folded=False
+    )
     assert [re.sub(r"  \[.*", "", line) for line in lines] == [
         "t",
-        "  t :- p.",
-        "    (1) p :- q(X)., derivation 1 of 3 for X = 1",
-        "      q((1..2)).",
-        "    p :- q(X)., derivation 2 of 3 for X = 2",
-        "      q((1..2)).",
-        "    p :- r., derivation 3 of 3",
-        "      r., derivation 1 of 2",
-        "      r :- p., derivation 2 of 2",
-        "        p :- q(X)., as in (1)",
+        "    t :- p.",
+        "        (1) p :- q(X)., derivation 1 of 3 for X = 1",
+        "            q((1..2)).",
+        "        p :- q(X)., derivation 2 of 3 for X = 2",
+        "            q((1..2)).",
+        "        p :- r., derivation 3 of 3",
+        "            r., derivation 1 of 2",
+        "            r :- p., derivation 2 of 2",
+        "                p :- q(X)., as in (1)",
     ]
 
 
@@ -253,12 +256,12 @@ def test_lines_are_broken_as_textwrap_breaks_them() -> None:
     for _ in range(3000):
         words = rng.choices(parts, k=rng.randrange(1, 30))
         text = "".join(words).replace("{x}", "x" * rng.randrange(1, 60)).expandtabs().strip()
-        indent = "  " * rng.randrange(12)
-        assert list(wrapped(text, len(indent) // 2)) == textwrap.wrap(
+        indent = "    " * rng.randrange(11)
+        assert list(wrapped(text, len(indent) // 4)) == textwrap.wrap(
             text,
             80,
             initial_indent=indent,
-            subsequent_indent=indent + "    ",
+            subsequent_indent=indent + "  ",
             break_long_words=False,
             break_on_hyphens=False,
         )

@@ -10,7 +10,7 @@ import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, signature_of
-from mars_asp.asp.trace.text import trace_json
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
 from mars_asp.reasoning.facts.vocabulary import vocabulary

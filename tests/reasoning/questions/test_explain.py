@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.trace.text import trace_json
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook

@@ -141,7 +141,7 @@ def test_what_no_message_tells_is_gone_on_to() -> None:
     found = run(f"mars-asp explain {LEVEL0} --why-not data_divergence(FeelForce)")
     assert "`N > 1` fails for N = 1" in found
     assert "goes on to why" not in found
-    assert "8: Runaway uses_data_from FeelForce" in found
+    assert "8  Runaway uses_data_from FeelForce" in found
     found = run(f"mars-asp explain {LEVEL0} --why-not emergent_functionality(Sonar)")
     assert "`--depth 2` goes on to why" in found
     deeper = run(f"mars-asp explain {LEVEL0} --why-not emergent_functionality(Sonar) --depth 2")

@@ -9,7 +9,7 @@ import pytest
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.trace.text import trace_json
+from mars_asp.asp.trace.document import trace_json
 from mars_asp.language import parse_text
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts

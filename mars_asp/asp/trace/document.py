@@ -1,0 +1,267 @@
+"""Traces for programs: JSON values, and lines of JSON of which each step stands in one."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.trace.absence_text import attempt_text
+from mars_asp.asp.trace.premise_order import PremiseOrder
+from mars_asp.asp.trace.tree import (
+    Absent,
+    Attempt,
+    Derived,
+    Given,
+    Missing,
+    Trace,
+    Unexplained,
+    is_pseudo,
+)
+from mars_asp.diagnostic import Span
+
+FORMAT, VERSION = "mars-trace", 2
+
+_Json: TypeAlias = dict[str, object]
+_Step: TypeAlias = Trace | Attempt
+
+
+def trace_json(trace: Trace, depth: int | None = None) -> _Json:
+    """Return one trace with the keys of the command line's contract, as a document of its own."""
+    return Document().trace(trace, depth)
+
+
+def traces_json(traces: Iterable[Trace]) -> list[_Json]:
+    """Return several traces with the keys of the command line's contract, as one document."""
+    document = Document()
+    return [document.trace(trace) for trace in traces]
+
+
+class Document:
+    """Numbers the steps of several traces: what stood before is referred to.
+
+    A step that stood before is `"shared": true` with the `ref` of its number, without premises. The
+    other derivations of an atom are its `others`, each with premises of its own.
+    """
+
+    def __init__(self) -> None:
+        """Begin with no steps."""
+        self._numbers: dict[object, int] = {}
+        self._rules: dict[int, _Json] = {}
+        self._order = PremiseOrder()
+
+    def trace(self, trace: Trace, depth: int | None = None) -> _Json:
+        """Return a trace; below a depth it is `folded`."""
+        root: _Json = {}
+        stack: list[tuple[_Step, _Json, int]] = [(trace, root, 0)]
+        while stack:
+            step, target, level = stack.pop()
+            inside = _inside(step, self._order)
+            key = _key(step)
+            if key in self._numbers:
+                kind, message = _kind(step), _message(step)
+                target |= {"shared": True, "ref": self._numbers[key]}
+                target |= {"atom": step.atom, "message": message, "kind": kind}
+                continue
+            target |= self._step(step)
+            if inside and depth is not None and level >= depth:
+                target["folded"] = True
+                continue
+            target["id"] = self._numbers[key] = len(self._numbers) + 1
+            premises: list[_Json] = [{} for _ in inside]
+            target["premises"] = premises
+            below = list(zip(inside, premises, strict=True))
+            if isinstance(step, Derived) and step.others:
+                others: list[_Json] = [{} for _ in step.others]
+                target["others"] = others
+                below += zip(step.others, others, strict=True)
+            stack += [(premise, entry, level + 1) for premise, entry in reversed(below)]
+        return root
+
+    def _step(self, step: _Step) -> _Json:
+        entry: _Json = {"atom": step.atom, "message": _message(step), "kind": _kind(step)}
+        entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
+        match step:
+            case Given(_, _, origin):
+                place = _place(step)
+                entry["location"] = place
+                if origin == "computed":
+                    entry["computed_from"] = [] if place is None else [place]
+                if origin == "observed":
+                    entry["at_s"] = step.seconds
+            case Missing() if not step.followed:
+                entry["folded"] = True
+            case Derived() | Attempt():
+                entry["bindings"] = _bindings(step)
+                entry["rule"] = self._rules.get(id(step.rule)) or self._rules.setdefault(
+                    id(step.rule), _rule_json(step.rule)
+                )
+                if isinstance(step, Attempt):
+                    value = None if step.value is None else str(step.value)
+                    entry |= {"fails": step.fails, "value": value}
+            case _:
+                pass
+        return entry
+
+
+def trace_lines(
+    subject: str | None, topics: Iterable[tuple[Mapping[str, object], Trace]]
+) -> Iterator[str]:
+    """Yield traces as lines of JSON, premises before conclusions, numbers instead of copies.
+
+    Each topic has the keys `title`, `sort`, `name` and `resolves`. Each number is defined in a line
+    before the one that uses it; each step stands in one line, so that there are as many as steps.
+    """
+    yield json.dumps({"format": FORMAT, "version": VERSION, "subject": subject})
+    lines = _Lines()
+    count = 0
+    for count, (topic, trace) in enumerate(topics, 1):
+        yield from lines.below(trace)
+        others = trace.others if isinstance(trace, Derived) else ()
+        why = [lines.number(each) for each in (trace, *others)]
+        yield json.dumps({"topic": count, **topic, "why": why})
+    yield json.dumps({"end": True, "steps": lines.steps, "topics": count})
+
+
+class _Lines:
+    """Writes each rule, file and step when it is needed first."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[object, int] = {}
+        self._rules: dict[int, int] = {}
+        self._files: dict[str, int] = {}
+        #: Of derivations besides the one that is told first, the number of that one.
+        self._other_of: dict[int, int] = {}
+        self._order = PremiseOrder()
+
+    @property
+    def steps(self) -> int:
+        """Return how many steps were written."""
+        return len(self._numbers)
+
+    def number(self, step: _Step) -> int:
+        """Return the number of a step that was written."""
+        return self._numbers[_key(step)]
+
+    def below(self, trace: Trace) -> Iterator[str]:
+        """Yield the lines of a trace that were not written yet.
+
+        Other derivations of an atom can rest on what rests on the atom, so they follow it.
+        """
+        waiting: list[Derived | Trace] = [trace]
+        for root in waiting:
+            for step in self._in_order(root):
+                yield from self._step(step)
+                if isinstance(step, Derived) and step.others:
+                    waiting += step.others
+                    for other in step.others:
+                        self._other_of[id(other)] = self.number(step)
+
+    def _in_order(self, root: _Step) -> Iterator[_Step]:
+        """Yield the new steps behind a root, premises first."""
+        stack: list[tuple[_Step, bool]] = [(root, False)]
+        while stack:
+            step, are_written = stack.pop()
+            if _key(step) in self._numbers:
+                continue
+            inside = _inside(step, self._order)
+            if are_written or not inside:
+                yield step
+                continue
+            stack.append((step, True))
+            stack += [(each, False) for each in reversed(inside)]
+
+    def _step(self, step: _Step) -> Iterator[str]:
+        at = rule = None
+        place = step.span if isinstance(step, Given) and _place(step) is not None else None
+        if place is not None:
+            yield from self._file(place.path)
+            at = [self._files[place.path], place.line, place.column]
+        if isinstance(step, Derived | Attempt):
+            yield from self._rule(step.rule)
+            rule = self._rules[id(step.rule)]
+        number = self._numbers[_key(step)] = len(self._numbers) + 1
+        entry: _Json = {"step": number, "kind": _kind(step), "atom": step.atom}
+        entry |= {"says": _message(step), "at": at, "rule": rule}
+        entry["with"] = _bindings(step) if isinstance(step, Derived | Attempt) else {}
+        entry["from"] = [self.number(each) for each in _inside(step, self._order)]
+        match step:
+            case Given(_, _, "computed"):
+                entry["computed_from"] = [] if at is None else [at]
+            case Given(_, _, "observed"):
+                entry["at_s"] = step.seconds
+            case Attempt():
+                entry["fails"] = step.fails
+            case Derived() if id(step) in self._other_of:
+                entry["other_of"] = self._other_of[id(step)]
+            case _:
+                pass
+        yield json.dumps(entry)
+
+    def _file(self, path: str) -> Iterator[str]:
+        if path not in self._files:
+            self._files[path] = len(self._files) + 1
+            yield json.dumps({"file": self._files[path], "path": path})
+
+    def _rule(self, rule: Rule) -> Iterator[str]:
+        if id(rule) not in self._rules:
+            number = self._rules[id(rule)] = len(self._rules) + 1
+            yield json.dumps({"rule": number, **_rule_json(rule)})
+
+
+def _key(step: _Step) -> object:
+    """Return what tells steps apart: facts by their atoms, what is derived by itself."""
+    return (type(step), step.atom) if isinstance(step, Given | Absent) else id(step)
+
+
+def _inside(step: _Step, order: PremiseOrder) -> Sequence[_Step]:
+    match step:
+        case Derived():
+            return order.of(step)
+        case Missing(_, attempts):
+            return attempts
+        case Attempt():
+            return (*(() if step.cause is None else (step.cause,)), *step.held)
+        case _:
+            return ()
+
+
+def _kind(step: _Step) -> str:
+    match step:
+        case Given(_, _, origin):
+            return "given" if origin == "stated" else origin
+        case Derived():
+            return "chosen" if step.chosen else "derived"
+        case Unexplained():
+            return "given"
+        case _:
+            return "absent"
+
+
+def _message(step: _Step) -> str:
+    match step:
+        case Absent() | Missing():
+            return step.message
+        case Unexplained():
+            return step.reason
+        case Attempt():
+            return attempt_text(step)
+        case _:
+            return step.message or step.atom
+
+
+def _place(leaf: Given) -> _Json | None:
+    """Return where a fact is; `<...>` is the name of no file."""
+    span: Span | None = leaf.span
+    if span is None or is_pseudo(span):
+        return None
+    return {"path": span.path, "line": span.line, "column": span.column}
+
+
+def _bindings(step: Derived | Attempt) -> dict[str, str]:
+    if isinstance(step, Derived):
+        return step.values_written
+    return {name: str(value) for name, value in step.bindings.items()}
+
+
+def _rule_json(rule: Rule) -> _Json:
+    return {"id": rule.id, "path": rule.span.path, "line": rule.span.line, "text": rule.text}

@@ -1,0 +1,86 @@
+"""The order in which premises are told: by what they mean, never by the alphabet."""
+
+from collections.abc import Hashable, Sequence
+from typing import TypeAlias
+
+from mars_asp.asp.trace.tree import Derived, Given, Trace
+from mars_asp.diagnostic import Span
+
+#: Whether nothing orders it, its number from the highest down, whether it has no place, and that.
+_Key: TypeAlias = tuple[bool, int, bool, tuple[object, ...]]
+
+
+class PremiseOrder:
+    """Orders premises of one predicate among themselves: by rank, then by their first lines.
+
+    Where the rule names them in an order, different predicates keep it.
+    """
+
+    def __init__(self) -> None:
+        """Prepare for the steps of many traces, which share steps."""
+        self._keys: dict[int, _Key] = {}
+        self._counts: dict[int, bool] = {}
+
+    def of(self, step: Derived) -> Sequence[Trace]:
+        """Return the premises of a step in their order.
+
+        A rule that counts nothing names each of them itself.
+        """
+        premises, rule = step.premises, step.rule
+        if len(premises) < 2:
+            return premises
+        counts = self._counts.get(id(rule))
+        if counts is None:
+            counts = self._counts[id(rule)] = any(each.inner for each in rule.statements)
+        return self.among(premises) if counts else premises
+
+    def among(self, premises: Sequence[Trace]) -> list[Trace]:
+        """Return premises of one step, or of what was folded into one, in their order."""
+        alike: dict[Hashable, list[int]] = {}
+        for at, premise in enumerate(premises):
+            alike.setdefault(_predicate(premise), []).append(at)
+        found = list(premises)
+        if len(alike) == len(found):
+            return found
+        for places in alike.values():
+            if len(places) > 1:
+                ordered = sorted((premises[at] for at in places), key=self._key)
+                for at, premise in zip(places, ordered, strict=True):
+                    found[at] = premise
+        return found
+
+    def lines(self, quoted: Sequence[Sequence[Given]]) -> Sequence[Sequence[Given]]:
+        """Return facts that lines state, line by line: those that are ranked before others."""
+        if len(quoted) < 2:
+            return quoted
+        return sorted(quoted, key=lambda givens: min(map(self._key, givens)))
+
+    def _key(self, premise: Trace) -> _Key:
+        key = self._keys.get(id(premise))
+        if key is None:
+            leaf = _first_leaf(premise)
+            rank = None if leaf is None else leaf.rank
+            place: Span | tuple[object, ...] = (leaf.span if leaf is not None else None) or ()
+            key = self._keys[id(premise)] = (rank is None, -(rank or 0), not place, place)
+        return key
+
+
+def _predicate(premise: Trace) -> Hashable:
+    if isinstance(premise, Derived):
+        return premise.rule.heads
+    return premise.atom.partition("(")[0]
+
+
+def _first_leaf(premise: Trace) -> Given | None:
+    """Return the fact that the first premises lead to."""
+    while isinstance(premise, Derived):
+        first: Trace | None = None
+        for each in premise.premises:
+            if isinstance(each, Given):
+                return each
+            if first is None and isinstance(each, Derived):
+                first = each
+        if first is None:
+            return None
+        premise = first
+    return premise if isinstance(premise, Given) else None

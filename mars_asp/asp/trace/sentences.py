@@ -1,0 +1,169 @@
+"""What declarations of predicates say of atoms, and of atoms that do not hold."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeAlias
+
+from mars_asp.asp.rules.declarations import SENTENCE_HOLE, Argument, Declaration
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.units import UNITS, measured
+
+#: A value of an argument that is left open.
+OPEN = "_any"
+_Index: TypeAlias = Mapping[tuple[Term, ...], Fact]
+
+
+class _Hole(NamedTuple):
+    """A place in a sentence: an argument, of the fact of `other` if it is not its own."""
+
+    other: Declaration | None
+    place: int
+    argument: Argument
+
+
+class _Form(NamedTuple):
+    """A sentence for `%`, and its holes."""
+
+    text: str
+    holes: tuple[_Hole, ...]
+
+
+class Told(NamedTuple):
+    """A sentence, and the values that fill its holes as they are written in it."""
+
+    sentence: str
+    values: tuple[str, ...]
+
+
+class Sentences:
+    """Sentences about atoms; what these name is looked up among the given facts."""
+
+    def __init__(
+        self,
+        declarations: Mapping[Signature, Declaration],
+        facts: Mapping[str, Sequence[Fact]],
+    ) -> None:
+        """Prepare; `facts` are those given, by the names of their predicates."""
+        self._declared = {(s.signed, s.arity): each for s, each in declarations.items()}
+        self._named = {name: each for (name, _), each in self._declared.items()}
+        self._ordering = [each for each in declarations.values() if each.orders is not None]
+        self._facts = facts
+        self._found: dict[tuple[str, tuple[int, ...]], _Index] = {}
+        self._alike: dict[tuple[int, int], tuple[tuple[int, int], ...]] = {}
+        self._forms: dict[tuple[str, int, str], _Form | None] = {}
+
+    def says(self, atom: Atom) -> Told | None:
+        """Return the sentence of an atom; `None` where nobody declares one."""
+        declared = self._declared.get((atom.name, len(atom.arguments)))
+        return None if declared is None else self._first(declared.says, declared, atom)
+
+    def unless(self, pattern: Atom) -> str | None:
+        """Return the sentence of an atom that does not hold, where `OPEN` arguments are any.
+
+        It is `None` where nobody declares one for what is not open.
+        """
+        declared = self._declared.get((pattern.name, len(pattern.arguments)))
+        found = None if declared is None else self._first(declared.unless, declared, pattern)
+        return None if found is None else found.sentence
+
+    def rank(self, atom: Atom) -> int | None:
+        """Return the number that orders what an atom is about; `None` where nothing does."""
+        own = self._declared.get((atom.name, len(atom.arguments)))
+        for ordering in self._ordering if own is not None else ():
+            assert own is not None and ordering.orders is not None
+            fact = self._joined(ordering, own, atom)
+            number = None if fact is None else fact.atom.arguments[ordering.orders]
+            if isinstance(number, int):
+                return number
+        return None
+
+    def _first(self, sentences: Sequence[str], declared: Declaration, atom: Atom) -> Told | None:
+        for sentence in sentences:
+            key = declared.name, len(declared.arguments), sentence
+            if key not in self._forms:
+                self._forms[key] = self._form(sentence, declared)
+            form = self._forms[key]
+            values = [] if form is None else self._values(form, declared, atom)
+            if form is not None and values is not None:
+                return Told(form.text % tuple(values), tuple(values))
+        return None
+
+    def _form(self, sentence: str, declared: Declaration) -> _Form | None:
+        """Return a sentence with its holes; `None` where one names nothing."""
+        holes = []
+        for match in re.finditer(SENTENCE_HOLE, sentence):
+            of = declared if match[1] is None else self._named.get(match[1])
+            names = [] if of is None else [argument.name for argument in of.arguments]
+            if of is None or match[2] not in names:
+                return None
+            place = names.index(match[2])
+            other = None if match[1] is None else of
+            holes.append(_Hole(other, place, of.arguments[place]))
+        return _Form(re.sub(SENTENCE_HOLE, "%s", sentence.replace("%", "%%")), tuple(holes))
+
+    def _values(self, form: _Form, declared: Declaration, atom: Atom) -> list[str] | None:
+        found = []
+        for other, place, argument in form.holes:
+            about: Atom | None = atom
+            if other is not None:
+                fact = self._joined(other, declared, atom)
+                about = None if fact is None else fact.atom
+            value = None if about is None else _written(about.arguments[place], argument)
+            if value is None:
+                return None
+            found.append(value)
+        return found
+
+    def _joined(self, other: Declaration, own: Declaration, atom: Atom) -> Fact | None:
+        """Return the fact of another predicate with the arguments that are named alike."""
+        # A declaration is hashed slowly, and all live as long as this.
+        pairs = self._alike.get((id(other), id(own)))
+        if pairs is None:
+            pairs = self._alike[id(other), id(own)] = _alike(other, own)
+        if any(_is_open(atom.arguments[mine]) for _, mine in pairs):
+            pairs = tuple(pair for pair in pairs if not _is_open(atom.arguments[pair[1]]))
+        if not pairs or other.name not in self._facts:
+            return None
+        key = tuple(atom.arguments[mine] for _, mine in pairs)
+        places = tuple(theirs for theirs, _ in pairs)
+        return self._by_values(other.name, len(other.arguments), places).get(key)
+
+    def _by_values(self, name: str, arity: int, places: tuple[int, ...]) -> _Index:
+        if (name, places) not in self._found:
+            index: dict[tuple[Term, ...], Fact] = {}
+            for fact in self._facts.get(name, ()):
+                arguments = fact.atom.arguments
+                if len(arguments) == arity:
+                    index.setdefault(tuple(arguments[place] for place in places), fact)
+            self._found[name, places] = index
+        return self._found[name, places]
+
+
+def _alike(other: Declaration, own: Declaration) -> tuple[tuple[int, int], ...]:
+    """Return the positions of arguments of two predicates that have one name."""
+    names = [argument.name for argument in own.arguments]
+    return tuple(
+        (place, names.index(argument.name))
+        for place, argument in enumerate(other.arguments)
+        if argument.name in names
+    )
+
+
+def _is_open(value: Term) -> bool:
+    return isinstance(value, Atom) and value.name == OPEN
+
+
+def _written(value: Term, argument: Argument) -> str | None:
+    """Return a value as people read it; `None` where it is open, or a term of the encoding."""
+    if isinstance(value, int):
+        unit = next((sort for sort in argument.sorts if sort in UNITS), None)
+        return str(value) if unit is None else measured(value, unit)
+    if isinstance(value, str):
+        return value
+    if value.name == OPEN:
+        return None
+    if not value.arguments:
+        return value.name.replace("_", " ")
+    # Of a term that stands for something written, what is written.
+    return " ".join(each for each in value.arguments if each and isinstance(each, str)) or None

@@ -1,0 +1,25 @@
+"""Whole numbers in the units that people use: a sort that is named after a unit says which.
+
+Rules compute with whole numbers, so they count in small units; nobody wants to read these.
+"""
+
+from collections.abc import Mapping
+
+#: By the name of a sort, how many of it are one of the unit that is shown, and that unit.
+UNITS: Mapping[str, tuple[int, str]] = {
+    "millihertz": (1_000, " Hz"),
+    "milliseconds": (1_000, " s"),
+    "micrometres": (1_000, " mm"),
+    "millionths": (10_000, " %"),
+    "instant": (1_000, " s"),
+    "thousandths": (10, " %"),
+    "thousandths_a_second": (1_000, " a second"),
+}
+
+
+def measured(number: int, sort: str) -> str:
+    """Return a number of a sort in the unit that is shown for it: 25000 millihertz as `25 Hz`."""
+    divisor, unit = UNITS[sort]
+    whole, rest = divmod(abs(number), divisor)
+    fraction = f".{rest:0{len(str(divisor)) - 1}}".rstrip("0") if rest else ""
+    return f"{'-' if number < 0 else ''}{whole}{fraction}{unit}"
