@@ -108,6 +108,8 @@ def test_what_the_current_folder_is_called_gives_a_case_no_stage(
 TOGETHER = (
     "carried(M, N + 1, B', R)",
     "consequence(data_cycle, warning, M, cycle)",
+    "consequence(control_cycle, error, M, cycle)",
+    "consequence(module_conflict, error, M, cycle)",
     "placed(R, X, P, I, C)",
     "lifted(X, M, P, C)",
     "element(M, I, L, R)",
