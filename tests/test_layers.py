@@ -71,9 +71,9 @@ FILES = {
     "execution/scenario": "schema toml_places read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
-        "deliver encode layout lines live progress outputs report extract limits worker reason "
-        "alternatives analyse can draw export facts fmt import rules run synthesise test "
-        "verify diff repair check explain"
+        "deliver encode layout arguments lines live progress outputs report extract limits worker "
+        "reason alternatives analyse can completion draw export facts fmt import rules run "
+        "synthesise test verify diff repair check explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.
