@@ -3,11 +3,13 @@
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import counted
@@ -34,6 +36,9 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.fix import Fix
     from mars_asp.reasoning.questions.repair import Repair
 
+_Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
+#: What a check alone needs.
+_STAGES = ("resolve",)
 #: Of a larger robot a repair takes longer to find than people wait for a check.
 _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
@@ -81,13 +86,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is an error, 2 where a file cannot be read."""
     check_inputs(*arguments.files)
-    rulebook_for(arguments)
+    rules = cache(lambda stages: rulebook_for(arguments, stages))
+    rules(_STAGES)
     checked = []
     for name in _each_once(arguments.files):
         one = _Checked(name)
         checked.append(one)
         try:
-            _check(one, arguments)
+            _check(one, rules, arguments)
         except MarsError as error:
             one.report(error.diagnostics, arguments)
             one.status = 2
@@ -100,15 +106,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _each_once(names: Iterable[str]) -> list[str]:
     """Return the names of files without those of a file that was named before."""
-    return list(
-        {
-            name if name == STANDARD_INPUT else str(Path(name).resolve()): name
-            for name in reversed(list(names))
-        }.values()
-    )[::-1]
+    first: dict[str, str] = {}
+    for name in names:
+        first.setdefault(name if name == STANDARD_INPUT else str(Path(name).resolve()), name)
+    return list(first.values())
 
 
-def _check(one: _Checked, arguments: argparse.Namespace) -> None:
+def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
     """Check a file, and mend it where that is asked for.
 
     Raises:
@@ -116,33 +120,34 @@ def _check(one: _Checked, arguments: argparse.Namespace) -> None:
     """
     raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
     text = None if raw is None else decode(raw, SHOWN_INPUT)
-    one.text = text
     project = load(arguments, SHOWN_INPUT if raw is not None else one.path, text)
-    analysis = analyse_project(project, rulebook_for(arguments), arguments)
+    one.text = text
+    analysis = analyse_project(project, rules(_STAGES), arguments)
     found = findings(analysis)
     sole: tuple[Repair, ...] = ()
     if found and (arguments.fix or len(analysis.facts) <= _MOST_FACTS):
-        sole = _sole_repairs(project, arguments)
+        sole = _sole_repairs(project, rules, arguments)
     if sole and arguments.fix:
-        fixed = _fix(project, sole, raw, one, arguments)
+        fixed = _fix(project, sole, rules, raw, one, arguments)
         if fixed is not None:
             project, sole = fixed.project, ()
             remember(project.configuration.path, project.text)
-            found = findings(analyse_project(project, rulebook_for(arguments), arguments))
-    one.mendable = len(sole)
+            found = findings(analyse_project(project, rules(_STAGES), arguments))
+    one.mendable = 0 if arguments.fix else len(sole)
     one.report(project.diagnostics, arguments)
     one.report(found, arguments, sole)
     one.status = max(one.status, int(one.counted["error"] > 0))
 
 
-def _sole_repairs(project: "Project", arguments: argparse.Namespace) -> "tuple[Repair, ...]":
+def _sole_repairs(
+    project: "Project", rules: _Rules, arguments: argparse.Namespace
+) -> "tuple[Repair, ...]":
     from mars_asp.reasoning.questions.fix import sole_repairs
     from mars_asp.reasoning.questions.repair import MOST_FACTS, STAGES
 
-    rulebook = rulebook_for(arguments, STAGES)
     most = MOST_FACTS if arguments.fix else _MOST_SOLVED
     with progress_bar(arguments, "sets of edits") as progress:
-        return sole_repairs(project, rulebook, arguments.time_limit, progress, most)
+        return sole_repairs(project, rules(STAGES), arguments.time_limit, progress, most)
 
 
 def _suggestions(
@@ -151,7 +156,11 @@ def _suggestions(
     """Return the one repair of each finding that has one."""
     mends = {(r.consequence.spans, r.consequence.message): r.mends[0] for r in sole}
     return {
-        each: Suggestion("; ".join(edit.message for edit in mend.edits), mend.lines)
+        each: Suggestion(
+            "; ".join(edit.message for edit in mend.edits),
+            mend.lines,
+            (*(warning.message for warning in mend.warnings), *(r.message for r in mend.remarks)),
+        )
         for each in found
         if (mend := mends.get(((each.span, *(at for at, _ in each.labels)), each.message)))
     }
@@ -160,6 +169,7 @@ def _suggestions(
 def _fix(
     project: "Project",
     sole: "Sequence[Repair]",
+    rules: _Rules,
     raw: bytes | None,
     one: _Checked,
     arguments: argparse.Namespace,
@@ -171,7 +181,7 @@ def _fix(
     from mars_asp.reasoning.questions.fix import fix
     from mars_asp.reasoning.questions.repair import STAGES
 
-    fixed = fix(project, rulebook_for(arguments, STAGES), sole)
+    fixed = fix(project, rules(STAGES), sole)
     if fixed is None:
         return None
     written: list[tuple[str, bytes, bytes]] = []
@@ -224,11 +234,12 @@ def _unfixed(path: str, why: str) -> Diagnostic:
 
 def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
     """Print what was mended and how many findings there are; the text of standard input alone."""
-    piped = [one for one in checked if one.text is not None and arguments.fix]
-    for one in piped:
-        sys.stdout.buffer.write((one.text or "").encode())
+    # The output is for the text of standard input alone, where that is mended.
+    piped = arguments.fix and STANDARD_INPUT in arguments.files
     stream = sys.stderr if piped else sys.stdout
     for one in checked:
+        if piped and one.text is not None:
+            sys.stdout.buffer.write(one.text.encode())
         for repair in one.mended:
             consequence, mend = repair.consequence, repair.mends[0]
             span = consequence.spans[0]

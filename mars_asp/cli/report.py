@@ -25,10 +25,11 @@ _TAB = 4
 
 
 class Suggestion(NamedTuple):
-    """The one repair of a finding: what it does, and the lines that it changes."""
+    """The one repair of a finding: what it does, which lines change, and what then warns."""
 
     message: str
     edits: tuple[LineEdit, ...]
+    warnings: tuple[str, ...] = ()
 
 
 _NO_SUGGESTIONS: Mapping[Diagnostic, Suggestion] = MappingProxyType({})
@@ -85,6 +86,10 @@ def _suggested(suggestion: Suggestion | None, width: int) -> Iterator[str]:
         yield from wrapped(visible(suggestion.message), width, f"{_INSIDE}fix: ", f"{_INSIDE}     ")
         for edit in suggestion.edits:
             yield from line_text(edit)
+        for warning in suggestion.warnings:
+            yield from wrapped(
+                visible(warning), width, f"{_INSIDE}   then warns: ", f"{_INSIDE}     "
+            )
 
 
 def diagnostic_json(
@@ -109,7 +114,11 @@ def diagnostic_json(
         ],
         "fix": None
         if suggestion is None
-        else {"message": suggestion.message, "lines": [line_json(e) for e in suggestion.edits]},
+        else {
+            "message": suggestion.message,
+            "lines": [line_json(edit) for edit in suggestion.edits],
+            "warnings": list(suggestion.warnings),
+        },
     }
 
 
