@@ -121,7 +121,7 @@ def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
     raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
     text = None if raw is None else decode(raw, SHOWN_INPUT)
     project = load(arguments, SHOWN_INPUT if raw is not None else one.path, text)
-    one.text = text
+    one.text = text if arguments.fix else None
     analysis = analyse_project(project, rules(_STAGES), arguments)
     found = findings(analysis)
     sole: tuple[Repair, ...] = ()

@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.cli.deliver import replace_files
+from tests.support.documents import ROOT
 from tests.support.processes import mars
 
 #: Each finding has exactly one repair.
@@ -35,6 +36,20 @@ def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, text in texts.items():
         (tmp_path / f"{name}.mars").write_text(text)
     return tmp_path
+
+
+FINDINGS = sorted((ROOT / "tests/findings").glob("*.mars"))
+
+
+@pytest.mark.parametrize("path", FINDINGS, ids=lambda path: path.stem)
+def test_findings_read_as_they_stand_beside_their_files(
+    path: Path, update_golden: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_here(["check", str(path.relative_to(ROOT))])
+    told = capsys.readouterr().err
+    if update_golden:
+        path.with_suffix(".txt").write_text(told, encoding="utf-8")
+    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
 
 
 def heads(told: str) -> list[str]:
