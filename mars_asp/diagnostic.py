@@ -31,8 +31,9 @@ class Diagnostic:
     """One finding.
 
     `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
-    names in backticks and no full stop, stating what is the case; `help` says what to do;
-    `labels` are other places that help; `excerpt` is the line of the file at `span`.
+    names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
+    will happen; `help` says what to do; `labels` are other places that help, each with words of its
+    own or none; `excerpt` is the line of the file at `span`.
     """
 
     code: str
@@ -42,6 +43,7 @@ class Diagnostic:
     labels: tuple[tuple[Span, str], ...] = ()
     help: str | None = None
     excerpt: str | None = None
+    effect: str | None = None
 
 
 def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -6,6 +6,7 @@ import stat
 import sys
 import tempfile
 import unicodedata
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 if sys.platform != "win32":
@@ -44,6 +45,41 @@ def write_whole(path: str, content: str | bytes) -> None:
     if target.exists() and not stat.S_ISREG(target.stat().st_mode):
         target.write_bytes(content)
         return
+    with _written_beside(target, path, content) as temporary:
+        temporary.replace(target)
+
+
+def replace_together(contents: Mapping[str, bytes]) -> None:
+    """Replace the contents of files, by their paths, all of them or none.
+
+    Raises:
+        OSError: one of them cannot be written; all are as they were.
+    """
+    targets = {path: Path(os.path.realpath(path)) for path in contents}
+    before = {path: target.read_bytes() for path, target in targets.items()}
+    replaced: list[str] = []
+    with contextlib.ExitStack() as stack:
+        staged = {
+            path: stack.enter_context(_written_beside(target, path, contents[path]))
+            for path, target in targets.items()
+        }
+        try:
+            for path, temporary in staged.items():
+                temporary.replace(targets[path])
+                replaced.append(path)
+        except OSError:
+            for path in replaced:
+                write_whole(path, before[path])
+            raise
+
+
+@contextlib.contextmanager
+def _written_beside(target: Path, path: str, content: bytes) -> Iterator[Path]:
+    """Yield a new file beside another with its mode; it is gone afterwards, unless it was moved.
+
+    Raises:
+        OSError: it cannot be written; it names `path`.
+    """
     handle, temporary = _temporary_beside(target, path)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -52,11 +88,10 @@ def write_whole(path: str, content: str | bytes) -> None:
             os.fsync(file.fileno())
             mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask()
             temporary.chmod(mode)
-            temporary.replace(target)
-    except BaseException:
+            yield temporary
+    finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
-        raise
 
 
 def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:

@@ -1,11 +1,16 @@
 """Options of the test suite."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from mars_asp.asp import cache
+
+# What commands print does not depend on where the tests run.
+for _name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
+    os.environ.pop(_name, None)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

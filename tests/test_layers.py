@@ -57,7 +57,7 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "alternatives annotation_edits evidence subject edits explain diff repair why_not"
+        "alternatives annotation_edits evidence subject edits explain diff repair fix why_not"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
@@ -72,10 +72,9 @@ FILES = {
     "execution/scenario": "schema toml_places read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
-        "deliver encode lines live progress outputs report extract limits terminal trace_document "
-        "worker reason alternatives analyse can check draw export facts fmt import rules run "
-        "synthesise test verify diff repair explain"
-    ),
+        "deliver encode layout arguments lines live progress outputs report extract limits terminal "
+        "trace_document worker reason alternatives analyse can completion draw export facts fmt "
+        "import rules run synthesise test verify diff repair check explain"
 }
 #: The packages whose imports `docs/design.md` draws, in its order.
 DRAWN = (".", "asp", "reasoning", "execution")

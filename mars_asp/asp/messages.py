@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeVar
 import clingo
 
 from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.expansions import Label
 from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, labelled
 from mars_asp.asp.units import UNITS, measured
@@ -35,6 +36,11 @@ class Said(NamedTuple):
     def help(self) -> str | None:
         """Return what the rule says there is to do; `None` where it says nothing."""
         return self._filled(self.rule.help)
+
+    @property
+    def effect(self) -> str | None:
+        """Return what the rule says will happen; `None` where it says nothing."""
+        return self._filled(self.rule.effect)
 
     def _filled(self, text: str | None) -> str | None:
         # Most advice is the same for everybody.
@@ -69,6 +75,40 @@ def heard(atom: TermId, rules: Sequence[Rule]) -> Said:
     place, head, values = arguments(atom)
     number = as_symbol(place).number
     return Said(number, rules[number], head, values)
+
+
+class Labelled(NamedTuple):
+    """What an instance of a rule says of a term that it lists, by the atom of its head."""
+
+    head: TermId
+    term: TermId
+    text: str
+
+
+def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment]:
+    """Return rules that keep what `labelled` reads: the labels of rules, filled by their bodies."""
+    predicate = f"_label_{stage}"
+    return [
+        Fragment(
+            f"{predicate}({number},{head},{label.term},v({','.join(label.holes)})) :- "
+            f"{'; '.join(filter(None, (head, label.body)))}.",
+            "rules",
+            rule.span,
+        )
+        for number, (rule, label) in enumerate(listed)
+        for head in (rule.written[0],)
+    ]
+
+
+def labels(
+    control: clingo.Control, stage: str, listed: Sequence[tuple[Rule, Label]]
+) -> Iterator[Labelled]:
+    """Yield what rules say of terms whose `labelling` was grounded with them, rule by rule."""
+    found = map(arguments, atoms(control, f"_label_{stage}", 4, True))
+    for place, head, term, values in sorted(found, key=lambda each: list(map(as_symbol, each))):
+        label = listed[as_symbol(place).number][1]
+        filled = dict(zip(label.holes, arguments(values), strict=True))
+        yield Labelled(head, term, fill(label.text, filled, written) or "")
 
 
 def check_decided(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> None:

@@ -2,19 +2,23 @@
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.reason import (
     add_file,
     analyse_project,
     read_project,
     rulebook_for,
 )
-from mars_asp.cli.report import colours, paint
+from mars_asp.cli.report import colours, finding_lines, paint
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
-from mars_asp.reasoning.analysis import Analysis, Consequence
+from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
+from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts
 
 
@@ -30,7 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(analysis_json(project, analysis)))
     else:
-        for line in _text(analysis, colours(arguments, sys.stdout), arguments.quiet):
+        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
+        for line in _text(analysis, coloured, width, arguments.quiet):
             print(line)
     return int(analysis.has_errors)
 
@@ -74,6 +79,7 @@ def consequence_json(consequence: Consequence) -> dict[str, object]:
         "severity": consequence.severity,
         "message": consequence.message,
         "help": consequence.help,
+        "effect": consequence.effect,
         "locations": [location_json(span) for span in consequence.spans],
         "rule": {"id": rule.id, "path": rule.span.path, "line": rule.span.line},
     }
@@ -84,20 +90,23 @@ def location_json(span: Span) -> dict[str, object]:
     return {"path": span.path, "line": span.line, "column": span.column}
 
 
-def _text(analysis: Analysis, coloured: bool, quiet: bool) -> Iterator[str]:
+def _text(analysis: Analysis, coloured: bool, width: int, quiet: bool) -> Iterator[str]:
     for consequence in analysis.consequences:
-        span = consequence.spans[0]
-        kind = paint(consequence.kind, consequence.severity, coloured)
-        place = visible(f"{span.path}:{span.line}:{span.column}")
-        yield f"{place}: {kind}: {visible(consequence.message)}"
-        if consequence.severity != "note" and consequence.help:
-            yield f"    help: {visible(consequence.help)}"
+        found = diagnostic(consequence)
+        if found.severity == "note":
+            # Nothing is wrong, so the line alone says what there is.
+            found = replace(found, labels=(), help=None, effect=None, excerpt="")
+        kind = paint(visible(consequence.kind), consequence.severity, coloured)
+        yield from finding_lines(found, f"{kind}: {visible(found.message)}", coloured, width)
     if quiet:
         return
-    count = len(analysis.consequences)
-    yield "nothing to resolve" if not count else f"{count} consequence{'s' * (count > 1)}"
+    count = Counter(consequence.severity for consequence in analysis.consequences)
+    parts = ", ".join(counted(count[of], of) for of in reversed(SEVERITIES) if count[of])
+    total = counted(count.total(), "consequence")
+    yield f"{total}: {parts}" if count else "nothing to resolve"
     if analysis.has_errors:
         yield "`mars-asp explain FILE --repair` looks for edits that remove the errors"
     if analysis.unchecked:
         names = ", ".join(f"`{name}`" for name in analysis.unchecked)
-        yield visible(f"not checked, for nothing describes them: {names}")
+        told = visible(f"no annotations found for {names}, so these were not checked")
+        yield from wrapped(told, width, further="  ")

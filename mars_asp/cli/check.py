@@ -1,20 +1,289 @@
 """Parse, extract and analyse; print what warns or stops, and nothing else."""
 
 import argparse
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
-from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
-from mars_asp.cli.report import report
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.deliver import replace_files
+from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import counted
+from mars_asp.cli.lines import line_text, remember
+from mars_asp.cli.progress import progress_bar
+from mars_asp.cli.reason import (
+    SHOWN_INPUT,
+    STANDARD_INPUT,
+    analyse_project,
+    check_inputs,
+    load,
+    rulebook_for,
+)
+from mars_asp.cli.report import Suggestion, report
+from mars_asp.cli.worker import read_standard_input
+from mars_asp.diagnostic import Diagnostic, MarsError, Severity, point
+from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
+from mars_asp.language.text_edits import ConflictError, edited_bytes
+from mars_asp.output import visible
 from mars_asp.reasoning.analysis import findings
+
+if TYPE_CHECKING:
+    from mars_asp.reasoning.project import Project
+    from mars_asp.reasoning.questions.fix import Fix
+    from mars_asp.reasoning.questions.repair import Repair
+
+_Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
+#: What a check alone needs.
+_STAGES = ("resolve",)
+#: Of a larger robot a repair takes longer to find than people wait for a check.
+_MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
+
+
+@dataclass
+class _Checked:
+    """What came of a file: how many diagnostics of each severity, and what was mended."""
+
+    path: str
+    status: int = 0
+    counted: Counter[Severity] = field(default_factory=Counter)
+    mended: "tuple[Repair, ...]" = ()
+    #: How many findings have exactly one repair that was not applied.
+    mendable: int = 0
+    #: What standard input holds in the end.
+    text: str | None = None
+
+    def report(
+        self,
+        found: Sequence[Diagnostic],
+        arguments: argparse.Namespace,
+        sole: "Sequence[Repair]" = (),
+    ) -> None:
+        """Print diagnostics, some with their one repair, and count them."""
+        self.counted.update(each.severity for each in found)
+        report(found, arguments, _suggestions(found, sole))
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    add_file(parser)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="`.mars` files, each a robot of its own; `-` is standard input",
+    )
+    parser.add_argument(
+        "--fix",
+        action="store_true",
+        help="apply the repair of each finding that has exactly one, and check again; "
+        "the text of standard input goes to the output",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Report the findings; 1 where one is an error."""
-    project = read_project(arguments)
-    analysis = analyse_project(project, rulebook_for(arguments), arguments)
-    report(findings(analysis), arguments)
-    return int(analysis.has_errors)
+    """Report the findings; 1 where one is an error, 2 where a file cannot be read."""
+    check_inputs(*arguments.files)
+    rules = cache(lambda stages: rulebook_for(arguments, stages))
+    rules(_STAGES)
+    checked = []
+    for name in _each_once(arguments.files):
+        one = _Checked(name)
+        checked.append(one)
+        try:
+            _check(one, rules, arguments)
+        except MarsError as error:
+            one.report(error.diagnostics, arguments)
+            one.status = 2
+    if arguments.format == "json":
+        print(encoded(_json(checked)))
+    else:
+        _print(checked, arguments)
+    return max(one.status for one in checked)
+
+
+def _each_once(names: Iterable[str]) -> list[str]:
+    """Return the names of files without those of a file that was named before."""
+    first: dict[str, str] = {}
+    for name in names:
+        first.setdefault(name if name == STANDARD_INPUT else str(Path(name).resolve()), name)
+    return list(first.values())
+
+
+def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
+    """Check a file, and mend it where that is asked for.
+
+    Raises:
+        MarsError: what is wrong with the file or its sources.
+    """
+    raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
+    text = None if raw is None else decode(raw, SHOWN_INPUT)
+    project = load(arguments, SHOWN_INPUT if raw is not None else one.path, text)
+    one.text = text if arguments.fix else None
+    analysis = analyse_project(project, rules(_STAGES), arguments)
+    found = findings(analysis)
+    sole: tuple[Repair, ...] = ()
+    if found and (arguments.fix or len(analysis.facts) <= _MOST_FACTS):
+        sole = _sole_repairs(project, rules, arguments)
+    if sole and arguments.fix:
+        fixed = _fix(project, sole, rules, raw, one, arguments)
+        if fixed is not None:
+            project, sole = fixed.project, ()
+            remember(project.configuration.path, project.text)
+            found = findings(analyse_project(project, rules(_STAGES), arguments))
+    one.mendable = 0 if arguments.fix else len(sole)
+    one.report(project.diagnostics, arguments)
+    one.report(found, arguments, sole)
+    one.status = max(one.status, int(one.counted["error"] > 0))
+
+
+def _sole_repairs(
+    project: "Project", rules: _Rules, arguments: argparse.Namespace
+) -> "tuple[Repair, ...]":
+    from mars_asp.reasoning.questions.fix import sole_repairs
+    from mars_asp.reasoning.questions.repair import MOST_FACTS, STAGES
+
+    most = MOST_FACTS if arguments.fix else _MOST_SOLVED
+    with progress_bar(arguments, "sets of edits") as progress:
+        return sole_repairs(project, rules(STAGES), arguments.time_limit, progress, most)
+
+
+def _suggestions(
+    found: Iterable[Diagnostic], sole: "Iterable[Repair]"
+) -> Mapping[Diagnostic, Suggestion]:
+    """Return the one repair of each finding that has one."""
+    mends = {(r.consequence.spans, r.consequence.message): r.mends[0] for r in sole}
+    return {
+        each: Suggestion(
+            "; ".join(edit.message for edit in mend.edits),
+            mend.lines,
+            (*(warning.message for warning in mend.warnings), *(r.message for r in mend.remarks)),
+        )
+        for each in found
+        if (mend := mends.get(((each.span, *(at for at, _ in each.labels)), each.message)))
+    }
+
+
+def _fix(
+    project: "Project",
+    sole: "Sequence[Repair]",
+    rules: _Rules,
+    raw: bytes | None,
+    one: _Checked,
+    arguments: argparse.Namespace,
+) -> "Fix | None":
+    """Apply repairs to the files; return nothing where none could be applied.
+
+    The files are written when the command ends, all of a robot or none.
+    """
+    from mars_asp.reasoning.questions.fix import fix
+    from mars_asp.reasoning.questions.repair import STAGES
+
+    fixed = fix(project, rules(STAGES), sole)
+    if fixed is None:
+        return None
+    written: list[tuple[str, bytes, bytes]] = []
+    problems: list[Diagnostic] = []
+    for path, text in fixed.texts.items():
+        is_input = raw is not None and path == SHOWN_INPUT
+        try:
+            old = raw if raw is not None and is_input else Path(path).read_bytes()
+            new = edited_bytes(old, [line for line in fixed.lines if line.path == path])
+            if _plain(new) != text.rstrip("\n"):
+                raise ConflictError
+        except (OSError, ConflictError):
+            problems.append(_unfixed(path, "it is not what was analysed"))
+            continue
+        if is_input:
+            one.text = decode(new, path)
+        elif not Path(path).stat().st_mode & 0o222:
+            problems.append(_unfixed(path, "it is read-only"))
+        else:
+            written.append((path, new, old))
+    if problems:
+        one.status = 2
+        one.text = None if raw is None else decode(raw, SHOWN_INPUT)
+        one.report(problems, arguments)
+        return None
+    if written:
+        replace_files(written)
+    one.mended = fixed.repairs
+    return fixed
+
+
+def _plain(raw: bytes) -> str:
+    for codec in (
+        ("utf-16",) if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8", "latin-1")
+    ):
+        try:
+            return plain_lines(raw.decode(codec)).rstrip("\n")
+        except UnicodeDecodeError:
+            continue
+    raise ConflictError
+
+
+def _unfixed(path: str, why: str) -> Diagnostic:
+    message = f"`{path}` was not fixed: {why}"
+    return Diagnostic("unfixed", "error", message, point(path, 1, 1))
+
+
+# ---- What is printed at the end ------------------------------------------------------------------
+
+
+def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
+    """Print what was mended and how many findings there are; the text of standard input alone."""
+    # The output is for the text of standard input alone, where that is mended.
+    piped = arguments.fix and STANDARD_INPUT in arguments.files
+    stream = sys.stderr if piped else sys.stdout
+    for one in checked:
+        if piped and one.text is not None:
+            sys.stdout.buffer.write(one.text.encode())
+        for repair in one.mended:
+            consequence, mend = repair.consequence, repair.mends[0]
+            span = consequence.spans[0]
+            about = f"{consequence.kind}({consequence.subject})"
+            said = "; ".join(edit.message for edit in mend.edits)
+            place = f"{span.path}:{span.line}:{span.column}"
+            print(visible(f"fixed {place}: {about}: {said}"), file=stream)
+            for line in mend.lines:
+                for text in line_text(line):
+                    print(text.removeprefix("   "), file=stream)
+    if not arguments.quiet:
+        for text in _summary(checked):
+            print(text, file=stream)
+
+
+def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
+    """Yield how much was found and mended in how many files, where there is anything to say."""
+    total: Counter[Severity] = sum((one.counted for one in checked), Counter())
+    mended = sum(len(one.mended) for one in checked)
+    mendable = sum(one.mendable for one in checked)
+    found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
+    if found or mended:
+        parts = [", ".join(found) or "no errors or warnings", f"in {counted(len(checked), 'file')}"]
+        yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
+    if mendable:
+        has = "has" if mendable == 1 else "have"
+        yield f"{mendable} of them {has} exactly one repair, shown above; --fix applies it"
+
+
+def _json(checked: Sequence[_Checked]) -> dict[str, object]:
+    from mars_asp.cli.repair import repair_json
+
+    return {
+        "files": [
+            {
+                "path": one.path,
+                "errors": one.counted["error"],
+                "warnings": one.counted["warning"],
+                "fixed": [repair_json(repair) for repair in one.mended],
+                **({} if one.text is None else {"text": one.text}),
+            }
+            for one in checked
+        ],
+        "errors": sum(one.counted["error"] for one in checked),
+        "warnings": sum(one.counted["warning"] for one in checked),
+        "fixed": sum(len(one.mended) for one in checked),
+    }

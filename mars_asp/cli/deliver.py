@@ -4,16 +4,17 @@ In a worker everything goes through a pipe. The command collects it and writes i
 is there, so that a verb that was ended, or that somebody's code broke off, leaves nothing behind.
 """
 
+import errno
 import io
 import os
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from mars_asp.output import visible, write_whole
+from mars_asp.output import replace_together, visible, write_whole
 
-_OUTPUT, _FILE, _CODE, _END = b"o", b"f", b"c", b"."
+_OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
 _LENGTH = 8
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
@@ -47,6 +48,23 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
         return
     header = f"{os.fsencode(path).hex()} {file.read or ''}"
     _send(_FILE, header.encode() + b"\n" + raw)
+
+
+def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
+    """Replace files, all or none, in a worker when the verb has ended.
+
+    Each is its path, its new content, and what it must still hold.
+
+    Raises:
+        OSError: one cannot be written, or holds something else by now.
+    """
+    group = [File(path, content, _digest(read)) for path, content, read in files]
+    if _pipe is None:
+        _write_together(group)
+        return
+    _send(_GROUP, str(len(group)).encode())
+    for path, content, read in files:
+        write_file(path, content, read)
 
 
 # ---- In the worker -------------------------------------------------------------------------------
@@ -130,10 +148,12 @@ class Told:
 
     def __init__(self) -> None:
         self.output: list[bytes] = []
-        self.files: list[File] = []
+        #: Groups of files of which all or none are written.
+        self.files: list[list[File]] = []
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
         self._rest = bytearray()
+        self._missing = 0
 
     def hear(self, chunk: bytes) -> None:
         """Take in what came through the pipe.
@@ -160,7 +180,15 @@ class Told:
             header, _, content = payload.partition(b"\n")
             path, _, read = header.decode().partition(" ")
             named = os.fsdecode(bytes.fromhex(path))
-            self.files.append(File(named, content, read or None))
+            file = File(named, content, read or None)
+            if self._missing:
+                self._missing -= 1
+                self.files[-1].append(file)
+            else:
+                self.files.append([file])
+        elif kind == _GROUP:
+            self._missing = int(payload)
+            self.files.append([])
         elif kind == _CODE:
             self.code = tuple(map(os.fsdecode, payload.split(b"\0"))) if payload else ()
         elif kind == _END:
@@ -175,11 +203,16 @@ class Told:
             BrokenPipeError: nobody reads standard output any more.
         """
         status = self.status or 0
-        for file in self.files:
+        for group in self.files:
+            path = group[0].path if group else ""
             try:
-                _write(file)
+                if len(group) == 1:
+                    _write(group[0])
+                else:
+                    _write_together(group)
             except OSError as error:
-                _say_unwritten(f"`{visible(file.path)}`", error)
+                named = error.filename if isinstance(error.filename, str) else path
+                _say_unwritten(f"`{visible(named)}`", error)
                 status = 2
         if self.output:
             try:
@@ -202,10 +235,29 @@ def _write_out(chunks: list[bytes]) -> None:
 
 def _write(file: File) -> None:
     if file.read is not None:
-        with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
-            if _digest(there.read()) != file.read:
-                raise ChangedError(0, "it has changed since it was read, so it was left alone")
+        _check_unchanged(file)
     write_whole(file.path, file.content)
+
+
+def _write_together(files: Iterable[File]) -> None:
+    for file in files:
+        _check_unchanged(file)
+    replace_together({file.path: file.content for file in files})
+
+
+def _check_unchanged(file: File) -> None:
+    """Check that a file is what was read, and may be written.
+
+    Raises:
+        OSError: it is not, or is read-only.
+    """
+    with open(file.path, "rb") as there:  # noqa: PTH123 -- a path that may be no text
+        # What may do everything is asked not to write it, too.
+        if not os.fstat(there.fileno()).st_mode & 0o222:
+            raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", file.path)
+        if _digest(there.read()) != file.read:
+            told = "it has changed since it was read, so it was left alone"
+            raise ChangedError(0, told, file.path)
 
 
 def _digest(content: bytes) -> str:

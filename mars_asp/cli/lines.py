@@ -1,16 +1,37 @@
-"""Lines of files, as traces show them."""
+"""Lines of files, as traces and findings show them."""
 
 import linecache
+import os
+from collections.abc import Iterator
 
 from mars_asp.diagnostic import Span
+from mars_asp.language.text_edits import LineEdit
+from mars_asp.output import visible
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150
 
 
+def remember(path: str, text: str) -> None:
+    """Keep the text of a file that was read, so that it need not be a file that can be read twice.
+
+    `path` is how it is shown, as `<stdin>` is.
+    """
+    lines = [f"{line}\n" for line in text.split("\n")]
+    linecache.cache[path] = (len(text), None, lines, path)
+
+
 def line_at(span: Span) -> str:
     """Return the line of a file where something stands, of a long one what stands around it."""
-    return shortened(linecache.getline(span.path, span.line), span.column)
+    return shortened(whole_line(span), span.column)
+
+
+def whole_line(span: Span) -> str:
+    """Return the line of a file where something begins; nothing where it cannot be read."""
+    # A pipe would be waited for.
+    if span.path not in linecache.cache and not os.path.isfile(span.path):  # noqa: PTH113
+        return ""
+    return linecache.getline(span.path, span.line)
 
 
 def shortened(line: str, column: int) -> str:
@@ -33,3 +54,28 @@ def shortened(line: str, column: int) -> str:
     first = bare[:start].partition(" ")[0]
     before = "" if not start else f"{first} ... " if len(first) < MOST // 6 else "... "
     return f"{before}{bare[start:end]}{' ...' if end < len(bare) else ''}"
+
+
+def line_text(line: LineEdit) -> Iterator[str]:
+    """Yield the lines that show an edit: what goes, and what comes."""
+    place = visible(f"{line.path}:{line.line}")
+    if line.old is not None:
+        for text in line.old.split("\n"):
+            yield f"       - {place}: {visible(text)}"
+        where = place
+    else:
+        where = visible(f"{line.where} {line.path}:{line.line}")
+    for text in [] if line.new is None else line.new.split("\n"):
+        yield f"       + {where}: {visible(text)}"
+
+
+def line_json(line: LineEdit) -> dict[str, object]:
+    """Return an edit with the keys of the contract."""
+    return {
+        "path": line.path,
+        "line": line.line,
+        "column": line.column,
+        "old": line.old,
+        "new": line.new,
+        "where": line.where,
+    }

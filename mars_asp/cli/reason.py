@@ -5,6 +5,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
@@ -17,7 +18,8 @@ from mars_asp.reasoning.project import Project, load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 
 STANDARD_INPUT = "-"
-_SHOWN = "<stdin>"
+#: What standard input is called in places.
+SHOWN_INPUT = "<stdin>"
 
 
 def read_input(shown: str) -> str:
@@ -50,7 +52,7 @@ def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
     """
     with stage(arguments, f"reading {visible(path)}"):
         if path == STANDARD_INPUT:
-            return parse_text(read_input(_SHOWN), _SHOWN)
+            return parse_text(read_input(SHOWN_INPUT), SHOWN_INPUT)
         return parse_file(Path(path))
 
 
@@ -63,11 +65,22 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     path = arguments.file if path is None else path
     text = None
     if path == STANDARD_INPUT:
-        path = _SHOWN
+        path = SHOWN_INPUT
         text = read_input(path)
+    project = load(arguments, path, text)
+    report(project.diagnostics, arguments)
+    return project
+
+
+def load(arguments: argparse.Namespace, path: str, text: str | None = None) -> Project:
+    """Read a project, whose file's content `text` replaces.
+
+    Raises:
+        MarsError: what is wrong with its files.
+    """
     with stage(arguments, f"reading {visible(path)}"):
         project = load_project(path, arguments.sources, text)
-    report(project.diagnostics, arguments)
+    remember(path, project.text)
     return project
 
 
@@ -89,7 +102,8 @@ def analyse_project(
         MarsError: rules that clingo refuses.
     """
     with stage(arguments, "analysing"):
-        return analyse(project_facts(project), rulebook, project.configuration.span)
+        facts = project_facts(project)
+        return analyse(facts, rulebook, project.configuration.span, with_labels=True)
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:

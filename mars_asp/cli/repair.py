@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours, paint
@@ -26,7 +27,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     with progress_bar(arguments, "sets of edits") as progress:
         found = repairs(project, rulebook, subject, arguments.time_limit, progress)
     if arguments.format == "json":
-        print(encoded({"subject": subject, "repairs": [_repair_json(r) for r in found]}))
+        print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
         for line in _text(found, colours(arguments, sys.stdout)):
             print(line)
@@ -66,7 +67,7 @@ def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield f"  {number}. {messages}  [{rules}]"
-    lines = [text for line in mend.lines for text in _line_text(line)]
+    lines = [text for line in mend.lines for text in line_text(line)]
     if first != here and len(lines) > _MOST_PRINTED_AGAIN:
         lines = [f"       the {len(lines)} lines of {first}"]
     yield from lines
@@ -83,23 +84,12 @@ def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
         yield f"       then realised; cost: {costs}"
 
 
-def _line_text(line: LineEdit) -> Iterator[str]:
-    place = visible(f"{line.path}:{line.line}")
-    if line.old is not None:
-        for text in line.old.split("\n"):
-            yield f"       - {place}: {visible(text)}"
-        where = place
-    else:
-        where = visible(f"{line.where} {line.path}:{line.line}")
-    for text in [] if line.new is None else line.new.split("\n"):
-        yield f"       + {where}: {visible(text)}"
-
-
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:
     return {name: spent.get(level, 0) for name, level in COSTS.items()}
 
 
-def _repair_json(repair: Repair) -> dict[str, object]:
+def repair_json(repair: Repair) -> dict[str, object]:
+    """Return a repair with the keys of the contract."""
     return {
         "consequence": consequence_json(repair.consequence),
         "repairs": [_mend_json(mend) for mend in repair.mends],
@@ -112,7 +102,7 @@ def _repair_json(repair: Repair) -> dict[str, object]:
 def _mend_json(mend: Mend) -> dict[str, object]:
     return {
         "edits": [_edit_json(edit) for edit in mend.edits],
-        "lines": [_line_json(line) for line in mend.lines],
+        "lines": [line_json(line) for line in mend.lines],
         "also_mended": mend.others,
         "warnings": [
             *(consequence_json(warning) for warning in mend.warnings),
@@ -145,15 +135,4 @@ def _remark_json(remark: Diagnostic) -> dict[str, object]:
         "help": remark.help,
         "locations": [location_json(remark.span)],
         "rule": None,
-    }
-
-
-def _line_json(line: LineEdit) -> dict[str, object]:
-    return {
-        "path": line.path,
-        "line": line.line,
-        "column": line.column,
-        "old": line.old,
-        "new": line.new,
-        "where": line.where,
     }

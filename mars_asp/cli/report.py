@@ -1,14 +1,38 @@
 """Diagnostics on standard error, as text or as one JSON object a line."""
 
 import argparse
+import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
 
 from mars_asp.cli.encode import encoded
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.cli.layout import cells, columns, wrapped
+from mars_asp.cli.lines import line_json, line_text, whole_line
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
 
 _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1"}
+#: Further lines of a message are indented less than what belongs to it.
+_FURTHER, _INSIDE = "  ", "    "
+#: So many further places are shown; JSON has all.
+_MOST_PLACES = 10
+#: Of a longer line only what is near the place is quoted, with so many characters before it.
+_LONGEST, _BEFORE = 400, 40
+_TAB = 4
+
+
+class Suggestion(NamedTuple):
+    """The one repair of a finding: what it does, which lines change, and what then warns."""
+
+    message: str
+    edits: tuple[LineEdit, ...]
+    warnings: tuple[str, ...] = ()
+
+
+_NO_SUGGESTIONS: Mapping[Diagnostic, Suggestion] = MappingProxyType({})
 
 
 def paint(text: str, style: str, coloured: bool) -> str:
@@ -16,31 +40,61 @@ def paint(text: str, style: str, coloured: bool) -> str:
     return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if coloured else text
 
 
+def colours(arguments: argparse.Namespace, stream: object) -> bool:
+    """Whether a stream is coloured: as asked, else as the environment says, else on a terminal.
+
+    `NO_COLOR` and `FORCE_COLOR` count where they are not empty (no-color.org, force-color.org).
+    """
+    if arguments.color != "auto":
+        return bool(arguments.color == "always")
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    isatty = getattr(stream, "isatty", None)
+    return os.environ.get("TERM") != "dumb" and bool(isatty and isatty())
+
+
 def report_error(error: MarsError, arguments: argparse.Namespace) -> None:
     """Print everything that a stage found wrong."""
     report(error.diagnostics, arguments)
 
 
-def report(diagnostics: Iterable[Diagnostic], arguments: argparse.Namespace) -> None:
-    """Print diagnostics in the order given; `--quiet` leaves out notes."""
+def report(
+    diagnostics: Iterable[Diagnostic],
+    arguments: argparse.Namespace,
+    suggestions: Mapping[Diagnostic, Suggestion] = _NO_SUGGESTIONS,
+) -> None:
+    """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes."""
     for diagnostic in diagnostics:
         if arguments.quiet and diagnostic.severity == "note":
             continue
         if arguments.format in ("json", "jsonl"):
-            print(encoded(diagnostic_json(diagnostic)), file=sys.stderr)
+            found = diagnostic_json(diagnostic, suggestions.get(diagnostic))
+            print(encoded(found), file=sys.stderr)
         else:
-            print(diagnostic_text(diagnostic, colours(arguments, sys.stderr)), file=sys.stderr)
+            width = columns(sys.stderr)
+            print(
+                diagnostic_text(diagnostic, colours(arguments, sys.stderr), width), file=sys.stderr
+            )
+            for line in _suggested(suggestions.get(diagnostic), width):
+                print(line, file=sys.stderr)
 
 
-def colours(arguments: argparse.Namespace, stream: object) -> bool:
-    """Whether a stream is to be coloured."""
-    if arguments.color != "auto":
-        return bool(arguments.color == "always")
-    isatty = getattr(stream, "isatty", None)
-    return bool(isatty and isatty())
+def _suggested(suggestion: Suggestion | None, width: int) -> Iterator[str]:
+    if suggestion is not None:
+        yield from wrapped(visible(suggestion.message), width, f"{_INSIDE}fix: ", f"{_INSIDE}     ")
+        for edit in suggestion.edits:
+            yield from line_text(edit)
+        for warning in suggestion.warnings:
+            yield from wrapped(
+                visible(warning), width, f"{_INSIDE}   then warns: ", f"{_INSIDE}     "
+            )
 
 
-def diagnostic_json(diagnostic: Diagnostic) -> dict[str, object]:
+def diagnostic_json(
+    diagnostic: Diagnostic, suggestion: Suggestion | None = None
+) -> dict[str, object]:
     """Return a diagnostic with the keys of the command line's contract."""
     span = diagnostic.span
     return {
@@ -51,30 +105,138 @@ def diagnostic_json(diagnostic: Diagnostic) -> dict[str, object]:
         "line": span.line,
         "column": span.column,
         "help": diagnostic.help,
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+        "effect": diagnostic.effect,
+        "labels": [
+            {"path": at.path, "line": at.line, "column": at.column, "message": text}
+            for at, text in diagnostic.labels
+        ],
+        "fix": None
+        if suggestion is None
+        else {
+            "message": suggestion.message,
+            "lines": [line_json(edit) for edit in suggestion.edits],
+            "warnings": list(suggestion.warnings),
+        },
     }
 
 
-def diagnostic_text(diagnostic: Diagnostic, coloured: bool = False) -> str:
-    """Return a diagnostic as `path:line:column: severity: message`, the line, a caret and help."""
+def diagnostic_text(diagnostic: Diagnostic, coloured: bool = False, width: int = 80) -> str:
+    """Return `path:line:column: severity: message [code]` and what belongs to it.
+
+    That is the quoted line with a caret under the place, further places with their labels, a
+    sentence on what will happen, and help. Lines are no wider than `width`, but for quoted ones
+    and long words.
+    """
+    code = paint(f"[{visible(diagnostic.code)}]", "dim", coloured)
+    message = f"{visible(diagnostic.message)} {code}"
+    return "\n".join(finding_lines(diagnostic, message, coloured, width))
+
+
+def finding_lines(
+    diagnostic: Diagnostic, message: str, coloured: bool = False, width: int = 80
+) -> Iterator[str]:
+    """Yield the lines of a diagnostic with `message` in the place of its own."""
     span = diagnostic.span
-    severity = paint(diagnostic.severity, diagnostic.severity, coloured)
     place = visible(f"{span.path}:{span.line}:{span.column}")
-    lines = [f"{place}: {severity}: {visible(diagnostic.message)} [{visible(diagnostic.code)}]"]
-    if diagnostic.excerpt is not None:
-        lines += _excerpt(diagnostic)
-    for where, label in diagnostic.labels:
-        lines.append(visible(f"    {where.path}:{where.line}:{where.column}: {label}"))
+    severity = paint(diagnostic.severity, diagnostic.severity, coloured)
+    head = f"{place}: {severity}:"
+    lines = wrapped(message, width, f"{head} ", _FURTHER)
+    # Programs look for the head as one, so there is no break within it.
+    if cells(lines[0]) > width:
+        lines = [head, *wrapped(message, width, _FURTHER, _FURTHER)]
+    yield from lines
+    yield from _quotation(diagnostic, coloured, width)
+    if diagnostic.effect:
+        yield from wrapped(visible(diagnostic.effect), width, _INSIDE, _INSIDE)
     if diagnostic.help:
-        lines.append(f"    help: {visible(diagnostic.help)}")
-    return "\n".join(lines)
+        first, further = f"{_INSIDE}help: ", f"{_INSIDE}      "
+        yield from wrapped(visible(diagnostic.help), width, first, further)
 
 
-def _excerpt(diagnostic: Diagnostic) -> list[str]:
-    span = diagnostic.span
-    text = visible((diagnostic.excerpt or "").replace("\t", " ").rstrip("\r\n"))
-    if len(text) > 400:
-        return []
-    same_line = span.end_line == span.line
-    width = max(1, span.end_column - span.column) if same_line else 1
-    width = min(width, max(1, len(text) - span.column + 1))
-    return [f"    {text}", "    " + " " * (span.column - 1) + "^" * width]
+# ---- Quoted lines --------------------------------------------------------------------------------
+
+
+class _Quoted(NamedTuple):
+    """A line as it is shown, and the columns before and under what is marked in it."""
+
+    text: str
+    before: int
+    marked: int
+
+
+def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[str]:
+    """Yield the lines of files that a diagnostic is about, each marked where that is."""
+    places = [(diagnostic.span, ""), *diagnostic.labels[:_MOST_PLACES]]
+    shown = [_quoted(diagnostic.span, diagnostic.excerpt)]
+    shown += [_quoted(span) for span, _ in places[1:]]
+    numbers = [span.line for (span, _), line in zip(places, shown, strict=True) if line]
+    margin = len(str(max(numbers, default=0)))
+    last = (diagnostic.span.path, 0)
+    for (span, label), line in zip(places, shown, strict=True):
+        is_first = span is diagnostic.span
+        if line is None:
+            if not is_first:
+                at = visible(f"{span.path}:{span.line}:{span.column}")
+                yield from wrapped(f"{at}: {visible(label)}".rstrip(": "), width, _INSIDE, _INSIDE)
+            continue
+        if span.path != last[0]:
+            yield paint(
+                f"{_INSIDE}{visible(f'{span.path}:{span.line}:{span.column}')}:", "dim", coloured
+            )
+        if (span.path, span.line) != last:
+            gutter = paint(f"{_INSIDE}{span.line:>{margin}} |", "dim", coloured)
+            yield f"{gutter} {line.text}".rstrip()
+        last = (span.path, span.line)
+        yield from _mark(
+            line, visible(label), margin, diagnostic.severity, is_first, coloured, width
+        )
+    more = len(diagnostic.labels) - _MOST_PLACES
+    if more > 0:
+        yield f"{_INSIDE}and {more} more place{'s' * (more > 1)}"
+
+
+def _mark(
+    line: _Quoted,
+    label: str,
+    margin: int,
+    severity: str,
+    is_first: bool,
+    coloured: bool,
+    width: int,
+) -> Iterator[str]:
+    """Yield the marks under a quoted line, and the label beside them, or below where it is long."""
+    style = severity if is_first else "note"
+    gutter = paint(f"{_INSIDE}{' ' * margin} |", "dim", coloured)
+    marks = paint(("^" if is_first else "-") * line.marked, style, coloured)
+    row = f"{gutter} {' ' * line.before}{marks}"
+    if not label:
+        yield row
+    elif cells(row) + 1 + cells(label) <= width:
+        yield f"{row} {paint(label, style, coloured)}"
+    else:
+        yield row
+        for text in wrapped(label, width - len(_INSIDE) - margin - 3):
+            yield f"{gutter} {paint(text, style, coloured)}"
+
+
+def _quoted(span: Span, excerpt: str | None = None) -> _Quoted | None:
+    """Return the line at a place as it is shown; nothing where it is empty or cannot be read."""
+    line = (whole_line(span) if excerpt is None else excerpt).rstrip("\r\n")
+    if not line.strip():
+        return None
+    begin = min(span.column - 1, len(line))
+    end = span.end_column - 1 if span.end_line == span.line else len(line.rstrip())
+    end = min(max(end, begin + 1), max(len(line), begin + 1))
+    before, after = "", ""
+    if len(line) > _LONGEST:
+        start = max(0, begin - _BEFORE)
+        stop = start + _LONGEST // 2
+        before, after = "... " * (start > 0), " ..." * (stop < len(line))
+        line, begin, end = line[start:stop], begin - start, min(end, stop) - start
+    to_mark = f"{before}{line[:begin]}".expandtabs(_TAB)
+    to_end = f"{before}{line[:end]}".expandtabs(_TAB)
+    whole = f"{before}{line}{after}".expandtabs(_TAB)
+    begins = cells(visible(to_mark))
+    return _Quoted(visible(whole), begins, max(1, cells(visible(to_end)) - begins))

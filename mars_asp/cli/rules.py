@@ -243,6 +243,8 @@ def _safe(text: str) -> str:
 
 def _document(rule: Rule, heading: str) -> str:
     parts = [f"{heading} {rule.id}", rule.because or "no message"]
+    if rule.effect:
+        parts.append(f"Effect: {rule.effect}")
     if rule.help:
         parts.append(f"Help: {rule.help}")
     if rule.why:
@@ -292,6 +294,7 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         "stage": rule.stage,
         "because": rule.because,
         "help": rule.help,
+        "effect": rule.effect,
         "why": rule.why,
         "example": rule.example,
         **{key: dict(rule.lists).get(key) for key in EXPANSIONS},

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mars_asp.cli import positive
+from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line

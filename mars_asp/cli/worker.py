@@ -5,8 +5,9 @@ command waits for it, ends it at once when it is asked to end itself, and is the
 writes results. They cross a pipe and end with a mark, so what was ended writes nothing.
 
 A message in the pipe is a letter, the length of what follows (eight bytes), and what follows:
-`o` output, `f` a file (its name and a digest of what it replaces in a line, then its content), `c`
-the files whose code runs from now on, `.` the end (the exit status).
+`o` output, `f` a file (its name and a digest of what it replaces in a line, then its content), `g`
+how many of the next files are written together or not at all, `c` the files whose code runs from
+now on, `.` the end (the exit status).
 """
 
 import argparse

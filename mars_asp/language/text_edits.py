@@ -15,6 +15,8 @@ from typing import Literal, TypeAlias
 from mars_asp.diagnostic import Span
 
 Where: TypeAlias = Literal["before", "behind"]
+#: A line and its end; the last one may have none.
+_LINE = re.compile(r"(?=.)([^\r\n]*)(\r\n|\r|\n|\Z)", re.DOTALL)
 #: A line that holds no more than a comment.
 _NO_STATEMENT = re.compile(r"\s*(?:(?://|#).*)?")
 
@@ -168,6 +170,52 @@ def apply_lines(text: str, edits: Iterable[LineEdit]) -> str:
         if part is not None
     )
     return "".join(f"{part}\n" for part in written)
+
+
+def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
+    """Return a file as the edits of its lines make it, with its encoding and its line ends.
+
+    Raises:
+        ConflictError: a line is not what an edit replaces.
+    """
+    codec = _codec(raw)
+    whole = raw.decode(codec)
+    mark = "\ufeff" if whole.startswith("\ufeff") else ""
+    lines = [(line[1], line[2]) for line in _LINE.finditer(whole[len(mark) :])]
+    usual = next((end for _, end in lines if end), "\n")
+    inserted: dict[tuple[int, Where], str] = {}
+    replaced: dict[int, str | None] = {}
+    for edit in edits:
+        if edit.old is None and edit.new is not None:
+            inserted[edit.line, edit.where or "behind"] = edit.new
+        elif edit.line > len(lines) or lines[edit.line - 1][0] != edit.old:
+            raise ConflictError
+        else:
+            replaced[edit.line] = edit.new
+    # A line that is inserted at the end needs one before it that is ended.
+    if lines and not lines[-1][1] and (len(lines), "behind") in inserted:
+        lines[-1] = (lines[-1][0], usual)
+    written = [mark]
+    for number, (line, end) in enumerate(lines or [("", "")], 1):
+        new = replaced.get(number, line)
+        above, below = inserted.get((number, "before")), inserted.get((number, "behind"))
+        written += [f"{each}{usual}" for each in above.split("\n")] if above is not None else []
+        written += [f"{new}{end}"] if new is not None else []
+        written += [f"{each}{usual}" for each in below.split("\n")] if below is not None else []
+    return "".join(written).encode(codec)
+
+
+def _codec(raw: bytes) -> str:
+    """Return by which encoding a file is read, with its byte order mark as a character."""
+    if raw.startswith(b"\xff\xfe"):
+        return "utf-16-le"
+    if raw.startswith(b"\xfe\xff"):
+        return "utf-16-be"
+    try:
+        raw.decode()
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8"
 
 
 def _place(edit: LineEdit) -> tuple[int, int]:

@@ -4,7 +4,7 @@ Nothing is decided here: a consequence is an atom `consequence(Kind, Severity, S
 the answer set, its message the metadata of the rule that derives it.
 """
 
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TypeAlias, TypeVar
@@ -12,9 +12,20 @@ from typing import TypeAlias, TypeVar
 import clingo
 
 from mars_asp.asp.fragments import Fragment
-from mars_asp.asp.messages import Said, check_decided, said, saying, shown, written
+from mars_asp.asp.messages import (
+    Said,
+    check_decided,
+    labelling,
+    labels,
+    said,
+    saying,
+    shown,
+    written,
+)
 from mars_asp.asp.rules.arithmetic import telling, wrapped
 from mars_asp.asp.rules.consistency import check_packs
+from mars_asp.asp.rules.expansions import Label
+from mars_asp.asp.rules.expansions import labels as labels_above
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
@@ -22,7 +33,12 @@ from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.reasoning.facts.compile import facts_text
-from mars_asp.reasoning.findings import CONSEQUENCE, SEVERITIES, check_severities
+from mars_asp.reasoning.findings import (
+    CONSEQUENCE,
+    EXPANSIONS,
+    SEVERITIES,
+    check_severities,
+)
 
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[TermId, TermId, TermId]
@@ -34,7 +50,11 @@ _STAGE = "base"
 
 @dataclass(frozen=True, slots=True)
 class Consequence:
-    """One consequence; `spans` are the places it concerns, in the order of the file."""
+    """One consequence; `spans` are the places it concerns, in the order of the file.
+
+    `labels` say something of some of these places, where they were asked for; `effect` is what will
+    happen.
+    """
 
     kind: str
     severity: Severity
@@ -45,6 +65,8 @@ class Consequence:
     rule: Rule
     spans: tuple[Span, ...]
     atom: clingo.Symbol
+    labels: tuple[tuple[Span, str], ...] = ()
+    effect: str | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +83,8 @@ class Analysis:
     #: Where a consequence is placed that concerns no line.
     configuration: Span
     subject: str | None = None
+    #: What rules say of the places of findings, where it was asked for.
+    labelled: tuple[tuple[Rule, Label], ...] = ()
 
     @cached_property
     def consequences(self) -> tuple[Consequence, ...]:
@@ -81,12 +105,17 @@ class Analysis:
 
 
 def analyse(
-    facts: Iterable[Fact], rulebook: Rulebook, configuration: Span, subject: str | None = None
+    facts: Iterable[Fact],
+    rulebook: Rulebook,
+    configuration: Span,
+    subject: str | None = None,
+    with_labels: bool = False,
 ) -> Analysis:
     """Ground the rules over facts.
 
     `configuration` is where a consequence is placed that concerns no line; `subject`, as in
-    `data_divergence(Camera)` or the whole atom, is what alone will be read.
+    `data_divergence(Camera)` or the whole atom, is what alone will be read. `with_labels` is for
+    those who show the places of findings, with what the rules say of each.
 
     Raises:
         MarsError: clingo refuses the rules, or rule packs leave no answer or give a severity that
@@ -97,10 +126,12 @@ def analyse(
     asked = [
         Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(rulebook.asked)
     ]
+    labelled = tuple(_labelled(speakers)) if with_labels else ()
     text = facts_text(facts)
     program = [
         *rulebook.fragments("base"),
         *saying(_STAGE, speakers),
+        *labelling(_STAGE, labelled),
         *asked,
         Fragment(text, "facts"),
     ]
@@ -116,7 +147,11 @@ def analyse(
         check_decided(grounding.control, _STAGE, speakers)
     # Also where a slice of packs does not count them.
     check_severities(said(grounding.control, _STAGE, speakers))
-    return Analysis(grounding, facts, speakers, configuration, subject)
+    return Analysis(grounding, facts, speakers, configuration, subject, labelled)
+
+
+def _labelled(speakers: Iterable[Rule]) -> Iterator[tuple[Rule, Label]]:
+    return ((rule, label) for rule in speakers for label in labels_above(rule, EXPANSIONS))
 
 
 def _all_wrong(error: MarsError, program: Sequence[Fragment], rulebook: Rulebook) -> MarsError:
@@ -151,6 +186,10 @@ def read_consequences(
     concerned = _collect(control, ("concerns", 4), wanted)
     identifiers = {row[0] for rows in concerned.values() for row in rows}
     span_of = _places(analysis.facts, identifiers)
+    labels_of: dict[TermId, dict[Span, str]] = {}
+    for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
+        if label.term in span_of:
+            labels_of.setdefault(label.head, {}).setdefault(span_of[label.term], label.text)
     # Few terms stand in very many consequences.
     write, severity_of = _of_terms(str), _of_terms(_severity)
     consequences = []
@@ -169,6 +208,8 @@ def read_consequences(
                 told.rule,
                 tuple(sorted({span for span in places if span})) or (analysis.configuration,),
                 as_symbol(head),
+                tuple(labels_of.get(head, {}).items()),
+                told.effect,
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -182,14 +223,15 @@ def findings(analysis: Analysis) -> tuple[Diagnostic, ...]:
 
 def diagnostic(consequence: Consequence) -> Diagnostic:
     """Return a consequence as a diagnostic."""
-    labels = tuple((span, "this takes part") for span in consequence.spans[1:])
+    said_of = dict(consequence.labels)
     return Diagnostic(
         consequence.rule.id,
         consequence.severity,
         consequence.message,
         consequence.spans[0],
-        labels,
+        tuple((span, said_of.get(span, "")) for span in consequence.spans[1:]),
         consequence.help,
+        effect=consequence.effect,
     )
 
 

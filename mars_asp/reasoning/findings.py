@@ -44,7 +44,7 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
 #: Both are told of its kind, subject and case.
 EXPANSIONS = {
     "who": Expansion(CONSEQUENCE, "participant", (0, 2, 3), True),
-    "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False),
+    "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False, is_labelled=True),
 }
 #: What a rule pack from elsewhere may do.
 CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities, EXPANSIONS)

@@ -15,6 +15,12 @@ both(P) :- ours(P), output(_, _, P).
 """
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Print each message in one line."""
+    monkeypatch.setenv("COLUMNS", "1000")
+
+
 def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(PACK)

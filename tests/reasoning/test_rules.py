@@ -8,12 +8,14 @@ import pytest
 
 from mars_asp.asp import cache
 from mars_asp.asp.cases import Outcome, find_cases
+from mars_asp.asp.messages import labelling
+from mars_asp.asp.rules.expansions import labels
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import shown as shown_in
 from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import run_case, stages_of
-from mars_asp.reasoning.findings import CONSEQUENCE
+from mars_asp.reasoning.findings import CONSEQUENCE, EXPANSIONS
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
 from tests.support.rule_coverage import covered, places
@@ -108,6 +110,8 @@ def test_what_the_current_folder_is_called_gives_a_case_no_stage(
 TOGETHER = (
     "carried(M, N + 1, B', R)",
     "consequence(data_cycle, warning, M, cycle)",
+    "consequence(control_cycle, error, M, cycle)",
+    "consequence(module_conflict, error, M, cycle)",
     "placed(R, X, P, I, C)",
     "lifted(X, M, P, C)",
     "element(M, I, L, R)",
@@ -162,6 +166,28 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
             silent.append(rule.id)
     assert len(finding) > 40
     assert silent == []
+
+
+def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: Rulebook) -> None:
+    """A label is said of a place in a case; of one that no rule labels nothing is said."""
+    finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
+    grave = [r for r in finding if "consequence(" in r.text and ", note," not in r.text]
+    assert [r.id for r in grave if not (r.effect or "").endswith(".")] == []
+    listed = [(r, label) for r in finding for label in labels(r, EXPANSIONS)]
+    assert len(listed) > 25
+    silent = dict(enumerate(listed))
+    for case in sorted(CASES):
+        if case.parent.name not in {rule.id.split("/")[0] for rule, _ in silent.values()}:
+            continue
+        (facts, _) = read_case(case)
+        control = clingo.Control(["--warn=none"])
+        parts = [rulebook.text("base"), *(each.text for each in labelling("base", listed))]
+        control.add("base", [], "\n".join([facts, *parts]))
+        control.ground()
+        said = control.symbolic_atoms.by_signature("_label_base", 4)
+        for atom in said:
+            silent.pop(atom.symbol.arguments[0].number, None)
+    assert [(rule.id, label.text) for rule, label in silent.values()] == []
 
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits.

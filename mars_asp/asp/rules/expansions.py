@@ -11,7 +11,11 @@ rule that derives `found(Name, ...)`, these lines say three rules:
     part(N, R, E) :- seen(N, S, C); helps(R, E, S).
 
 A list has elements between semicolons; each is one term or several, and may have a condition
-behind a colon. Behind `@` stands what a term is ordered by, else it is its place in the list.
+after a colon. After `@` comes what a term is ordered by, else it is its place in the list.
+
+A term may have a label, a message in quotes whose holes are filled as those of `because` are:
+
+    %! at: R; R' "`{C}` was seen here before" : first(R', C)
 """
 
 import re
@@ -36,6 +40,8 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|.', re.DOTALL)
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 _VARIABLE = re.compile(r"(?<!\w)_*[A-Z]\w*'*")
+_LABELLED = re.compile(r'(.*\S)\s+"((?:\\.|[^"\\])*)"', re.DOTALL)
+_HOLE = re.compile(r"\{([^{}]*)\}")
 
 
 #: A list holds so many terms at most, each of which is a rule.
@@ -46,13 +52,15 @@ class Expansion(NamedTuple):
     """What a key of metadata stands for above a rule that derives `of`.
 
     For each term that is listed, `gives` holds of the arguments of the head at the positions
-    `kept`, of what the term is ordered by if there is an order, and of the term.
+    `kept`, of what the term is ordered by if there is an order, and of the term. Its terms may have
+    labels where it `is_labelled`.
     """
 
     of: Signature
     gives: str
     kept: tuple[int, ...]
     is_ordered: bool
+    is_labelled: bool = False
 
 
 #: What keys of metadata stand for, by the keys.
@@ -60,11 +68,25 @@ Expansions: TypeAlias = Mapping[str, Expansion]
 
 
 class _Element(NamedTuple):
-    """A term of a list, what it is ordered by, and its condition; each as it is written."""
+    """A term of a list, what it is ordered by, its condition and its label, as they are written."""
 
     term: str
     order: str
     condition: str
+    label: str | None
+
+
+class Label(NamedTuple):
+    """What a list says of a term: the message, and the body of the rule with its condition."""
+
+    term: str
+    text: str
+    body: str
+
+    @property
+    def holes(self) -> tuple[str, ...]:
+        """Return the variables that the message names, each once."""
+        return tuple(dict.fromkeys(_HOLE.findall(self.text)))
 
 
 def expanded(
@@ -83,6 +105,16 @@ def expanded(
         text = _rule(found, "; ".join(filter(None, (body, element.condition))))
         own = f"{rule.id}:{key}{number + 1 if number else ''}"
         yield Rule(own, None, None, rule.span, text, rule.stage, listed=place)
+
+
+def labels(rule: Rule, expansions: Expansions) -> Iterator[Label]:
+    """Yield the labels in the lists above a rule."""
+    for key, written in rule.lists:
+        if key in expansions and expansions[key].is_labelled and '"' in written:
+            for element in _elements(written):
+                if element.label is not None:
+                    body = "; ".join(filter(None, (rule.written[1], element.condition)))
+                    yield Label(element.term, element.label, body)
 
 
 def _rule(head: str, body: str) -> str:
@@ -112,6 +144,9 @@ def wrong(
         if element.order and not expansion.is_ordered:
             yield _wrong(f"`{key}` has no order, so `@` has no effect", place, advice)
             return
+        if element.label is not None and not expansion.is_labelled:
+            yield _wrong(f"`{key}` takes no labels", place, advice)
+            return
     local = variables(rule.ast) - bound_variables(rule.text)
     for name in sorted(local.intersection(_VARIABLE.findall(_STRING.sub("", written)))):
         message = (
@@ -139,6 +174,15 @@ def wrong(
             message = f"`{key}` computes a sum in `{element.condition}`"
             yield _wrong(message, place, "let the body of the rule compute it")
             return
+        yield from _wrong_label(element, made, key, place)
+
+
+def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterator[Diagnostic]:
+    """Yield the holes of a label that no variable of the rule made for its element fills."""
+    names = set(_HOLE.findall(element.label or ""))
+    for hole in sorted(names - bound_variables(made.text) if names else ()):
+        message = f"`{{{hole}}}` in a label of `{key}` is not a variable of the rule's body"
+        yield _wrong(message, place, "name a variable of the rule or of the label's condition")
 
 
 def _is_rule(text: str, shown: str) -> bool:
@@ -155,8 +199,10 @@ def _elements(written: str) -> Iterator[_Element]:
     for element in _split(written, ";"):
         terms, *condition = _split(element, ":", 1)
         for term in _split(terms, ","):
-            name, *order = _split(term, "@", 1)
-            yield _Element(name, "".join(order), "".join(condition))
+            match = _LABELLED.fullmatch(term)
+            bare, label = (match[1], match[2]) if match else (term, None)
+            name, *order = _split(bare, "@", 1)
+            yield _Element(name, "".join(order), "".join(condition), label)
 
 
 def _split(written: str, sign: str, most: int = -1) -> list[str]:

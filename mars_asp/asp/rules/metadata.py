@@ -1,9 +1,10 @@
 """What stands above the rules of a file.
 
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
-`{Variable}` holes), a `help`, and `fits`: why what it computes fits into 32 bits. `why` tells what
-it is about and why that matters, `example` names a case of it. Keys of a host stand for further
-rules (see `expansions`). A line whose text is indented by four or more goes on with the one before.
+`{Variable}` holes), an `effect` (what will happen, a sentence with holes), a `help`, and `fits`:
+why what it computes fits into 32 bits. `why` tells what it is about and why that matters, `example`
+names a case of it. Keys of a host stand for further rules (see `expansions`). A line whose text is
+indented by four or more goes on with the one before.
 `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
@@ -23,7 +24,7 @@ from mars_asp.asp.units import UNITS
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
-KEYS = ("id", "because", "help", "fits", "why", "example")
+KEYS = ("id", "because", "effect", "help", "fits", "why", "example")
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
@@ -137,6 +138,7 @@ def _rule(
         given.get("why"),
         given.get("example"),
         tuple((key, listed) for key, (listed, _) in lists.items()),
+        effect=given.get("effect"),
     )
 
 

@@ -33,6 +33,8 @@ class Rule:
     lists: tuple[tuple[str, str], ...] = ()
     #: Where the line of metadata is that stands for this rule; no file has its text.
     listed: Span | None = None
+    #: What will happen, a sentence for those who read no more of the rule.
+    effect: str | None = None
 
     @cached_property
     def ast(self) -> Tree:
@@ -98,6 +100,6 @@ class Rule:
 
     @property
     def holes(self) -> tuple[str, ...]:
-        """Return the variables that `because` and `help` name, each once."""
-        said = HOLE.findall(f"{self.because or ''}{self.help or ''}")
+        """Return the variables that `because`, `help` and `effect` name, each once."""
+        said = HOLE.findall(f"{self.because or ''}{self.help or ''}{self.effect or ''}")
         return tuple(dict.fromkeys(name for name, _ in said))

@@ -8,7 +8,7 @@ from typing import get_args
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span
-from mars_asp.model.cycles import knots
+from mars_asp.model.cycles import Knot, knots
 from mars_asp.model.declarations import (
     NODE_NAMES,
     Allocation,
@@ -83,6 +83,8 @@ FRAMES = frozenset(
 
 
 _KNOTS = ("data", "control", "mount")
+#: Of a longer walk some modules in the middle are left out where it is written.
+_MOST_SPELT = 20
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
@@ -337,8 +339,17 @@ class Compiler:
                 span = spans[knot.walk[0][2]]
                 for name in knot.nodes:
                     self.add(span, "entangled", Atom(kind), index, name)
-                names = [start for start, _, _ in knot.walk]
-                self.add(span, "spelt", Atom(kind), index, " -> ".join([*names, names[0]]))
+                self.add(span, "spelt", Atom(kind), index, _spelt(kind, knot))
+
+
+def _spelt(kind: str, knot: Knot) -> str:
+    """Return the modules of a closed walk as people write it; commands go against its steps."""
+    first, *others = (start for start, _, _ in knot.walk)
+    if kind == "control":
+        others.reverse()
+    if len(others) > _MOST_SPELT:
+        others[_MOST_SPELT // 2 : -(_MOST_SPELT // 2)] = ["..."]
+    return " -> ".join([first, *others, first])
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

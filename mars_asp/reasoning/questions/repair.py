@@ -111,12 +111,15 @@ def repairs(
     subject: str | None = None,
     seconds: float | None = None,
     progress: Callable[[int, int], None] | None = None,
+    with_warnings: bool = False,
+    most_facts: int = MOST_FACTS,
 ) -> tuple[Repair, ...]:
     """Look for mends of every error, or of every warning where there is no error.
 
-    `subject` chooses findings by kind, subject or `kind(subject)` instead. `rulebook` holds the
-    stages `STAGES`. After `seconds` what was found so far is returned. `progress` is told how many
-    sets of edits were tried, and how many will be at most.
+    `subject` chooses findings by kind, subject or `kind(subject)` instead; `with_warnings`, mends
+    of warnings are looked for beside those of errors. The search ends when `most_facts` were
+    solved. `rulebook` holds the stages `STAGES`. After `seconds` what was found so far is returned.
+    `progress` is told how many sets of edits were tried, and how many will be at most.
 
     Raises:
         MarsError: rules that clingo refuses; the subject is no module,
@@ -126,13 +129,13 @@ def repairs(
     deadline = None if seconds is None else began + seconds
     facts = project_facts(project)
     analysis = analyse(facts, rulebook, project.configuration.span)
-    findings = _asked(analysis.consequences, subject)
+    findings = _asked(analysis.consequences, subject, with_warnings)
     if not findings:
         if subject is not None:
             _check_subject(subject, project, rulebook)
         return ()
     proposed = _proposals(analysis, rulebook)
-    most = MOST_FACTS // (len(facts) + FACTS_OF_A_TRY)
+    most = most_facts // (len(facts) + FACTS_OF_A_TRY)
     search = _Search(project, rulebook, analysis.consequences, findings, deadline)
     return search.repairs(
         [proposed.get(_key_of(finding.atom), []) for finding in findings],
@@ -142,7 +145,9 @@ def repairs(
     )
 
 
-def _asked(found: Sequence[Consequence], subject: str | None) -> list[Consequence]:
+def _asked(
+    found: Sequence[Consequence], subject: str | None, with_warnings: bool
+) -> list[Consequence]:
     if subject is not None:
         return [
             c
@@ -151,6 +156,8 @@ def _asked(found: Sequence[Consequence], subject: str | None) -> list[Consequenc
             and subject in (c.kind, c.subject, f"{c.kind}({c.subject})", *c.participants)
         ]
     errors = [c for c in found if c.severity == "error"]
+    if with_warnings:
+        return [c for c in found if c.severity != "note"]
     return errors or [c for c in found if c.severity == "warning"]
 
 

@@ -3,17 +3,20 @@
 import clingo
 import pytest
 
-from mars_asp.asp.rules.expansions import Expansion
+from mars_asp.asp.messages import labelling
+from mars_asp.asp.messages import labels as labelled
+from mars_asp.asp.rules.expansions import Expansion, labels
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic
 
 #: What is found is loop(Name, Start); `via` lists nodes in an order, `near` those beside it.
 KEYS = {
     "via": Expansion(Signature("loop", 2), "through", (0,), True),
-    "near": Expansion(Signature("loop", 2), "beside", (0, 1), False),
+    "near": Expansion(Signature("loop", 2), "beside", (0, 1), False, is_labelled=True),
 }
 
 
@@ -140,3 +143,40 @@ def test_without_a_host_no_key_lists_anything() -> None:
     problems: list[Diagnostic] = []
     assert read_rules("%! who: X\np(X) :- q(X).", "g.lp", "base", problems) is not None
     assert [each.message for each in problems] == ["`who` is not a metadata key"]
+
+
+def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
+    listed = '%! near: X "from {X}, {Y}"; Z "by: {K}; {N}" : weight(Y, Z, K); Y\n'
+    book, problems = read(f"{listed}{RULE}")
+    assert problems == []
+    assert [rule.text for rule in book.rules[1:]] == [
+        "beside(N,X,X) :- name(N,X); edge(X,Y).",
+        "beside(N,X,Z) :- name(N,X); edge(X,Y); weight(Y, Z, K).",
+        "beside(N,X,Y) :- name(N,X); edge(X,Y).",
+    ]
+    said = [(each, label) for each in book.rules for label in labels(each, KEYS)]
+    assert [label.holes for _, label in said] == [("X", "Y"), ("K", "N")]
+    control = clingo.Control(["--warn=none"])
+    facts = "name(l,a). edge(a,b). weight(b,c,7)."
+    made = "\n".join(each.text for each in labelling("base", said))
+    control.add("base", [], f"{facts}\n{book.text('base')}\n{RULE}\n{made}")
+    control.ground()
+    found = [(str(as_symbol(f.term)), f.text) for f in labelled(control, "base", said)]
+    assert found == [("a", "from a, b"), ("c", "by: 7; l")]
+
+
+@pytest.mark.parametrize(
+    ("listed", "message"),
+    [
+        (
+            '%! near: Y "seen by {Z}"',
+            "`{Z}` in a label of `near` is not a variable of the rule's body",
+        ),
+            '%! near: Y "seen by {Z}"',
+            "`{Z}` in a label of `near` is not a variable of the rule's body",
+        ),
+        ('%! via: Y "seen"', "`via` takes no labels"),
+    ],
+)
+def test_a_wrong_label_is_told(listed: str, message: str) -> None:
+    assert wrong(f"{listed}\n{RULE}") == (message, 1, 1)

@@ -1,0 +1,254 @@
+"""The verbs, the options that all of them have, and how words of a command line are read."""
+
+import argparse
+import importlib
+import re
+import sys
+import textwrap
+from collections.abc import Iterable, Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
+
+from mars_asp import __version__
+from mars_asp.spelling import nearest
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
+
+USAGE = 2
+
+
+class Verb(NamedTuple):
+    """What a verb does, and a call of it."""
+
+    summary: str
+    example: str
+
+
+#: The verbs, by what people want to do.
+GROUPS: Mapping[str, Mapping[str, Verb]] = {
+    "Check a robot": {
+        "check": Verb("report errors and warnings", "check config.mars"),
+        "analyse": Verb("list the consequences of a configuration", "analyse config.mars"),
+        "extract": Verb("list the modules in annotated sources", "extract src/"),
+        "can": Verb(
+            "is the robot able to do something, or several things at one time",
+            "can config.mars 'Rotn_Y of Camera while Rotn_Z of Arm'",
+        ),
+    },
+    "Specify it": {
+        "synthesise": Verb(
+            "find the minimal specification", "synthesise config.mars -o specification.mars"
+        ),
+        "verify": Verb(
+            "does a specification realise a configuration, and is it minimal",
+            "verify specification.mars config.mars",
+        ),
+        "run": Verb(
+            "execute a specification on the simulator and judge the run",
+            "run specification.mars --scenario scenario.toml",
+        ),
+    },
+    "Understand and change it": {
+        "explain": Verb(
+            "why each consequence and node is there, down to lines",
+            "explain config.mars DataSplitter1",
+        ),
+        "diff": Verb(
+            "what changed between two configurations, and the lines that caused it",
+            "diff old.mars new.mars",
+        ),
+        "draw": Verb("draw it: svg, png, dot or mmd", "draw config.mars -o config.svg"),
+        "fmt": Verb("lay out `.mars` files in one way, comments kept", "fmt config.mars"),
+    },
+    "Exchange it": {
+        "import": Verb("read a robot from `urdf`", "import urdf robot.urdf -o robot.mars"),
+        "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
+        "facts": Verb("print the facts, for clingo itself", "facts config.mars"),
+    },
+    "Work on rules": {
+        "rules": Verb("list, show or check the rules", "rules show data/divergence"),
+        "test": Verb("run rule cases: facts and expected answer sets", "test tests/rules"),
+    },
+    "Set up the command": {
+        "completion": Verb(
+            "print what completes words of this command in bash, zsh or fish", "completion bash"
+        ),
+    },
+}
+VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}
+ALIASES = {"analyze": "analyse", "synthesize": "synthesise"}
+
+
+def help_text() -> str:
+    """Return the help of the whole command: each verb with an example, and the common options."""
+    from mars_asp.cli.layout import columns
+
+    width = columns(sys.stdout)
+    parts = [
+        "usage: mars-asp VERB [WORD...] [OPTION...]\n",
+        "What follows from a robot's configuration, its minimal specification, and why.\n",
+    ]
+    for heading, verbs in GROUPS.items():
+        parts.append(f"{heading}:")
+        for name, verb in verbs.items():
+            parts += _beside(f"  {name:<12}", verb.summary, width)
+            parts.append(f"{'':<14}$ mars-asp {verb.example}")
+        parts.append("")
+    common = Parser(prog="mars-asp", add_help=False)
+    common_options(common)
+    parts.append("Options of every verb:")
+    for action in common.options():
+        names = ", ".join(action.option_strings)
+        parts += _beside(f"  {names} {_value(action)}", action.help or "", width, 25)
+    parts += ["", "`mars-asp VERB --help` describes a verb and the options of its own.", ""]
+    return "\n".join(parts)
+
+
+def _value(action: argparse.Action) -> str:
+    """Return what the value of an option is called; nothing where it has none."""
+    if action.nargs == 0:
+        return ""
+    return action.metavar if isinstance(action.metavar, str) else "|".join(action.choices or ())
+
+
+def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
+    """Return a text that stands beside a head, or below it where that is long."""
+    lines = textwrap.wrap(text, max(20, width - margin), break_on_hyphens=False)
+    if len(head.rstrip()) >= margin:
+        return [head, *(f"{'':<{margin}}{line}" for line in lines)]
+    return [f"{head if number == 0 else '':<{margin}}{line}" for number, line in enumerate(lines)]
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports a wrong call in one line, with status 2 and where help is to be found."""
+
+    def options(self) -> list[argparse.Action]:
+        """Return what can be said by options."""
+        return [action for action in self._actions if action.option_strings]
+
+    def positionals(self) -> list[argparse.Action]:
+        """Return what is said by words alone."""
+        return [action for action in self._actions if not action.option_strings]
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong with the words, and what may have been meant; end with status 2."""
+        from mars_asp.output import visible
+
+        unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
+        names = [name for action in self.options() for name in action.option_strings]
+        near = nearest(unknown[1], names) if unknown else None
+        told = f"{message}: did you mean `{near}`?" if near else message
+        mark = "" if told.endswith("?") else ";"
+        self.exit(USAGE, f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`\n")
+
+    def _print_message(self, message: str, file: "SupportsWrite[str] | None" = None) -> None:
+        """Print, and do not pass over in silence that there is no room for it, as argparse does."""
+        (file or sys.stderr).write(message)
+
+
+class _Formatter(argparse.HelpFormatter):
+    """Keeps the paragraphs of a text apart."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        parts = text.split("\n\n")
+        return "\n\n".join(
+            textwrap.fill(" ".join(part.split()), width, break_on_hyphens=False) for part in parts
+        )
+
+
+def parser_of(word: str) -> tuple[ModuleType, Parser]:
+    """Return the module of a verb, which may be an alias, and what reads its words."""
+    verb = ALIASES.get(word, word)
+    module = importlib.import_module(f"mars_asp.cli.{verb}")
+    description = (module.__doc__ or "").partition("\n")[0]
+    parser = Parser(prog=f"mars-asp {word}", description=description, formatter_class=_Formatter)
+    module.configure(parser)
+    own = len(parser.options())
+    common_options(parser)
+    common = parser.options()[own:]
+    names = [f"{option.option_strings[0]} {_value(option)}".rstrip() for option in common]
+    for option in common:
+        option.help = argparse.SUPPRESS
+    parser.epilog = "\n\n".join(
+        filter(
+            None,
+            (
+                parser.epilog,
+                f"Example: mars-asp {VERBS[verb].example}",
+                f"Options of every verb, described by `mars-asp --help`: {', '.join(names)}. "
+                "Without --memory-limit a verb may take half of the memory that the container or "
+                "the machine has.",
+            ),
+        )
+    )
+    return module, parser
+
+
+def unknown_verb(words: Iterable[str]) -> NoReturn:
+    """Say that a command line does not begin with a verb; end with status 2."""
+    first = next(iter(words))
+    parser = Parser(prog="mars-asp", add_help=False)
+    common_options(parser)
+    if first.startswith("-"):
+        names = [name for option in parser.options() for name in option.option_strings]
+        name = first.partition("=")[0]
+        if name in names:
+            parser.error(f"`{name}` comes after the verb: mars-asp VERB {name}")
+        near = nearest(name, (*names, "--help"))
+        parser.error(f"unknown option `{first}`{f': did you mean `{near}`?' if near else ''}")
+    near = nearest(first, (*VERBS, *ALIASES))
+    hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
+    parser.error(f"there is no verb `{first}`: {hint}")
+
+
+def common_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of every verb."""
+    add = parser.add_argument
+    add("--rules", metavar="DIR", action="append", default=[], help="more rule files; repeatable")
+    add(
+        "--sources",
+        metavar="PATH",
+        action="append",
+        default=[],
+        help="more annotated sources; repeatable",
+    )
+    add("--format", choices=("text", "json"), default="text", help="of the output (default text)")
+    add(
+        "--time-limit",
+        metavar="SECONDS",
+        type=positive,
+        help="stop after this long, with status 3 (default: no limit)",
+    )
+    add(
+        "--memory-limit",
+        metavar="MB",
+        type=positive,
+        help="stop beyond this much, with status 3 "
+        "(default: half of what the container or the machine has)",
+    )
+    add(
+        "--color",
+        choices=("auto", "always", "never"),
+        default="auto",
+        help="of text; auto obeys NO_COLOR, FORCE_COLOR and TERM=dumb, and else colours what goes "
+        "to a terminal",
+    )
+    add("--quiet", action="store_true", help="no progress, no notes, no summary")
+    add(
+        "--version",
+        action="version",
+        version=f"mars-asp {__version__}",
+        help="print the version and exit",
+    )
+
+
+def positive(text: str) -> float:
+    """Read a number above 0 of a command line."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"`{text}` must be a positive number")
+    return value

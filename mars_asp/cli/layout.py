@@ -1,0 +1,68 @@
+"""How wide text for people is, and how it is broken into lines."""
+
+import os
+import re
+import unicodedata
+from contextlib import suppress
+
+#: Where nobody says how wide a line may be.
+_COLUMNS = 80
+#: Text in fewer columns than this cannot be read anyway.
+_FEWEST = 20
+#: A word, and what is written between backticks unless that is long.
+_WORD = re.compile(r"(?:`[^`]{0,40}`|\S)+")
+_STYLE = re.compile("\x1b\\[[0-9;]*m")
+
+
+def columns(stream: object) -> int:
+    """Return how many columns a stream has: `COLUMNS`, else the terminal's, else 80."""
+    with suppress(ValueError):
+        wanted = int(os.environ.get("COLUMNS", ""))
+        if wanted > 0:
+            return max(wanted, _FEWEST)
+    isatty = getattr(stream, "isatty", None)
+    # In a worker standard output is a pipe to the command, so each stream is asked.
+    for number in (1, 2, 0) if isatty and isatty() else ():
+        with suppress(OSError, ValueError):
+            # A terminal that does not know its size says 0.
+            if found := os.get_terminal_size(number).columns:
+                return max(found, _FEWEST)
+    return _COLUMNS
+
+
+def cells(text: str) -> int:
+    """Return how many columns of a terminal a text takes; styles take none."""
+    if text.isascii():
+        return len(_STYLE.sub("", text) if "\x1b" in text else text)
+    return sum(map(_cells_of, _STYLE.sub("", text)))
+
+
+def _cells_of(character: str) -> int:
+    if unicodedata.category(character) in ("Mn", "Me"):
+        return 0
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[str]:
+    """Break a text at blanks into lines of a width; only a word that is longer is wider.
+
+    What is written between backticks is a word, unless it is long. The first line begins with
+    `first`, each further one with `further`.
+    """
+    lines: list[str] = []
+    line, taken = first, cells(first)
+    is_empty = True
+    for word in _WORD.findall(text):
+        size = cells(word)
+        if not is_empty and taken + 1 + size > width:
+            lines.append(line)
+            line, taken, is_empty = further, cells(further), True
+        line += word if is_empty else f" {word}"
+        taken += size + (not is_empty)
+        is_empty = False
+    return [*lines, line]
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun: `1 error`, `2 errors`."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -1,0 +1,120 @@
+"""Words of the command line: help, examples, what was probably meant, and completion by bash."""
+
+import shlex
+import subprocess
+
+import pytest
+
+from mars_asp.cli import run_command, run_here
+from mars_asp.cli.arguments import VERBS, parser_of
+from tests.support.processes import mars
+
+
+@pytest.mark.parametrize("words", [[], ["--help"], ["-h"]])
+def test_the_help_names_each_verb_with_an_example_and_the_common_options_once(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command(words) == 0
+    shown = capsys.readouterr().out
+    for name, verb in VERBS.items():
+        assert f"\n  {name}" in shown
+        assert f"$ mars-asp {verb.example}\n" in shown
+        assert verb.example.split()[0] == name
+    assert shown.count("--memory-limit MB") == shown.count("--rules DIR") == 1
+    assert "half of" in shown
+    assert all(len(line) <= 80 for line in shown.splitlines())
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_the_help_of_a_verb_shows_its_example(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command([name, "--help"]) == 0
+    words = capsys.readouterr().out.split()
+    assert " ".join(VERBS[name].example.split()) in " ".join(words)
+    assert words.count("--memory-limit") == 2
+    _, parser = parser_of(name)
+    _, *example = shlex.split(VERBS[name].example)
+    parser.parse_intermixed_args(example)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["chek"], "there is no verb `chek`: did you mean `check`?"),
+        (["anlyze"], "did you mean `analyze`?"),
+        (["Check"], "did you mean `check`?"),
+        (["xyzzy"], "one of check, analyse,"),
+        (
+            ["check", "a.mars", "--quite"],
+            "arguments: --quite: did you mean `--quiet`?",
+        ),
+        (["check", "a.mars", "--fxi"], "did you mean `--fix`?"),
+        (["check", "a.mars", "--fromat=json"], "did you mean `--format`?"),
+        (["check", "a.mars", "--xyzzy"], "unrecognized arguments: --xyzzy; see `mars-asp check -"),
+        (["--quiet", "check"], "`--quiet` comes after the verb"),
+        (["--vresion"], "did you mean `--version`?"),
+        (["-x"], "unknown option `-x`; see `mars-asp --help`"),
+        (["", "check"], "there is no verb ``"),
+        (["check"], "the following arguments are required: FILE"),
+        (["check", "x", "--memory-limit", "0"], "`0` must be a positive number"),
+    ],
+)
+def test_what_was_probably_meant(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command(words) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert told in shown.err
+    assert "?;" not in shown.err
+
+
+@pytest.fixture(scope="module")
+def completion() -> str:
+    return mars("completion", "bash").stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["ch"], ["check"]),
+        (["s"], ["synthesise"]),
+        (["--v"], ["--version"]),
+        (["check", "--f"], ["--fix", "--format"]),
+        (["explain", "x.mars", "--why"], ["--why-not"]),
+        (["check", "x", "--format", ""], ["text", "json"]),
+        (["check", "x", "--format", "j"], ["json"]),
+        (["check", "--format", "=", "js"], ["json"]),
+        (["check", "--format", "="], ["text", "json"]),
+        (["analyze", "--color", "al"], ["always"]),
+        (["check", "--rules", ""], []),
+        (["check", ""], []),
+        (["rules", "s"], ["show"]),
+        (["completion", ""], ["bash", "zsh", "fish"]),
+        (["nothing", "--"], []),
+    ],
+)
+def test_bash_completes(completion: str, words: list[str], expected: list[str]) -> None:
+    typed = " ".join(shlex.quote(word) for word in ["mars-asp", *words])
+    script = f"""{completion}
+        complete -p mars-asp > /dev/null || exit 1
+        COMP_WORDS=({typed}); COMP_CWORD={len(words)}; _mars_asp
+        ((${{#COMPREPLY[@]}})) && printf '%s\\n' "${{COMPREPLY[@]}}"; true"""
+    done = subprocess.run(
+        ["bash", "--norc", "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(done.stdout.split()) == sorted(expected)
+
+
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_other_shells_are_told_each_verb_and_option(
+    shell: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["completion", shell]) == 0
+    shown = capsys.readouterr().out
+    assert all(name in shown for name in (*VERBS, "analyze", "why-not", "memory-limit"))
+    # Quotes are closed in each command.
+    commands = shown.replace("\\\n", "").splitlines()
+    assert all(shlex.split(line, comments=True) is not None for line in commands)

@@ -1,0 +1,205 @@
+"""`check` of many files, and what `--fix` does to them."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.cli.deliver import replace_files
+from tests.support.documents import ROOT
+from tests.support.processes import mars
+
+#: Each finding has exactly one repair.
+TWICE = """\
+@configuration hierarchical
+@modules A, B, C, Base
+Base is_controlled_by A 2
+Base is_controlled_by B 1  // kept
+Base is_controlled_by B 1
+A uses_data_from C
+B uses_data_from C
+B uses_data_from C
+"""
+ONCE = "".join(TWICE.splitlines(keepends=True)[n] for n in (0, 1, 2, 3, 5, 6))
+#: The error may be mended in several ways.
+CHOICE = "@configuration\n@modules A, Sonar\nA uses_data_from Sonr\nA uses_data_from Sonar\n"
+BAD = "@configuration\n@modules A,, B\n"
+CLEAN = "@configuration\n@modules A, B\nA uses_data_from B\n"
+
+
+@pytest.fixture
+def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    texts = {"twice": TWICE, "choice": CHOICE, "bad": BAD, "clean": CLEAN}
+    for name, text in texts.items():
+        (tmp_path / f"{name}.mars").write_text(text)
+    return tmp_path
+
+
+FINDINGS = sorted((ROOT / "tests/findings").glob("*.mars"))
+
+
+@pytest.mark.parametrize("path", FINDINGS, ids=lambda path: path.stem)
+def test_findings_read_as_they_stand_beside_their_files(
+    path: Path, update_golden: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_here(["check", str(path.relative_to(ROOT))])
+    told = capsys.readouterr().err
+    if update_golden:
+        path.with_suffix(".txt").write_text(told, encoding="utf-8")
+    assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
+
+
+def heads(told: str) -> list[str]:
+    """Return the lines of diagnostics that name a place, up to their severity."""
+    return [": ".join(line.split(": ")[:2]) for line in told.splitlines() if line[0] != " "]
+
+
+def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = ("bad.mars", "missing.mars", "twice.mars", str(robots), "choice.mars", "clean.mars")
+    assert run_here(["check", *names, "./bad.mars"]) == 2
+    shown = capsys.readouterr()
+    assert heads(shown.err) == [
+        "bad.mars:2:12: error",
+        "missing.mars:1:1: error",
+        "twice.mars:4:1: warning",
+        "twice.mars:7:1: warning",
+        f"{robots}:1:1: error",
+        "choice.mars:3:1: error",
+    ]
+    assert shown.out == (
+        "4 errors, 2 warnings in 6 files\n"
+        "2 of them have exactly one repair, shown above; --fix applies it\n"
+    )
+    assert (robots / "twice.mars").read_text() == TWICE
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "summary"),
+    [
+        (["clean.mars"], 0, ""),
+        (["choice.mars"], 1, "1 error in 1 file\n"),
+        (["choice.mars", "--quiet"], 1, ""),
+        (["clean.mars", "bad.mars"], 2, "1 error in 2 files\n"),
+        (["clean.mars", "--fix"], 0, ""),
+    ],
+)
+def test_the_summary_says_how_much_was_found(
+    words: list[str], status: int, summary: str, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", *words]) == status
+    assert capsys.readouterr().out == summary
+
+
+def test_a_finding_with_one_repair_shows_it(
+    robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "twice.mars"]) == 0
+    assert capsys.readouterr().err.splitlines()[:8] == [
+        "twice.mars:4:1: warning: `B` controls `Base` twice [control/duplicate]",
+        "    4 | Base is_controlled_by B 1  // kept",
+        "      | ^^^^^^^^^^^^^^^^^^^^^^^^^",
+        "    5 | Base is_controlled_by B 1",
+        "      | ------------------------- stated again",
+        "    The second line counts for nothing.",
+        "    help: drop one of the two lines",
+        "    fix: drop the line that says it again",
+    ]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_fix_applies_what_is_shown_and_keeps_line_ends(
+    end: str, robots: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = robots / "twice.mars"
+    path.write_bytes(b"\xef\xbb\xbf" + TWICE.removesuffix("\n").replace("\n", end).encode())
+    path.chmod(0o640)
+    assert run_here(["check", "--fix", "twice.mars", "choice.mars"]) == 1
+    assert path.read_bytes() == b"\xef\xbb\xbf" + ONCE.replace("\n", end).encode()
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert (robots / "choice.mars").read_text() == CHOICE
+    shown = capsys.readouterr()
+    assert heads(shown.err) == ["choice.mars:3:1: error"]
+    assert shown.out == (
+        "fixed twice.mars:4:1: duplicate_relationship(Base): drop the line that says it again\n"
+        "    - twice.mars:5: Base is_controlled_by B 1\n"
+        "fixed twice.mars:7:1: duplicate_relationship(B): drop the line that says it again\n"
+        "    - twice.mars:8: B uses_data_from C\n"
+        "1 error in 2 files; 2 fixed\n"
+    )
+
+
+def test_what_was_fixed_comes_as_json_too(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["check", "--fix", "--format", "json", "twice.mars", "choice.mars"]) == 1
+    shown = capsys.readouterr()
+    found = json.loads(shown.out)
+    assert [found[key] for key in ("errors", "warnings", "fixed")] == [1, 0, 2]
+    assert [each["path"] for each in found["files"]] == ["twice.mars", "choice.mars"]
+    lines = [line for each in found["files"][0]["fixed"] for line in each["repairs"][0]["lines"]]
+    assert [(line["line"], line["new"]) for line in lines] == [(5, None), (8, None)]
+    (told,) = map(json.loads, shown.err.splitlines())
+    assert (told["code"], told["line"], told["fix"]) == ("checks/misspelt", 3, None)
+
+
+def test_a_read_only_file_is_left_alone(robots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (robots / "twice.mars").chmod(0o444)
+    assert run_here(["check", "--fix", "twice.mars"]) == 2
+    shown = capsys.readouterr()
+    assert "was not fixed: it is read-only" in shown.err
+    assert "fixed" not in shown.out
+    assert (robots / "twice.mars").read_text() == TWICE
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "expected"),
+    [(TWICE, 0, ONCE), (CHOICE, 1, CHOICE), (BAD, 2, ""), (CLEAN, 0, CLEAN)],
+)
+def test_the_text_of_standard_input_goes_to_the_output(
+    text: str, status: int, expected: str
+) -> None:
+    done = mars("check", "--fix", "-", text=text)
+    assert (done.returncode, done.stdout) == (status, expected)
+
+
+def test_a_repair_that_brings_a_warning_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["check", "examples/module-conflict/two-cameras.mars"]) == 0
+    assert "then warns: `FollowBall` and `WatchDoor`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("fault", ["changed", "read-only", "gone"])
+def test_files_are_replaced_together_or_not_at_all(fault: str, tmp_path: Path) -> None:
+    first, second = tmp_path / "a", tmp_path / "b"
+    first.write_bytes(b"1")
+    second.write_bytes(b"other" if fault == "changed" else b"2")
+    if fault == "read-only":
+        second.chmod(0o444)
+    if fault == "gone":
+        second.unlink()
+    with pytest.raises(OSError, match="b"):
+        replace_files([(str(first), b"new", b"1"), (str(second), b"new", b"2")])
+    assert first.read_bytes() == b"1"
+    assert {path.name for path in tmp_path.iterdir()} <= {"a", "b"}
+
+
+def test_a_rename_that_fails_puts_back_what_was_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second = tmp_path / "a", tmp_path / "b"
+    first.write_bytes(b"1")
+    second.write_bytes(b"2")
+    replace = Path.replace
+
+    def fail(self: Path, target: Path) -> Path:
+        if target == second:
+            raise OSError(28, "no room")
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OSError, match="no room"):
+        replace_files([(str(first), b"new", b"1"), (str(second), b"new", b"2")])
+    assert (first.read_bytes(), second.read_bytes()) == (b"1", b"2")
+    assert {path.name for path in tmp_path.iterdir()} == {"a", "b"}
