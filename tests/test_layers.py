@@ -56,7 +56,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "alternatives annotation_edits evidence subject edits explain diff repair why_not"
+        "alternatives annotation_edits changes evidence subject vicinity blame edits explain diff "
+        "near_miss repair why_not"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",

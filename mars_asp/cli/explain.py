@@ -2,13 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.trace.absence_text import is_unspoken
-from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
-from mars_asp.asp.trace.tree import Absent, Missing, Trace
+from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text, wrapped
+from mars_asp.asp.trace.tree import Trace
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -28,8 +27,8 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
-#: Of what stands against every specification so many are shown.
-_MOST_OBSTACLES = 3
+#: Of the lines that an answer speaks of so many are shown.
+_MOST_EVIDENCE = 6
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +56,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
     question.add_argument(
-        "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
+        "--why-not", metavar="ATOM", help="why there is no ATOM, and what would give one"
     )
     parser.add_argument(
         "--only",
@@ -137,57 +136,60 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
-        trace = trace_json(answer.trace)
-        extra = None if answer.extra is None else by_name(answer.extra)
-        found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
-        obstacles = [trace_json(obstacle) for obstacle in answer.obstacles]
-        found |= {"extra_cost": extra, "obstacles": obstacles, "traces": [trace]}
-        print(encoded(found))
-        return int(answer.analysis.has_errors)
-    if answer.obstacles:
-        for line in _obstacles(answer, depth, arguments):
-            print(line)
-        return int(answer.analysis.has_errors)
-    title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
-    if isinstance(answer.trace, Absent):
-        print(f"{visible(title)}: no line says so, and no rule could give it")
+        print(encoded(_why_not_json(answer)))
     else:
-        for line in _lines([(title, answer.trace)], depth, arguments):
-            print(line)
-    if not answer.present and answer.choosable and not arguments.quiet:
-        print(_price(answer))
-    if _goes_on(answer.trace) and depth == ABSENCE_DEPTH and not arguments.quiet:
-        print(f"`--depth {depth + 1}` goes on to why")
+        coloured = colours(arguments, sys.stdout)
+        first, *others = _why_not_text(answer)
+        for line in wrapped(visible(first), 0):
+            print(paint(line, "strong", coloured))
+        for text in others:
+            for line in wrapped(visible(text), 1):
+                print(line)
     return int(answer.analysis.has_errors)
 
 
-def _obstacles(answer: "WhyNot", depth: int | None, arguments: argparse.Namespace) -> Iterator[str]:
-    """Yield why nothing realises the configuration, so that nothing of the kind is there."""
-    title = f"no {answer.subject}: no specification realises this configuration"
-    shown = answer.obstacles[:_MOST_OBSTACLES]
-    titles = [title, *["and for another reason"] * len(shown[1:])]
-    topics = list(zip(titles, shown, strict=True))
-    yield from _lines(topics, depth, arguments)
-    left = len(answer.obstacles) - len(shown)
-    if left:
-        yield f"and {left} more: see `mars-asp check`"
-    if not arguments.quiet:
-        yield "`mars-asp explain FILE --repair` looks for what would mend it"
+def _why_not_json(answer: "WhyNot") -> dict[str, object]:
+    return {
+        "subject": answer.subject,
+        "present": answer.present,
+        "answer": answer.answer,
+        "evidence": [
+            {"path": s.path, "line": s.line, "column": s.column, "text": line_at(s)}
+            for s in answer.evidence
+        ],
+        "to_get": answer.to_get,
+        "offered": answer.offered,
+        "extra_cost": None if answer.extra is None else by_name(answer.extra),
+        "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
+        "traces": [trace_json(answer.trace)],
+    }
 
 
-def _goes_on(trace: Trace) -> bool:
-    """Say whether what fails is itself absent by rules, which are not shown yet."""
-    attempts = trace.attempts if isinstance(trace, Missing) else ()
-    causes = (attempt.cause for attempt in attempts)
-    return any(isinstance(c, Missing) and c.attempts and not is_unspoken(c) for c in causes)
+def _why_not_text(answer: "WhyNot") -> Iterator[str]:
+    """Yield the answer, the lines that it speaks of, and what would give what is asked for."""
+    yield answer.answer
+    shown = answer.evidence[:_MOST_EVIDENCE]
+    for span in shown:
+        yield f"{span.path}:{span.line}  {line_at(span)}"
+    if len(answer.evidence) > len(shown):
+        yield f"and {len(answer.evidence) - len(shown)} more lines"
+    if answer.to_get is not None:
+        yield f"To get one: {answer.to_get}"
+    if answer.extra is not None:
+        yield _price(answer.extra)
+    if answer.obstacles:
+        path = answer.analysis.configuration.path
+        yield f"`mars-asp explain {path} --repair` looks for what would mend that."
+    if answer.see is not None:
+        path = answer.analysis.configuration.path
+        yield f"`mars-asp explain {path} '{answer.see}'` shows why."
 
 
-def _price(answer: "WhyNot") -> str:
-    if answer.extra is None:
-        return "no realisation has it"
-    more = [f"{count:+} {name}" for name, count in by_name(answer.extra).items() if count]
-    price = f"costs {', '.join(more)}" if more else "costs no more, and is not taken for taste"
-    return f"the cheapest realisation that has `{answer.offered}` {price}"
+def _price(extra: Mapping[int, int]) -> str:
+    more = [f"{count:+} {name}" for name, count in by_name(extra).items() if count]
+    if not more:
+        return "It is possible: a specification that has one costs no more."
+    return f"It is possible, but not minimal: a specification that has one costs {', '.join(more)}."
 
 
 def _count(text: str) -> int:
