@@ -27,6 +27,12 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
+#: What costs are counted in, by their names.
+_UNITS = {
+    "nodes": "node",
+    "conversion": "unit of conversion cost",
+    "relationships": "relationship",
+}
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
 
@@ -185,11 +191,21 @@ def _why_not_text(answer: "WhyNot") -> Iterator[str]:
         yield f"`mars-asp explain {path} '{answer.see}'` shows why."
 
 
+def _plural(words: str, count: int) -> str:
+    first, _, rest = words.partition(" ")
+    return f"{first}{'s' * (count != 1)}{' ' * bool(rest)}{rest}"
+
+
 def _price(extra: Mapping[int, int]) -> str:
-    more = [f"{count:+} {name}" for name, count in by_name(extra).items() if count]
+    named = ((_UNITS[name], count) for name, count in by_name(extra).items() if count)
+    more = [
+        f"{abs(count)} {_plural(unit, abs(count))} {'more' if count > 0 else 'less'}"
+        for unit, count in named
+    ]
     if not more:
         return "It is possible: a specification that has one costs no more."
-    return f"It is possible, but not minimal: a specification that has one costs {', '.join(more)}."
+    costs = ", ".join(more)
+    return f"It is possible, but not minimal: a specification that has one takes {costs}."
 
 
 def _count(text: str) -> int:

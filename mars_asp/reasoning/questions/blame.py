@@ -77,8 +77,12 @@ def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]
         told.of(_CHANGE), key=lambda each: (as_symbol(each.head).arguments[3].number, _order(each))
     )
     for each in proposed[:MOST_TRIED]:
+        term = as_symbol(each.head).arguments[2]
+        if term.match("anywhere", 0):
+            yield each
+            continue
         try:
-            revised = changed(project, as_symbol(each.head).arguments[2])
+            revised = changed(project, term)
             if gives(revised):
                 yield each
         except MarsError:  # what nothing can be made of is no answer
@@ -102,8 +106,8 @@ class _Told:
         facts = project_facts(project)
         analysis = analyse(facts, rulebook, project.configuration.span)
         subject: Mapping[bool, Atom] = {
-            True: Atom("asked_everywhere", (Atom(kind),)),
-            False: Atom("asked", (Atom(kind), module or "")),
+            True: Atom("sought_everywhere", (Atom(kind),)),
+            False: Atom("sought", (Atom(kind), module or "")),
         }
         asked = facts_text([Fact(subject[module is None], project.configuration.span)])
         self._grounding = analysis.grounding

@@ -45,6 +45,21 @@ _LACKS: Mapping[str, tuple[int, str]] = {
     "converts": (1, "no annotation makes {} such a converter"),
     "node": (0, "{} is no node of a specification"),
 }
+#: The same, of predicates that tell more of a line or an annotation.
+_DETAILS: Mapping[str, str] = {
+    "required_mode": "no line requires such a delivery mode",
+    "required_rate": "no line requires such a frequency",
+    "priority": "no line states such a priority",
+    "stated_priority": "no line states a priority as a number",
+    "hold": "no line states such a `hold`",
+    "allocation": "no line says who carries out what is inherited",
+    "offered_mode": "no annotation offers such a delivery mode",
+    "offered_rate": "no annotation offers such a frequency",
+    "unknown_input": "no annotation leaves it open what an input takes",
+    "closed_walk": "no such relationships lead round in a circle",
+    "entangled": "no such relationships lead round in a circle",
+    "resembles": "no name is spelt nearly like that",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +87,22 @@ def near_miss(
         project = changed(project, lack.change)
         steps.append(lack.to_get)
         if gives(project):
-            return Blame(first.because, first.evidence, ", and ".join(dict.fromkeys(steps)))
+            return Blame(first.because, first.evidence, _together(steps))
         lack = _lack(Reasoner(project, reasoner.rulebook, reasoner.budget), pattern)
     return Blame(first.because, first.evidence)
+
+
+def _together(steps: Sequence[str]) -> str:
+    """Return several changes as one text; equal lines are counted."""
+    lines = [each.replace("a further line", "a line") for each in steps]
+    words = {each: lines.count(each) for each in lines}
+    texts = [
+        each.replace("a line", "two lines" if count == 2 else f"{count} lines")
+        if count > 1
+        else steps[lines.index(each)]
+        for each, count in words.items()
+    ]
+    return ", and ".join(texts)
 
 
 def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
@@ -116,7 +144,8 @@ def _of_absent(atom: str) -> _Lack:
     if found is not None and found.name == "architecture":
         kind = found.arguments[0]
         return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
-    return _Lack("no line of the configuration or its annotations says so")
+    detail = None if found is None else _DETAILS.get(found.name)
+    return _Lack(detail or "no line of the configuration or its annotations says so")
 
 
 def _excluded(trace: Trace) -> _Lack:
@@ -151,8 +180,8 @@ def _compared(attempt: Attempt, pattern: clingo.Symbol) -> _Lack:
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
     if attempt.value is None and not spans:
         return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
-    lines = f"{len(spans)} line{'s' * (len(spans) > 1)}" if spans else "no line"
-    because = f"{lines} of the kind that it takes {'is' if len(spans) < 2 else 'are'} not enough"
+    these = f"these {len(spans)} lines do not" if len(spans) > 1 else "this line alone does not"
+    because = f"{these if spans else 'what there is does not'} suffice"
     change, line = _another(leaves, pattern)
     return _Lack(because, spans[:MOST_LINES], change, line)
 

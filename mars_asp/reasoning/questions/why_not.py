@@ -18,7 +18,7 @@ from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
-from mars_asp.asp.trace.patterns import fits, hole, is_hole, pattern_in, shown_pattern
+from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_in, shown_pattern
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
@@ -58,6 +58,19 @@ _FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 #: The relationships of circles, which are reported for the module that they begin with alone.
 _CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
+#: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
+_ABOUT = {
+    "diverges": "data_divergence",
+    "converges": "control_convergence",
+    "contested": "control_convergence",
+    "spreads": "control_divergence",
+    "tied": "ambiguous_priority",
+    "splitter": "data_splitter",
+    "transformer": "data_transformer",
+    "edge": "data_transformer",
+    "control_splitter": "control_splitter",
+    "inheritance_node": "inheritance_node",
+}
 #: Of many atoms that would do, so many are tried for the cheapest realisation.
 MOST_TRIED = 100
 #: Of the nodes of a kind so many are named.
@@ -235,7 +248,9 @@ def _present(
 ) -> WhyNot:
     """Return that it holds, and where to see why."""
     spans: tuple[Span, ...] = ()
-    see: str | None = question.shown
+    # Who explains takes no variables.
+    open_atom = question.kind is None and any(map(has_holes, question.patterns))
+    see = None if open_atom else question.shown
     if synthesis is not None and question.is_node:
         specification = synthesis.specification
         topics = [
@@ -318,11 +333,40 @@ def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame
             return _goes_round(question, other.analysis)
         return _held(question, other.evidence(resolved), synthesis) is not None
 
-    if question.kind is not None:
-        found = blame(project, rulebook, question.kind, question.module, gives)
+    kind, module = question.kind, question.module
+    if kind is None:
+        kind, module = _meant(question.patterns[0], evidence, reasoner)
+    if kind is not None:
+        found = blame(project, rulebook, kind, module, gives)
         if found is not None:
             return found
     return near_miss(reasoner, question.patterns[0], gives)
+
+
+def _meant(
+    pattern: clingo.Symbol, evidence: Evidence, reasoner: Reasoner
+) -> tuple[str | None, str | None]:
+    """Return the kind and module that an atom is about, if there is none of that kind there."""
+    if pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
+        pattern = pattern.arguments[0]
+    kind = _ABOUT.get(pattern.name)
+    about = pattern.arguments[0] if pattern.arguments else pattern
+    if pattern.match("consequence", 4) and not is_hole(about):
+        kind, about = about.name, pattern.arguments[2]
+    if about.match("base", 1):
+        about = about.arguments[0]
+    if kind is None or about.type != clingo.SymbolType.String:
+        return None, None
+    node = next((each for each in NODE_NAMES if each == kind), None)
+    consequence = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
+    patterns = (consequence,) if node is None else _AT_MODULE[node](about)
+    question = _Question("", patterns, kind, about.string)
+    synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
+    if node is not None and synthesis is None:
+        return None, None
+    if _held(question, evidence, synthesis) is not None:
+        return None, None
+    return kind, about.string
 
 
 def _goes_round(question: _Question, analysis: Analysis) -> bool:
@@ -346,20 +390,19 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
             term = clingo.parse_term(node.term)
             return _present(_Question(name, (term,), kind), term, evidence, synthesis)
     same = [node.name for node in specification.nodes if node.kind == kind]
+    found = blame(reasoner.project, reasoner.rulebook, kind, None, lambda _: False)
+    because = "the minimal specification has none" if found is None else found.because
     if same:
-        topics = [f"{n} for {', '.join(specification.resolves[n])}" for n in same[:_MOST_NAMED]]
-        rest = [f"{len(same) - _MOST_NAMED} more"] if len(same) > _MOST_NAMED else []
-        number = f"{len(same)} of this kind" if len(same) > 1 else "one of this kind"
-        because = f"the minimal specification has {number}, {'; '.join((*topics, *rest))}"
-    else:
-        found = blame(reasoner.project, reasoner.rulebook, kind, None, lambda _: False)
-        because = found.because if found is not None else "the minimal specification has none"
+        named = [f"{n} ({', '.join(specification.resolves[n])})" for n in same[:_MOST_NAMED]]
+        named += [f"{len(same) - _MOST_NAMED} more"] if len(same) > _MOST_NAMED else []
+        words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
+        because = f"the minimal specification has {words}: {_listed(named)}"
     pattern = _AT_MODULE[kind](hole())[0]
     return WhyNot(
         name,
         f"No {name}: {because}.",
         (),
-        f"ask for a module, as in `--why-not '{word}(NAME)'`.",
+        None if found is None else _sentences(found),
         False,
         True,
         None,
@@ -367,6 +410,11 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
         evidence.analysis,
         lambda: Absent(shown_pattern(pattern)),
     )
+
+
+def _listed(words: Sequence[str]) -> str:
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
@@ -482,8 +530,7 @@ class _Vocabulary:
                 return _Question(title, (pattern,), call[1], _named(about))
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
-        pattern = self._atom(subject)
-        return _Question(shown_pattern(pattern), (pattern,))
+        return _Question(subject, (self._atom(subject),))
 
     def _about(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
         """Return the term of a name, or of any, and how what is asked is called."""
