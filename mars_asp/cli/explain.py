@@ -144,13 +144,10 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(_why_not_json(answer)))
     else:
-        coloured = colours(arguments, sys.stdout)
         first, *others = _why_not_text(answer)
-        for line in wrapped(visible(first), 0):
-            print(paint(line, "strong", coloured))
-        for text in others:
-            for line in wrapped(visible(text), 1):
-                print(line)
+        coloured = colours(arguments, sys.stdout)
+        sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
+        sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
     return int(answer.analysis.has_errors)
 
 
@@ -171,24 +168,23 @@ def _why_not_json(answer: "WhyNot") -> dict[str, object]:
     }
 
 
-def _why_not_text(answer: "WhyNot") -> Iterator[str]:
-    """Yield the answer, the lines that it speaks of, and what would give what is asked for."""
-    yield answer.answer
+def _why_not_text(answer: "WhyNot") -> Iterator[Sequence[str]]:
+    """Yield the lines of the answer, then those that it speaks of and what would give one."""
+    yield wrapped(visible(answer.answer), 0)
     shown = answer.evidence[:_MOST_EVIDENCE]
-    for span in shown:
-        yield f"{span.path}:{span.line}  {line_at(span)}"
+    # Lines of the user are not broken.
+    yield [f"  {visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
     if len(answer.evidence) > len(shown):
-        yield f"and {len(answer.evidence) - len(shown)} more lines"
+        yield [f"  and {len(answer.evidence) - len(shown)} more lines"]
     if answer.to_get is not None:
-        yield f"To get one: {answer.to_get}"
+        yield wrapped(visible(f"To get one: {answer.to_get}"), 1)
     if answer.extra is not None:
-        yield _price(answer.extra)
+        yield wrapped(_price(answer.extra), 1)
+    path = answer.analysis.configuration.path
     if answer.obstacles:
-        path = answer.analysis.configuration.path
-        yield f"`mars-asp explain {path} --repair` looks for what would mend that."
+        yield ["  What would mend that:", f"    mars-asp explain {visible(path)} --repair"]
     if answer.see is not None:
-        path = answer.analysis.configuration.path
-        yield f"`mars-asp explain {path} '{answer.see}'` shows why."
+        yield [f"  Why: mars-asp explain {visible(path)} '{visible(answer.see)}'"]
 
 
 def _plural(words: str, count: int) -> str:
@@ -197,15 +193,16 @@ def _plural(words: str, count: int) -> str:
 
 
 def _price(extra: Mapping[int, int]) -> str:
-    named = ((_UNITS[name], count) for name, count in by_name(extra).items() if count)
-    more = [
-        f"{abs(count)} {_plural(unit, abs(count))} {'more' if count > 0 else 'less'}"
-        for unit, count in named
+    """Return what a specification with what is asked for costs beyond the minimal one."""
+    costs = {_UNITS[name]: count for name, count in by_name(extra).items() if count}
+    if not costs:
+        return "A specification with it costs the same."
+    more = [f"{count} {_plural(unit, count)}" for unit, count in costs.items() if count > 0]
+    less = [f"{-count} {_plural(unit, -count)}" for unit, count in costs.items() if count < 0]
+    words = [
+        f"{' and '.join(each)} {than}" for each, than in ((more, "more"), (less, "less")) if each
     ]
-    if not more:
-        return "It is possible: a specification that has one costs no more."
-    costs = ", ".join(more)
-    return f"It is possible, but not minimal: a specification that has one takes {costs}."
+    return f"A specification with it costs {', but '.join(words)}."
 
 
 def _count(text: str) -> int:

@@ -175,7 +175,7 @@ def _excluded(trace: Trace) -> _Lack:
 def _compared(attempt: Attempt, pattern: clingo.Symbol) -> _Lack:
     """Return that what is there does not suffice, or may be chosen and is not."""
     if attempt.fails is None:
-        return _Lack("it may be chosen, and the least specification does without it")
+        return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
     if attempt.value is None and not spans:

@@ -20,7 +20,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_in, shown_pattern
 from mars_asp.asp.trace.text import leaves_of
-from mars_asp.asp.trace.tree import Absent, Missing, Trace
+from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
 from mars_asp.reasoning.analysis import Analysis, read_consequences
@@ -200,9 +200,12 @@ def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
     def trace() -> Trace:
         return _of_named_kind(absence.why_not(evidence.explainer, pattern, depth), pattern)
 
+    start = f"No {question.shown}"
+    if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
+        start = f"{question.shown} is there under another name"
     return WhyNot(
         question.shown,
-        f"No {question.shown}: {found.because}.",
+        f"{start}: {found.because}.",
         found.evidence,
         _sentences(found),
         False,
@@ -305,9 +308,11 @@ def _unrealised(title: str, evidence: Evidence) -> WhyNot:
     obstacles = tuple(evidence.explainer.why(against).values())
     leaves = (leaf.span for each in obstacles for leaf in leaves_of(each))
     spans = dict.fromkeys(span for span in leaves if span is not None)
+    messages = [each.message for each in obstacles if isinstance(each, Derived) and each.message]
+    because = f", as {messages[0]}" if messages else ""
     return WhyNot(
         title,
-        f"No {title}: no specification realises this configuration.",
+        f"No {title}: no specification realises this configuration{because}.",
         tuple(spans),
         None,
         False,
@@ -323,7 +328,7 @@ def _unrealised(title: str, evidence: Evidence) -> WhyNot:
 def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame:
     project, rulebook = reasoner.project, reasoner.rulebook
 
-    def gives(revised: Project) -> bool:
+    def tried(revised: Project) -> bool:
         other = Reasoner(revised, rulebook, reasoner.budget)
         resolved = is_resolved(rulebook, signature_of(question.patterns[0]))
         if resolved and other.synthesis is None:
@@ -333,14 +338,23 @@ def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame
             return _goes_round(question, other.analysis)
         return _held(question, other.evidence(resolved), synthesis) is not None
 
+    gives: Callable[[Project], bool] = tried
     kind, module = question.kind, question.module
     if kind is None:
         kind, module = _meant(question.patterns[0], evidence, reasoner)
     if kind is not None:
+        # A circle that is reported for another module needs no change.
+        if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
+            gives = _never
         found = blame(project, rulebook, kind, module, gives)
         if found is not None:
             return found
     return near_miss(reasoner, question.patterns[0], gives)
+
+
+def _never(_: Project) -> bool:
+    """Return that no change gives what is asked for."""
+    return False
 
 
 def _meant(
@@ -390,7 +404,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
             term = clingo.parse_term(node.term)
             return _present(_Question(name, (term,), kind), term, evidence, synthesis)
     same = [node.name for node in specification.nodes if node.kind == kind]
-    found = blame(reasoner.project, reasoner.rulebook, kind, None, lambda _: False)
+    found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
     because = "the minimal specification has none" if found is None else found.because
     if same:
         named = [f"{n} ({', '.join(specification.resolves[n])})" for n in same[:_MOST_NAMED]]
