@@ -164,8 +164,10 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
     assert silent == []
 
 
-#: What several files add to: consequences and their places, verdicts, nodes, costs, edits.
+#: What several files add to: consequences and their places, verdicts, nodes, costs, edits, and why
+#: something is absent.
 COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
+COMMON |= {"absent", "cites", "change", "beside"}
 
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
