@@ -57,7 +57,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "alternatives annotation_edits evidence subject edits explain diff repair fix why_not"
+        "alternatives annotation_edits changes evidence subject vicinity blame edits explain diff "
+        "near_miss repair fix why_not"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",

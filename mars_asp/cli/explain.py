@@ -2,14 +2,13 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.trace.absence_text import is_unspoken
 from mars_asp.asp.trace.document import trace_json
-from mars_asp.asp.trace.text import DEPTH, traces_text
-from mars_asp.asp.trace.tree import Absent, Missing, Trace
+from mars_asp.asp.trace.text import DEPTH, traces_text, wrapped
+from mars_asp.asp.trace.tree import Trace
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -33,8 +32,14 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
-#: Of what stands against every specification so many are shown.
-_MOST_OBSTACLES = 3
+#: What costs are counted in, by their names.
+_UNITS = {
+    "nodes": "node",
+    "conversion": "unit of conversion cost",
+    "relationships": "relationship",
+}
+#: Of the lines that an answer speaks of so many are shown.
+_MOST_EVIDENCE = 6
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -62,7 +67,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="other realisations, in the order of their cost (default 5), and why none costs less",
     )
     question.add_argument(
-        "--why-not", metavar="ATOM", help="which rules could give ATOM, and what each lacks"
+        "--why-not", metavar="ATOM", help="why there is no ATOM, and what would give one"
     )
     parser.add_argument(
         "--only",
@@ -148,57 +153,67 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
-        trace = trace_json(answer.trace)
-        extra = None if answer.extra is None else by_name(answer.extra)
-        found = {"subject": answer.subject, "present": answer.present, "offered": answer.offered}
-        obstacles = [trace_json(obstacle) for obstacle in answer.obstacles]
-        found |= {"extra_cost": extra, "obstacles": obstacles, "traces": [trace]}
-        print(encoded(found))
-        return int(answer.analysis.has_errors)
-    if answer.obstacles:
-        for line in _obstacles(answer, depth, arguments):
-            print(line)
-        return int(answer.analysis.has_errors)
-    title = f"{answer.subject}: yes, it holds" if answer.present else f"no {answer.subject}"
-    if isinstance(answer.trace, Absent):
-        print(f"{visible(title)}: no line says so, and no rule could give it")
+        print(encoded(_why_not_json(answer)))
     else:
-        for line in _lines([(title, answer.trace)], depth, arguments):
-            print(line)
-    if not answer.present and answer.choosable and not arguments.quiet:
-        print(_price(answer))
-    if _goes_on(answer.trace) and depth == ABSENCE_DEPTH and not arguments.quiet:
-        print(f"`--depth {depth + 1}` goes on to why")
+        first, *others = _why_not_text(answer)
+        coloured = colours(arguments, sys.stdout)
+        sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
+        sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
     return int(answer.analysis.has_errors)
 
 
-def _obstacles(answer: "WhyNot", depth: int | None, arguments: argparse.Namespace) -> Iterator[str]:
-    """Yield why nothing realises the configuration, so that nothing of the kind is there."""
-    title = f"no {answer.subject}: no specification realises this configuration"
-    shown = answer.obstacles[:_MOST_OBSTACLES]
-    titles = [title, *["and for another reason"] * len(shown[1:])]
-    topics = list(zip(titles, shown, strict=True))
-    yield from _lines(topics, depth, arguments)
-    left = len(answer.obstacles) - len(shown)
-    if left:
-        yield f"and {left} more: see `mars-asp check`"
-    if not arguments.quiet:
-        yield "`mars-asp explain FILE --repair` looks for what would mend it"
+def _why_not_json(answer: "WhyNot") -> dict[str, object]:
+    return {
+        "subject": answer.subject,
+        "present": answer.present,
+        "answer": answer.answer,
+        "evidence": [
+            {"path": s.path, "line": s.line, "column": s.column, "text": line_at(s)}
+            for s in answer.evidence
+        ],
+        "to_get": answer.to_get,
+        "offered": answer.offered,
+        "extra_cost": None if answer.extra is None else by_name(answer.extra),
+        "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
+        "traces": [trace_json(answer.trace)],
+    }
 
 
-def _goes_on(trace: Trace) -> bool:
-    """Say whether what fails is itself absent by rules, which are not shown yet."""
-    attempts = trace.attempts if isinstance(trace, Missing) else ()
-    causes = (attempt.cause for attempt in attempts)
-    return any(isinstance(c, Missing) and c.attempts and not is_unspoken(c) for c in causes)
+def _why_not_text(answer: "WhyNot") -> Iterator[Sequence[str]]:
+    """Yield the lines of the answer, then those that it speaks of and what would give one."""
+    yield wrapped(visible(answer.answer), 0)
+    shown = answer.evidence[:_MOST_EVIDENCE]
+    # Lines of the user are not broken.
+    yield [f"  {visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
+    if len(answer.evidence) > len(shown):
+        yield [f"  and {len(answer.evidence) - len(shown)} more lines"]
+    if answer.to_get is not None:
+        yield wrapped(visible(f"To get one: {answer.to_get}"), 1)
+    if answer.extra is not None:
+        yield wrapped(_price(answer.extra), 1)
+    path = answer.analysis.configuration.path
+    if answer.obstacles:
+        yield ["  What would mend that:", f"    mars-asp explain {visible(path)} --repair"]
+    if answer.see is not None:
+        yield [f"  Why: mars-asp explain {visible(path)} '{visible(answer.see)}'"]
 
 
-def _price(answer: "WhyNot") -> str:
-    if answer.extra is None:
-        return "no realisation has it"
-    more = [f"{count:+} {name}" for name, count in by_name(answer.extra).items() if count]
-    price = f"costs {', '.join(more)}" if more else "costs no more, and is not taken for taste"
-    return f"the cheapest realisation that has `{answer.offered}` {price}"
+def _plural(words: str, count: int) -> str:
+    first, _, rest = words.partition(" ")
+    return f"{first}{'s' * (count != 1)}{' ' * bool(rest)}{rest}"
+
+
+def _price(extra: Mapping[int, int]) -> str:
+    """Return what a specification with what is asked for costs beyond the minimal one."""
+    costs = {_UNITS[name]: count for name, count in by_name(extra).items() if count}
+    if not costs:
+        return "A specification with it costs the same."
+    more = [f"{count} {_plural(unit, count)}" for unit, count in costs.items() if count > 0]
+    less = [f"{-count} {_plural(unit, -count)}" for unit, count in costs.items() if count < 0]
+    words = [
+        f"{' and '.join(each)} {than}" for each, than in ((more, "more"), (less, "less")) if each
+    ]
+    return f"A specification with it costs {', but '.join(words)}."
 
 
 def _count(text: str) -> int:

@@ -40,9 +40,13 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
                 yield no_severity(term.text, severity_place(text, span, number))
 
 
+#: Why there is no consequence or node of a kind for a subject.
+ABSENT = Signature("absent", 3)
 #: What metadata of a rule lists that finds a consequence: `who` takes part, and `at` which places.
-#: Both are told of its kind, subject and case.
+#: Both are told of its kind, subject and case. `lines` are the places that the reason of an absence
+#: speaks of.
 EXPANSIONS = {
+    "lines": Expansion(ABSENT, "cites", (0, 1, 2), False),
     "who": Expansion(CONSEQUENCE, "participant", (0, 2, 3), True),
     "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False, is_labelled=True),
 }

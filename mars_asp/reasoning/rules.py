@@ -33,6 +33,7 @@ STAGES: Mapping[str, str] = {
     "run": "what must hold while a specification runs, and what a scenario asks for",
     "can": "what a robot is able to do at one time",
     "repair": "which edits of a configuration remove what is wrong with it",
+    "absence": "why there is no consequence or node of a kind, and what would give one",
 }
 #: Of a stage, the one that reads what it decides, and without which nobody asks for it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}

@@ -190,8 +190,10 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
     assert [(rule.id, label.text) for rule, label in silent.values()] == []
 
 
-#: What several files add to: consequences and their places, verdicts, nodes, costs, edits.
+#: What several files add to: consequences and their places, verdicts, nodes, costs, edits, and why
+#: something is absent.
 COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
+COMMON |= {"absent", "cites", "change", "beside"}
 
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:

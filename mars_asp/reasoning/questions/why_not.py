@@ -1,72 +1,125 @@
-"""Why an atom, node or consequence is not there, and what it would cost to have it.
+"""Why an atom, node or consequence is not there, what would give it, and what it would cost.
 
 >>> reasoner = Reasoner(load_project("config.mars"), load_rulebook())
->>> answer = why_not(reasoner, "DataSplitter(FeelForce)")
->>> answer.trace.attempts[0].fails
-"2 <= { at(R,S,T); edge(S,T,T',A) }"
+>>> why_not(reasoner, "ArbitrationNode(Turn)").answer
+'No ArbitrationNode(Turn): nothing controls `Turn`, and an arbiter needs two controllers.'
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import clingo
 
-from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature, signature_of
-from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
-from mars_asp.asp.trace.patterns import fits, hole, is_hole, pattern_in, shown_pattern
-from mars_asp.asp.trace.tree import Absent, Missing, Trace
-from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import NODE_NAMES, node_kind
-from mars_asp.reasoning.analysis import Analysis
-from mars_asp.reasoning.findings import consequence_kinds, kinds_of
+from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_in, shown_pattern
+from mars_asp.asp.trace.text import leaves_of
+from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
+from mars_asp.reasoning.analysis import Analysis, read_consequences
+from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.subject import wrong_subject
-from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, Synthesis, is_resolved
+from mars_asp.reasoning.questions.blame import Blame, blame
+from mars_asp.reasoning.questions.evidence import sliced_evidence
+from mars_asp.reasoning.questions.near_miss import near_miss
+from mars_asp.reasoning.questions.vicinity import vicinity
+from mars_asp.reasoning.session import Evidence, Reasoner
+from mars_asp.reasoning.synthesis.synthesise import (
+    UNRESOLVABLE,
+    Synthesis,
+    is_resolved,
+    is_unresolvable,
+)
 from mars_asp.spelling import nearest
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
-_AT_MODULE: dict[str, Callable[[clingo.Symbol], clingo.Symbol]] = {
-    "data_splitter": lambda name: clingo.Function("splitter", [name, hole()]),
-    "data_transformer": lambda name: clingo.Function("transformer", [name, hole()]),
-    "arbitration_node": lambda name: clingo.Function(
-        "receives", [name, clingo.Function("run", [hole()])]
+_AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
+    "data_splitter": lambda name: (clingo.Function("splitter", [name, hole()]),),
+    "data_transformer": lambda name: (clingo.Function("transformer", [name, hole()]),),
+    "arbitration_node": lambda name: (_receives(name), _receives(_inherited(name))),
+    "control_splitter": lambda name: (
+        clingo.Function(
+            "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]
+        ),
     ),
-    "control_splitter": lambda name: clingo.Function(
-        "control_splitter", [hole() if is_hole(name) else clingo.Function("base", [name])]
-    ),
-    "inheritance_node": lambda name: clingo.Function("inheritance_node", [name]),
+    "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
 }
+#: What a node of a kind may be there for, where its atom names no module.
+_RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
+#: Kinds for which what is far away from a module counts as well.
+_FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
+#: The relationships of circles, which are reported for the module that they begin with alone.
+_CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
+#: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
+_ABOUT = {
+    "diverges": "data_divergence",
+    "converges": "control_convergence",
+    "contested": "control_convergence",
+    "spreads": "control_divergence",
+    "tied": "ambiguous_priority",
+    "splitter": "data_splitter",
+    "transformer": "data_transformer",
+    "edge": "data_transformer",
+    "control_splitter": "control_splitter",
+    "inheritance_node": "inheritance_node",
+}
 #: Of many atoms that would do, so many are tried for the cheapest realisation.
 MOST_TRIED = 100
+#: Of the nodes of a kind so many are named.
+_MOST_NAMED = 4
 
 
 @dataclass(frozen=True)
 class WhyNot:
-    """The answer: `present` where it holds after all.
+    """The answer, one sentence: why it is absent, or that it is `present` after all.
 
-    `extra` is what the cheapest realisation with `offered` costs more, by level; `None` where no
-    realisation has such an atom, or where it is nothing that is chosen. `choosable` tells these
-    two apart. `obstacles` are the traces of what stands against every specification, where that is
-    why there is nothing.
+    `evidence` are the lines that the answer speaks of; `to_get` is the least change found that
+    would make it hold, which was tried, and `None` where none was found. Of what holds, `see` is
+    the subject whose explanation says why. `extra` is what the
+    cheapest realisation with `offered` costs more, by level; `None` where no realisation has such
+    an atom, or where it is nothing that is chosen. `choosable` tells these two apart. `obstacles`
+    are the traces of what stands against every specification, where that is why there is nothing.
     """
 
     subject: str
-    atom: str
-    trace: Trace
+    answer: str
+    evidence: tuple[Span, ...]
+    to_get: str | None
     present: bool
     choosable: bool
     offered: str | None
     extra: Mapping[int, int] | None
     analysis: Analysis
+    find_trace: Callable[[], Trace]
     obstacles: tuple[Trace, ...] = ()
+    see: str | None = None
+
+    @cached_property
+    def trace(self) -> Trace:
+        """Return why it holds, or which rules come near and what each lacks."""
+        return self.find_trace()
+
+
+class _Question(NamedTuple):
+    """What is asked: a kind of consequence or node of a module or any, or an atom."""
+
+    shown: str
+    patterns: tuple[clingo.Symbol, ...]
+    kind: str | None = None
+    module: str | None = None
+
+    @property
+    def is_node(self) -> bool:
+        """Whether a node is asked for."""
+        return self.kind in NODE_NAMES
 
 
 def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
@@ -78,60 +131,304 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
     """
-    project, rulebook, deadline = reasoner.project, reasoner.rulebook, reasoner.budget.deadline()
-    vocabulary = _Vocabulary(project, rulebook, reasoner.facts)
-    pattern = None if vocabulary.is_node(subject) else vocabulary.pattern(subject)
-    choosable = pattern is None or is_resolved(rulebook, signature_of(pattern))
-    evidence = reasoner.evidence(resolved=choosable)
-    analysis, synthesis = evidence.analysis, reasoner.synthesis if choosable else None
-    if choosable and synthesis is None:
-        against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
-        obstacles = tuple(evidence.explainer.why(against).values())
-        shown = subject if pattern is None else shown_pattern(pattern)
-        return WhyNot(subject, shown, Absent(shown), False, True, None, None, analysis, obstacles)
-    if pattern is None:
-        assert synthesis is not None
-        pattern = _node_term(subject, project, synthesis)
-    if synthesis is not None and signature_of(pattern) in synthesis.derived.predicates:
-        # It follows from the answer that was found; nobody looks for another one.
-        synthesis.derived.hand_to(analysis.grounding)
-        choosable = False
-    explainer = evidence.explainer
-    atoms = list(analysis.grounding.atoms(pattern.name, len(pattern.arguments)))
-    matching = [(atom, is_fact) for atom, is_fact in atoms if fits(pattern, atom)]
-    taken = frozenset() if synthesis is None else synthesis.resolution.taken
-    for atom, is_fact in sorted(matching):
-        if is_fact or as_term(atom) in taken:
-            trace = explainer.why([atom])[atom]
-            return WhyNot(subject, str(atom), trace, True, choosable, None, None, analysis)
-    shown = shown_pattern(pattern)
-    trace = _of_named_kind(absence.why_not(explainer, pattern, depth), pattern)
-    offered, extra = None, None
-    if synthesis is not None and choosable:
-        offered, extra = _cheapest(synthesis, analysis, [atom for atom, _ in matching], deadline)
-    return WhyNot(subject, shown, trace, False, choosable, offered, extra, analysis)
+    vocabulary = _Vocabulary(reasoner)
+    if vocabulary.is_node(subject):
+        return _of_named_node(reasoner, subject)
+    question = vocabulary.question(subject)
+    near, is_whole = _near(reasoner, question)
+    found = None if is_whole else _held_elsewhere(reasoner, question)
+    if found is None:
+        found = _answer(near, question, depth)
+    is_local = found.present and question.is_node and near is not reasoner
+    # Something elsewhere may stand against every specification.
+    if is_local and is_unresolvable(reasoner.analysis):
+        found = _answer(reasoner, question, depth)
+    return replace(found, subject=subject)
 
 
-def _node_term(name: str, project: Project, synthesis: Synthesis) -> clingo.Symbol:
-    """Return what the node of a name stands for.
+def _near(reasoner: Reasoner, question: _Question) -> tuple[Reasoner, bool]:
+    """Return a reasoner about the part of the project that a question needs.
 
-    Raises:
-        MarsError: there is no node of that name, which only counts nodes: ask where one is missing.
+    The second value is whether all that may matter is in it. Packs may bring together what no
+    relationship does, and numbers are those of the whole.
     """
-    nodes = synthesis.specification.nodes
-    for node in nodes:
-        if node.name == name:
-            return clingo.parse_term(node.term)
+    names = frozenset(name for each in question.patterns for name in _strings(each))
+    numbered = question.kind is None and any(map(_has_numbers, question.patterns))
+    if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
+        return reasoner, True
+    rulebook, budget = reasoner.rulebook, reasoner.budget
+    part, is_whole = vicinity(
+        reasoner.project, names, question.kind is None or question.kind in _FAR
+    )
+    near = Reasoner(part, rulebook, budget)
+    if not is_whole and question.kind == "control_splitter":
+        divergence = (clingo.Function("control_divergence"), clingo.String(question.module or ""))
+        atoms = near.analysis.grounding.symbols(*CONSEQUENCE[:2])
+        if any((each.arguments[0], each.arguments[2]) == divergence for each in atoms):
+            # Which arbiters are shared is decided for all that is connected.
+            return Reasoner(vicinity(reasoner.project, names, True)[0], rulebook, budget), True
+    return near, is_whole
+
+
+def _held_elsewhere(reasoner: Reasoner, question: _Question) -> WhyNot | None:
+    """Return that a consequence holds, which may rest on what is not near."""
+    if question.is_node:
+        return None
+    evidence = sliced_evidence(reasoner, question.shown)
+    if evidence is None:
+        return None
+    held = _held(question, evidence, None)
+    return None if held is None else _present(question, held, evidence, None)
+
+
+def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
+    pattern = question.patterns[0]
+    choosable = is_resolved(reasoner.rulebook, signature_of(pattern))
+    evidence = reasoner.evidence(resolved=choosable)
+    synthesis = reasoner.synthesis if choosable else None
+    if choosable and synthesis is None:
+        return _unrealised(question.shown, evidence)
+    offered: str | None = None
+    extra: Mapping[int, int] | None = None
+    held = _held(question, evidence, synthesis)
+    if held is not None:
+        return _present(question, held, evidence, synthesis)
+    found = _blame(reasoner, question, evidence)
+    if synthesis is not None:
+        offered, extra = _cheapest_of(reasoner, synthesis, evidence.analysis, question.patterns)
+
+    def trace() -> Trace:
+        return _of_named_kind(absence.why_not(evidence.explainer, pattern, depth), pattern)
+
+    start = f"No {question.shown}"
+    if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
+        start = f"{question.shown} is there under another name"
+    return WhyNot(
+        question.shown,
+        f"{start}: {found.because}.",
+        found.evidence,
+        _sentences(found),
+        False,
+        synthesis is not None,
+        offered,
+        extra,
+        evidence.analysis,
+        trace,
+    )
+
+
+def _sentences(found: Blame) -> str | None:
+    """Return what would give it, and what may have been looked for."""
+    if found.to_get is None:
+        return None
+    return ". ".join(filter(None, (found.to_get, found.beside))) + "."
+
+
+def _held(
+    question: _Question, evidence: Evidence, synthesis: Synthesis | None
+) -> clingo.Symbol | None:
+    """Return a true atom that a question asks for."""
+    grounding = evidence.analysis.grounding
+    if synthesis is not None and signature_of(question.patterns[0]) in synthesis.derived.predicates:
+        synthesis.derived.hand_to(grounding)
+    taken = frozenset() if synthesis is None else synthesis.resolution.taken
+    for pattern in question.patterns:
+        atoms = list(grounding.atoms(pattern.name, len(pattern.arguments)))
+        for atom, is_fact in sorted(atoms):
+            if fits(pattern, atom) and (is_fact or as_term(atom) in taken):
+                return atom
+    topic = f"{_RESOLVES.get(question.kind or '')}({question.module})"
+    if synthesis is not None:
+        for node in synthesis.specification.nodes:
+            resolved = synthesis.specification.resolves[node.name]
+            if node.kind == question.kind and topic in resolved:
+                return clingo.parse_term(node.term)
+    return None
+
+
+def _present(
+    question: _Question, held: clingo.Symbol, evidence: Evidence, synthesis: Synthesis | None
+) -> WhyNot:
+    """Return that it holds, and where to see why."""
+    spans: tuple[Span, ...] = ()
+    # Who explains takes no variables.
+    open_atom = question.kind is None and any(map(has_holes, question.patterns))
+    see = None if open_atom else question.shown
+    if synthesis is not None and question.is_node:
+        specification = synthesis.specification
+        topics = [
+            topic
+            for node in specification.nodes
+            if node.term == _node_term(held, question.kind)
+            for topic in specification.resolves[node.name]
+        ]
+        because = f" is there, and resolves {', '.join(topics)}" if topics else " is there"
+        named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
+        see = question.shown if named else next(iter(topics), None)
+    elif question.kind is not None:
+        found = [c for c in read_consequences(evidence.analysis) if c.atom == held]
+        because = f" holds: {found[0].message}" if found else " holds"
+        spans = found[0].spans if found else ()
+        if spans == (evidence.analysis.configuration,):
+            # Of a part that does not say what a consequence concerns, its reasons do.
+            leaves = leaves_of(evidence.explainer.why([held])[held])
+            spans = tuple(leaf.span for leaf in leaves if leaf.span is not None)
+    else:
+        because = " holds"
+
+    def trace() -> Trace:
+        return evidence.explainer.why([held])[held]
+
+    return WhyNot(
+        question.shown,
+        f"{question.shown}{because}.",
+        spans,
+        None,
+        True,
+        synthesis is not None,
+        None,
+        None,
+        evidence.analysis,
+        trace,
+        see=see,
+    )
+
+
+def _node_term(held: clingo.Symbol, kind: str | None) -> str:
+    """Return the atom by which a node is called, of one that stands for it at a module."""
+    if kind == "arbitration_node" and held.name == "receives":
+        return str(clingo.Function("arbiter", held.arguments[1].arguments))
+    return str(held)
+
+
+def _unrealised(title: str, evidence: Evidence) -> WhyNot:
+    """Return that nothing realises the configuration, so that nothing of the kind is there."""
+    analysis = evidence.analysis
+    against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
+    obstacles = tuple(evidence.explainer.why(against).values())
+    leaves = (leaf.span for each in obstacles for leaf in leaves_of(each))
+    spans = dict.fromkeys(span for span in leaves if span is not None)
+    messages = [each.message for each in obstacles if isinstance(each, Derived) and each.message]
+    because = f", as {messages[0]}" if messages else ""
+    return WhyNot(
+        title,
+        f"No {title}: no specification realises this configuration{because}.",
+        tuple(spans),
+        None,
+        False,
+        True,
+        None,
+        None,
+        analysis,
+        lambda: Absent(title),
+        obstacles,
+    )
+
+
+def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame:
+    project, rulebook = reasoner.project, reasoner.rulebook
+
+    def tried(revised: Project) -> bool:
+        other = Reasoner(revised, rulebook, reasoner.budget)
+        resolved = is_resolved(rulebook, signature_of(question.patterns[0]))
+        if resolved and other.synthesis is None:
+            return False
+        synthesis = other.synthesis if resolved else None
+        if question.kind in _CIRCLES:
+            return _goes_round(question, other.analysis)
+        return _held(question, other.evidence(resolved), synthesis) is not None
+
+    gives: Callable[[Project], bool] = tried
+    kind, module = question.kind, question.module
+    if kind is None:
+        kind, module = _meant(question.patterns[0], evidence, reasoner)
+    if kind is not None:
+        # A circle that is reported for another module needs no change.
+        if question.kind in _CIRCLES and _goes_round(question, evidence.analysis):
+            gives = _never
+        found = blame(project, rulebook, kind, module, gives)
+        if found is not None:
+            return found
+    return near_miss(reasoner, question.patterns[0], gives)
+
+
+def _never(_: Project) -> bool:
+    """Return that no change gives what is asked for."""
+    return False
+
+
+def _meant(
+    pattern: clingo.Symbol, evidence: Evidence, reasoner: Reasoner
+) -> tuple[str | None, str | None]:
+    """Return the kind and module that an atom is about, if there is none of that kind there."""
+    if pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
+        pattern = pattern.arguments[0]
+    kind = _ABOUT.get(pattern.name)
+    about = pattern.arguments[0] if pattern.arguments else pattern
+    if pattern.match("consequence", 4) and not is_hole(about):
+        kind, about = about.name, pattern.arguments[2]
+    if about.match("base", 1):
+        about = about.arguments[0]
+    if kind is None or about.type != clingo.SymbolType.String:
+        return None, None
+    node = next((each for each in NODE_NAMES if each == kind), None)
+    consequence = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
+    patterns = (consequence,) if node is None else _AT_MODULE[node](about)
+    question = _Question("", patterns, kind, about.string)
+    synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
+    if node is not None and synthesis is None:
+        return None, None
+    if _held(question, evidence, synthesis) is not None:
+        return None, None
+    return kind, about.string
+
+
+def _goes_round(question: _Question, analysis: Analysis) -> bool:
+    """Return whether a module is part of a circle, wherever that begins."""
+    circle = (_CIRCLES[question.kind or ""], question.module)
+    found = analysis.grounding.symbols("entangled", 3)
+    return any((each.arguments[0].name, each.arguments[2].string) == circle for each in found)
+
+
+def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
+    """Return why there is no node of a name, which only counts nodes of its kind."""
     kind = node_kind(name)
     assert kind is not None
-    same = [node.name for node in nodes if node.kind == kind]
-    there = f"there is {', '.join(same)}" if same else "there is none of this kind"
     word = NODE_NAMES[kind]
-    raise wrong_subject(
-        project,
-        f"no node is named `{name}`: {there}",
-        f"ask where one is missing: `{word}(NAME)` for a module NAME, or `{word}(_)` for any",
+    evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
+    if synthesis is None:
+        return _unrealised(name, evidence)
+    specification = synthesis.specification
+    for node in specification.nodes:
+        if node.name == name:
+            term = clingo.parse_term(node.term)
+            return _present(_Question(name, (term,), kind), term, evidence, synthesis)
+    same = [node.name for node in specification.nodes if node.kind == kind]
+    found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
+    because = "the minimal specification has none" if found is None else found.because
+    if same:
+        named = [f"{n} ({', '.join(specification.resolves[n])})" for n in same[:_MOST_NAMED]]
+        named += [f"{len(same) - _MOST_NAMED} more"] if len(same) > _MOST_NAMED else []
+        words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
+        because = f"the minimal specification has {words}: {_listed(named)}"
+    pattern = _AT_MODULE[kind](hole())[0]
+    return WhyNot(
+        name,
+        f"No {name}: {because}.",
+        (),
+        None if found is None else _sentences(found),
+        False,
+        True,
+        None,
+        None,
+        evidence.analysis,
+        lambda: Absent(shown_pattern(pattern)),
     )
+
+
+def _listed(words: Sequence[str]) -> str:
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
@@ -140,6 +437,25 @@ def _of_named_kind(trace: Trace, pattern: clingo.Symbol) -> Trace:
         return trace
     named = tuple(a for a in trace.attempts if kinds_of(a.rule) is not None)
     return replace(trace, attempts=named or trace.attempts)
+
+
+def _cheapest_of(
+    reasoner: Reasoner,
+    synthesis: Synthesis,
+    analysis: Analysis,
+    patterns: Sequence[clingo.Symbol],
+) -> tuple[str | None, Mapping[int, int] | None]:
+    """Return which atom of some patterns costs least to have, and what that costs more."""
+    # A node that follows from an answer is called by the atom that decides that it is there.
+    decided = [each.arguments[0] if each.name == "spec_node" else each for each in patterns]
+    atoms = [
+        atom
+        for pattern in decided
+        if pattern.type == clingo.SymbolType.Function and not is_hole(pattern)
+        for atom, _ in analysis.grounding.atoms(pattern.name, len(pattern.arguments))
+        if fits(pattern, atom)
+    ]
+    return _cheapest(synthesis, analysis, atoms, reasoner.budget.deadline())
 
 
 def _cheapest(
@@ -164,64 +480,82 @@ def _cheapest(
 class _Vocabulary:
     """What a subject may name."""
 
-    def __init__(self, project: Project, rulebook: Rulebook, facts: Iterable[Fact]) -> None:
-        self._path = project.configuration.path
-        self._predicates = {head for rule in rulebook.rules for head in rule.heads}
+    def __init__(self, reasoner: Reasoner) -> None:
+        self._reasoner, rulebook = reasoner, reasoner.rulebook
+        configuration = reasoner.project.configuration
+        self._path = configuration.path
         self._kinds = consequence_kinds(rulebook)
         self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
-        self._constants: set[str] = set()
-        self._strings: set[str] = {name.text for name in project.configuration.modules}
-        for found in constants_of(rule.text for rule in rulebook.rules).values():
-            self._constants |= found.names
-            self._strings |= found.strings
-        for _, text in rulebook.texts:
-            self._predicates |= defined(text)
-        for fact in facts:
-            symbol = symbol_of(fact.atom)
-            self._predicates.add(signature_of(symbol))
-            self._note(symbol)
+        self._modules = {name.text for name in configuration.modules}
+        self._modules.update(end for r in configuration.relationships for end in ends_of(r))
 
-    def _note(self, symbol: clingo.Symbol) -> None:
-        if symbol.type == clingo.SymbolType.String:
-            self._strings.add(symbol.string)
-        elif symbol.type == clingo.SymbolType.Function:
-            self._constants.add(symbol.name)
-            for argument in symbol.arguments:
-                self._note(argument)
+    @cached_property
+    def _known_terms(self) -> tuple[set[Signature], set[str], set[str]]:
+        """Return the predicates, constants and strings of the rules and of all facts."""
+        rulebook = self._reasoner.rulebook
+        predicates = {head for rule in rulebook.rules for head in rule.heads}
+        constants, strings = set[str](), set(self._modules)
+        for found in constants_of(rule.text for rule in rulebook.rules).values():
+            constants |= found.names
+            strings |= found.strings
+        for _, text in rulebook.texts:
+            predicates |= defined(text)
+        for fact in self._reasoner.facts:
+            symbol = symbol_of(fact.atom)
+            predicates.add(signature_of(symbol))
+            _note(symbol, constants, strings)
+        return predicates, constants, strings
+
+    @property
+    def _predicates(self) -> set[Signature]:
+        return self._known_terms[0]
+
+    @property
+    def _constants(self) -> set[str]:
+        return self._known_terms[1]
+
+    @property
+    def _strings(self) -> set[str]:
+        return self._known_terms[2]
 
     def is_node(self, subject: str) -> bool:
         """Say whether a subject is the name of a node, and of no module."""
         return (
             node_kind(subject) is not None
             and subject not in NODE_NAMES.values()
-            and subject not in self._strings
+            and subject not in self._modules
         )
 
-    def pattern(self, subject: str) -> clingo.Symbol:
+    def question(self, subject: str) -> _Question:
         """Return what a subject asks for."""
         call = _CALL.fullmatch(subject)
         if call is not None:
             name = call[2] if call[2] is not None else call[3]
-            words = {word: kind for kind, word in NODE_NAMES.items()}
-            kind = words.get(call[1], call[1])
-            if kind in _AT_MODULE and subject not in self._strings:
-                return _AT_MODULE[kind](self._about(name))
-            if self._is_kind(call[1]):
+            node = next(
+                (kind for kind, word in NODE_NAMES.items() if call[1] in (kind, word)), None
+            )
+            if node is not None and subject not in self._modules:
+                about, title = self._about(name, NODE_NAMES[node])
+                return _Question(title, _AT_MODULE[node](about), node, _named(about))
+            if call[1] in self._kinds or self._is_kind(call[1]):
+                about, title = self._about(name, call[1])
                 kind_term = clingo.Function(call[1])
-                return clingo.Function(
-                    "consequence", [kind_term, hole(), self._about(name), hole()]
-                )
+                pattern = clingo.Function("consequence", [kind_term, hole(), about, hole()])
+                return _Question(title, (pattern,), call[1], _named(about))
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
-        return self._atom(subject)
+        return _Question(subject, (self._atom(subject),))
 
-    def _about(self, name: str | None) -> clingo.Symbol:
-        return hole() if name in (None, "", "_") else self._string(name or "")
+    def _about(self, name: str | None, word: str) -> tuple[clingo.Symbol, str]:
+        """Return the term of a name, or of any, and how what is asked is called."""
+        if name in (None, "", "_"):
+            return hole(), word
+        # What rules of the base say is about modules.
+        names = self._strings if self._reasoner.rulebook.packs else self._modules
+        return self._string(name or "", names), f"{word}({name})"
 
     def _is_kind(self, name: str) -> bool:
-        """Say whether rules name a kind, or one that derives any kind could mean it."""
-        if name in self._kinds:
-            return True
+        """Say whether rules that derive any kind could mean one of this name."""
         return self._any_kind and name in self._constants and not self._is_predicate(name)
 
     def _is_predicate(self, name: str) -> bool:
@@ -244,16 +578,16 @@ class _Vocabulary:
             name = term.arguments[0].string
             return clingo.String(name) if name in self._strings else term
         if term.type == clingo.SymbolType.String:
-            return self._string(term.string)
+            return self._string(term.string, self._strings)
         if term.type != clingo.SymbolType.Function:
             return term
         if term.name and term.name not in self._constants:
             raise self._unknown("constant", term.name, self._constants)
         return clingo.Function(term.name, list(map(self._known, term.arguments)), term.positive)
 
-    def _string(self, name: str) -> clingo.Symbol:
-        if name not in self._strings:
-            near = nearest(name, self._strings)
+    def _string(self, name: str, known: set[str]) -> clingo.Symbol:
+        if name not in known:
+            near = nearest(name, self._modules) or nearest(name, known)
             help_text = f"did you mean `{near}`?" if near else "name a module, or write `_` for any"
             raise self._wrong(f"there is no name `{name}`", help_text)
         return clingo.String(name)
@@ -284,3 +618,39 @@ class _Vocabulary:
     def _wrong(self, message: str, help_text: str) -> MarsError:
         place = point(self._path, 1, 1)
         return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
+
+
+def _receives(name: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function("receives", [name, clingo.Function("run", [hole()])])
+
+
+def _inherited(name: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function("inherited", [name])
+
+
+def _named(term: clingo.Symbol) -> str | None:
+    return None if is_hole(term) else term.string
+
+
+def _note(symbol: clingo.Symbol, constants: set[str], strings: set[str]) -> None:
+    """Note the constants and strings that a term is made of."""
+    if symbol.type == clingo.SymbolType.String:
+        strings.add(symbol.string)
+    elif symbol.type == clingo.SymbolType.Function:
+        constants.add(symbol.name)
+        for argument in symbol.arguments:
+            _note(argument, constants, strings)
+
+
+def _strings(term: clingo.Symbol) -> Iterable[str]:
+    if term.type == clingo.SymbolType.String:
+        yield term.string
+    elif term.type == clingo.SymbolType.Function and not is_hole(term):
+        for argument in term.arguments:
+            yield from _strings(argument)
+
+
+def _has_numbers(term: clingo.Symbol) -> bool:
+    if term.type == clingo.SymbolType.Function and not is_hole(term):
+        return any(map(_has_numbers, term.arguments))
+    return term.type == clingo.SymbolType.Number

@@ -1,0 +1,219 @@
+"""Why an atom does not hold for which no rule of `rules/absence` speaks, and what would give it.
+
+The rule that comes nearest is followed through what it lacks down to lines: one that is not there,
+or those that stand against it. A change that mends this is made, and the question asked anew.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from mars_asp.asp.rules.symbols import symbol_in
+from mars_asp.asp.signature import signature_of
+from mars_asp.asp.trace import absence
+from mars_asp.asp.trace.patterns import is_hole, pattern_in
+from mars_asp.asp.trace.text import leaves_of
+from mars_asp.asp.trace.tree import Absent, Attempt, Given, Missing, Trace
+from mars_asp.diagnostic import Span
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.blame import Blame
+from mars_asp.reasoning.questions.changes import changed
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis.synthesise import is_resolved
+
+#: So many premises are followed into each other, and so many changes are made one after another.
+MOST_LEVELS, MOST_CHANGES = 12, 3
+#: Of the lines that stand against an atom so many are shown.
+MOST_LINES = 8
+#: How a line of a relationship is written, and the change that adds one, by its predicate.
+_LINES: Mapping[str, tuple[str, str, tuple[int, int]]] = {
+    "uses_data_from": ("uses_data_from", "data", (1, 2)),
+    "is_controlled_by": ("is_controlled_by", "control", (1, 2)),
+    "is_mounted_on": ("is_mounted_on", "mount", (1, 3)),
+}
+#: What is said where nothing of a given predicate fits, of the name in a place of its arguments.
+_LACKS: Mapping[str, tuple[int, str]] = {
+    "module": (0, "`@modules` does not name {}"),
+    "described": (0, "nothing describes {}"),
+    "class": (0, "no annotation makes {} what it would have to be"),
+    "delivers": (1, "no annotation says that {} delivers data"),
+    "output": (1, "no annotation says which representation {} delivers"),
+    "input": (1, "no annotation says which representation {} accepts"),
+    "commands": (1, "no annotation says which functions {} commands"),
+    "native": (1, "no annotation gives {} such a function"),
+    "converts": (1, "no annotation makes {} such a converter"),
+    "node": (0, "{} is no node of a specification"),
+}
+#: The same, of predicates that tell more of a line or an annotation.
+_DETAILS: Mapping[str, str] = {
+    "required_mode": "no line requires such a delivery mode",
+    "required_rate": "no line requires such a frequency",
+    "priority": "no line states such a priority",
+    "stated_priority": "no line states a priority as a number",
+    "hold": "no line states such a `hold`",
+    "allocation": "no line says who carries out what is inherited",
+    "offered_mode": "no annotation offers such a delivery mode",
+    "offered_rate": "no annotation offers such a frequency",
+    "unknown_input": "no annotation leaves it open what an input takes",
+    "closed_walk": "no such relationships lead round in a circle",
+    "entangled": "no such relationships lead round in a circle",
+    "resembles": "no name is spelt nearly like that",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Lack:
+    """What is lacking, the lines that show it, and a change that may mend it."""
+
+    because: str
+    evidence: tuple[Span, ...] = ()
+    change: clingo.Symbol | None = None
+    to_get: str = ""
+
+
+def near_miss(
+    reasoner: Reasoner, pattern: clingo.Symbol, gives: Callable[[Project], bool]
+) -> Blame:
+    """Return what the nearest rule lacks, and what would mend it where that was found.
+
+    `gives` is whether an atom of the pattern holds in a project.
+    """
+    first = lack = _lack(reasoner, pattern)
+    project, steps = reasoner.project, list[str]()
+    for _ in range(MOST_CHANGES):
+        if lack.change is None:
+            break
+        project = changed(project, lack.change)
+        steps.append(lack.to_get)
+        if gives(project):
+            return Blame(first.because, first.evidence, _together(steps))
+        lack = _lack(Reasoner(project, reasoner.rulebook, reasoner.budget), pattern)
+    return Blame(first.because, first.evidence)
+
+
+def _together(steps: Sequence[str]) -> str:
+    """Return several changes as one text; equal lines are counted."""
+    lines = [each.replace("a further line", "a line") for each in steps]
+    words = {each: lines.count(each) for each in lines}
+    texts = [
+        each.replace("a line", "two lines" if count == 2 else f"{count} lines")
+        if count > 1
+        else steps[lines.index(each)]
+        for each, count in words.items()
+    ]
+    return ", and ".join(texts)
+
+
+def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
+    resolved = is_resolved(reasoner.rulebook, signature_of(pattern))
+    explainer = reasoner.evidence(resolved and reasoner.synthesis is not None).explainer
+    trace: Trace = absence.why_not(explainer, pattern, MOST_LEVELS)
+    attempt: Attempt | None = None
+    seen: set[int] = set()
+    while isinstance(trace, Missing) and trace.attempts and id(trace) not in seen:
+        seen.add(id(trace))
+        attempt = trace.attempts[0]
+        if attempt.cause is None:
+            return _compared(attempt, pattern)
+        trace = attempt.cause
+    if isinstance(trace, Absent | Missing):
+        return _of_absent(trace.atom)
+    return _excluded(trace)
+
+
+def _of_absent(atom: str) -> _Lack:
+    """Return that nothing of a given predicate fits."""
+    found = pattern_in(atom)
+    if found is not None and found.name in _LINES and len(found.arguments) > 2:
+        verb, change, (left, right) = _LINES[found.name]
+        ends = [found.arguments[left], found.arguments[right]]
+        line = f"`{_end(ends[0])} {verb} {_end(ends[1])}`"
+        terms = [
+            end if end.type == clingo.SymbolType.String else _new(number)
+            for number, end in enumerate(ends, 1)
+        ]
+        return _Lack(
+            f"there is no line {line}", (), clingo.Function(change, terms), f"a line {line}"
+        )
+    if found is not None and found.name in _LACKS:
+        place, words = _LACKS[found.name]
+        end = found.arguments[place]
+        name = f"`{end.string}`" if end.type == clingo.SymbolType.String else "any module"
+        return _Lack(words.format(name))
+    if found is not None and found.name == "architecture":
+        kind = found.arguments[0]
+        return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
+    detail = None if found is None else _DETAILS.get(found.name)
+    return _Lack(detail or "no line of the configuration or its annotations says so")
+
+
+def _excluded(trace: Trace) -> _Lack:
+    """Return that what holds stands against it: the lines that this rests on."""
+    leaves = leaves_of(trace)
+    spans = tuple(leaf.span for leaf in leaves if leaf.span is not None)
+    numbers = dict.fromkeys(
+        symbol.arguments[0]
+        for leaf in leaves
+        if (symbol := symbol_in(leaf.atom)) is not None and symbol.name in _LINES
+    )
+    many = len(numbers) > 1
+    change: clingo.Symbol | None = None
+    for number in numbers:
+        drop = clingo.Function("drop", [number])
+        change = drop if change is None else clingo.Function("both", [change, drop])
+    stand = f"{len(spans)} lines stand" if len(spans) > 1 else "this line stands"
+    because = f"{stand} against it" if spans else "something that holds stands against it"
+    return _Lack(
+        because,
+        spans[:MOST_LINES],
+        change,
+        f"leave out {f'these {len(numbers)} lines' if many else 'that line'}",
+    )
+
+
+def _compared(attempt: Attempt, pattern: clingo.Symbol) -> _Lack:
+    """Return that what is there does not suffice, or may be chosen and is not."""
+    if attempt.fails is None:
+        return _Lack("it is possible, but the minimal specification does without it")
+    leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
+    spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
+    if attempt.value is None and not spans:
+        return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
+    these = f"these {len(spans)} lines do not" if len(spans) > 1 else "this line alone does not"
+    because = f"{these if spans else 'what there is does not'} suffice"
+    change, line = _another(leaves, pattern)
+    return _Lack(because, spans[:MOST_LINES], change, line)
+
+
+def _another(leaves: Sequence[Given], pattern: clingo.Symbol) -> tuple[clingo.Symbol | None, str]:
+    """Return a further line like one of some, which keeps what the pattern names."""
+    kept = set(_strings(pattern))
+    for leaf in leaves:
+        symbol = symbol_in(leaf.atom)
+        if symbol is None or symbol.name not in _LINES:
+            continue
+        verb, change, (left, right) = _LINES[symbol.name]
+        ends = [symbol.arguments[left], symbol.arguments[right]]
+        if not kept & {end.string for end in ends}:
+            continue
+        terms = [end if end.string in kept else _new(n) for n, end in enumerate(ends, 1)]
+        words = [end.string if end.string in kept else "..." for end in ends]
+        return clingo.Function(change, terms), f"a further line `{words[0]} {verb} {words[1]}`"
+    return None, ""
+
+
+def _new(number: int) -> clingo.Symbol:
+    return clingo.Function("new", [clingo.Number(number)])
+
+
+def _end(term: clingo.Symbol) -> str:
+    return term.string if term.type == clingo.SymbolType.String else "..."
+
+
+def _strings(term: clingo.Symbol) -> Sequence[str]:
+    if term.type == clingo.SymbolType.String:
+        return (term.string,)
+    if term.type != clingo.SymbolType.Function or is_hole(term):
+        return ()
+    return tuple(name for each in term.arguments for name in _strings(each))
