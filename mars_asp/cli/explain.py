@@ -7,8 +7,9 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.trace.absence_text import is_unspoken
-from mars_asp.asp.trace.text import DEPTH, trace_json, traces_text
+from mars_asp.asp.trace.text import DEPTH, WIDTH, trace_json, traces_text
 from mars_asp.asp.trace.tree import Absent, Missing, Trace
+from mars_asp.cli.account import account_lines
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -16,7 +17,7 @@ from mars_asp.cli.report import colours, paint
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.explain import Explanation, explain
+from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
@@ -92,21 +93,22 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
-    rulebook = rulebook_for(arguments)
+    rulebook = rulebook_for(arguments, ("resolve", "account"))
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    answer = explain(reasoner, subject, arguments.every, arguments.only)
+    traced = arguments.format == "json" or arguments.every or hasattr(arguments, "depth")
+    answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
     closing = () if arguments.quiet else tuple(_closing(answer, arguments))
     # The traces stand without what was grounded, which takes as much memory.
     del answer
     if arguments.format == "json":
-        traces = [{"title": t.title, **trace_json(t.trace)} for t in topics]
+        traces = [
+            {"title": t.title, **trace_json(t.trace)} for t in topics if t.trace is not None
+        ]
         print(encoded({"subject": subject, "traces": traces}))
     else:
-        told = [(topic.title, topic.trace) for topic in topics]
-        depth = getattr(arguments, "depth", DEPTH)
-        lines = chain(_lines(told, depth, arguments), closing)
+        lines = chain(_told(topics, traced, arguments), closing)
         sys.stdout.writelines(f"{line}\n" for line in lines)
     return status
 
@@ -214,6 +216,24 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
         yield _summary(answer)
     elif answer.subject is None and arguments.only is None:
         yield "no specification realises this configuration: `mars-asp check` says why not"
+
+
+def _told(
+    topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace
+) -> Iterator[str]:
+    """Yield the lines of topics: their accounts, or traces where these are wanted or all there is."""
+    coloured = colours(arguments, sys.stdout)
+    if traced or any(topic.account is None for topic in topics):
+        told = [(topic.title, topic.trace) for topic in topics if topic.trace is not None]
+        yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        return
+    for topic in topics:
+        if topic.account is not None:
+            yield ""
+            first, *others = account_lines(topic, topic.account, WIDTH)
+            yield paint(first, "strong", coloured)
+            yield from others
+    yield ""
 
 
 def _lines(

@@ -71,10 +71,10 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     found = introduced_with(name, project, analysis, part.rulebook, reasoner.budget)
     if found is None:
         return None
-    introduced, resolution = found
+    introduced, resolution, derived = found
     # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
     analysis.grounding.state(resolution.answer.grounding.decided_predicates())
-    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced)
+    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced, derived)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@
 """
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -16,10 +16,12 @@ from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
+from mars_asp.reasoning.account import Account, Key
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.accounts import key_of, told_of
 from mars_asp.reasoning.questions.evidence import preceding_evidence, sliced_evidence
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -36,10 +38,21 @@ Sort: TypeAlias = Literal["consequences", "nodes"]
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One thing that is explained: a node, a consequence or an atom."""
+    """One thing that is explained: a node, a consequence or an atom, which is called `name`.
+
+    Its `account` is short, its `trace` complete; an atom has a trace alone, and there is no trace
+    where none was asked for. `rule` is the id of the rule that gives it, where one is known without
+    the trace. A node `resolves` consequences.
+    """
 
     title: str
-    trace: Trace
+    name: str
+    sort: Literal["consequence", "node", "atom"]
+    severity: Severity | None
+    rule: str | None
+    resolves: tuple[str, ...]
+    account: Account | None
+    trace: Trace | None
 
 
 @dataclass(frozen=True)
@@ -52,12 +65,26 @@ class Explanation:
     synthesis: Synthesis | None
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a subject names: a consequence, a node, or an atom of another kind."""
+
+    title: str
+    atom: clingo.Symbol
+    of: Consequence | Node | None = None
+    resolves: tuple[str, ...] = ()
+
+
 def explain(
-    reasoner: Reasoner, subject: str | None = None, every: bool = False, only: Sort | None = None
+    reasoner: Reasoner,
+    subject: str | None = None,
+    every: bool = False,
+    only: Sort | None = None,
+    traced: bool = True,
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
-    With `every` each step of a trace has all `others` derivations of its atom, too. With `only`
+    Accounts are always told, traces where they are `traced`, and of atoms. With `every` each step of a trace has all `others` derivations of its atom, too. With `only`
     topics of one sort are explained, of everything or of a module; for consequences nothing is
     resolved.
 
@@ -76,12 +103,14 @@ def explain(
                     continue
                 chosen = _consequences(part, reasoner.project, subject, None)
                 asked = _asked(reasoner.project, part, None, subject, None, chosen)
-                return Explanation(subject, _topics(part, asked, every), part.analysis, None)
-    return _explain_whole(reasoner, subject, every, only)
+                nodes = () if part.introduced is None else part.introduced.nodes
+                topics = _topics(reasoner.project, part, nodes, asked, every, traced)
+                return Explanation(subject, topics, part.analysis, None)
+    return _explain_whole(reasoner, subject, every, only, traced)
 
 
 def _explain_whole(
-    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None
+    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None, traced: bool
 ) -> Explanation:
     evidence = reasoner.evidence(resolved=False)
     chosen = _consequences(evidence, reasoner.project, subject, only)
@@ -92,7 +121,9 @@ def _explain_whole(
     asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
-    return Explanation(subject, _topics(evidence, asked, every), evidence.analysis, synthesis)
+    nodes = () if synthesis is None else synthesis.specification.nodes
+    topics = _topics(reasoner.project, evidence, nodes, asked, every, traced)
+    return Explanation(subject, topics, evidence.analysis, synthesis)
 
 
 def _asked(
@@ -102,8 +133,8 @@ def _asked(
     subject: str | None,
     only: Sort | None,
     chosen: Sequence[Consequence],
-) -> list[tuple[str, clingo.Symbol]]:
-    """Return the titles and atoms of what a subject names: consequences, nodes, or an atom.
+) -> list[_Asked]:
+    """Return what a subject names: consequences, nodes, or an atom.
 
     Consequences are those `chosen`, nodes those of the `synthesis` or, of a part, its own.
 
@@ -111,26 +142,58 @@ def _asked(
         MarsError: it names nothing.
     """
     introduced = evidence.introduced if synthesis is None else synthesis.specification
-    asked: list[tuple[str, clingo.Symbol]] = []
+    asked: list[_Asked] = []
     if only != "nodes":
-        asked += [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
+        asked += [_Asked(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
     if only != "consequences" and introduced is not None:
         asked += [
-            (_node_title(node, introduced), _node_atom(node, evidence, synthesis))
+            _Asked(
+                _node_title(node, introduced),
+                _node_atom(node, evidence, synthesis),
+                node,
+                tuple(introduced.resolves[node.name]),
+            )
             for node in _nodes(introduced, subject, chosen)
         ]
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
-        asked = [_asked_atom(subject, project, evidence, synthesis)]
+        asked = [_Asked(*_asked_atom(subject, project, evidence, synthesis))]
     return asked
 
 
 def _topics(
-    evidence: Evidence, asked: Sequence[tuple[str, clingo.Symbol]], every: bool
+    project: Project,
+    evidence: Evidence,
+    nodes: Sequence[Node],
+    asked: Sequence[_Asked],
+    every: bool,
+    traced: bool,
 ) -> tuple[Topic, ...]:
-    traces = evidence.explainer.why(dict.fromkeys(atom for _, atom in asked), every)
-    return tuple(Topic(title, traces[atom]) for title, atom in asked)
+    things = [each.of for each in asked if each.of is not None]
+    told = told_of(project, evidence, nodes, things)
+    traces: Mapping[clingo.Symbol, Trace] = {}
+    atoms = dict.fromkeys(each.atom for each in asked if traced or each.of is None)
+    if atoms:
+        traces = evidence.explainer.why(atoms, every)
+    return tuple(_topic(each, told, traces.get(each.atom)) for each in asked)
+
+
+def _topic(
+    asked: _Asked, told: Mapping[Key, tuple[Account, str | None]], trace: Trace | None
+) -> Topic:
+    match asked.of:
+        case Consequence() as found:
+            account, rule = told[key_of(found)]
+            name, severity = f"{found.kind}({found.subject})", found.severity
+            return Topic(asked.title, name, "consequence", severity, rule, (), account, trace)
+        case Node() as node:
+            account, rule = told[key_of(node)]
+            return Topic(
+                asked.title, node.name, "node", None, rule, asked.resolves, account, trace
+            )
+        case None:
+            return Topic(asked.title, asked.title, "atom", None, None, (), None, trace)
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

@@ -95,7 +95,7 @@ def introduced_with(
     analysis: Analysis,
     rulebook: Rulebook,
     budget: Budget = ENDLESS,
-) -> tuple[Introduced, Resolution] | None:
+) -> tuple[Introduced, Resolution, Derived] | None:
     """Return the nodes of the stretch of a configuration that has a node, and its resolution.
 
     They are those of the least specification; of those before, only how many there are is found
@@ -134,9 +134,10 @@ def introduced_with(
         grounding = cut.ground(number, apart.whole)
         with costs_of(analysis.facts):
             resolution = grounding.resolve(resolving, deadline, known=known)
-        introduced = introduce(draft, Derived(rulebook, resolution.answer), relationships)
+        derived = Derived(rulebook, resolution.answer)
+        introduced = introduce(draft, derived, relationships)
         named = any(node.name == name for node in introduced.nodes)
-        return (introduced, resolution) if named and resolution.proven else None
+        return (introduced, resolution, derived) if named and resolution.proven else None
     return None
 
 
