@@ -8,7 +8,7 @@ from mars_asp.output import visible
 from mars_asp.reasoning.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
 
-#: Labels begin at the same column, unless a line is longer than this.
+#: Labels begin in one column, unless a line is longer than this.
 _WIDEST = 56
 
 
@@ -27,7 +27,7 @@ def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
 
 def _cited(cites: Sequence[Cited], width: int) -> Iterator[str]:
     """Yield lines of the user's with their places, each in its column where that is narrow."""
-    places = [f"{visible(each.span.path)}:{each.span.line}" for each in cites]
+    places = [visible(each.place) for each in cites]
     lines = [visible(line_at(each.span)) for each in cites]
     before = max(map(len, places), default=0)
     short = [len(line) for line in lines if len(line) <= _WIDEST]

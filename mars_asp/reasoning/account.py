@@ -37,9 +37,10 @@ _DECIDING = "deciding"
 
 @dataclass(frozen=True, slots=True)
 class Cited:
-    """A line of the user's, and what is said beside it."""
+    """A line of the user's, where that is in words, and what is said beside it."""
 
     span: Span
+    place: str
     label: str
 
 
@@ -50,6 +51,10 @@ class Account:
     answer: str | None
     cites: tuple[Cited, ...]
     notes: tuple[str, ...]
+
+
+class UnnamedNodeError(Exception):
+    """A sentence names a node of which the name is not known."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +113,19 @@ class Names:
         return self.configuration
 
     def _at(self, thing: clingo.Symbol) -> str:
-        span = self._place(thing)
-        return f"{span.path}:{span.line}"
+        return self.where(self._place(thing))
+
+    def where(self, span: Span) -> str:
+        """Return a line as `config.mars:3`: paths are relative to the folder of the configuration."""
+        folder = self.configuration.path.rpartition("/")[0]
+        path = span.path.removeprefix(f"{folder}/") if folder else span.path
+        return f"{path}:{span.line}"
 
     def _node(self, node: clingo.Symbol) -> str:
-        return self.nodes[str(node)]
+        name = self.nodes.get(str(node))
+        if name is None:
+            raise UnnamedNodeError
+        return name
 
 
 #: How terms of one argument are written, by their names.
@@ -178,6 +191,7 @@ def told(
 
     Raises:
         MarsError: clingo refuses a rule.
+        UnnamedNodeError: a sentence names a node that has no name.
     """
     telling = [rule for rule in rules if ACCOUNT in rule.heads]
     read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
@@ -218,7 +232,7 @@ def _cited(cites: Sequence[Said], names: Names) -> Iterator[Cited]:
         if each.rule.because is not None:
             labels.setdefault(span, {})[_sentence(each, names)] = None
     for span in sorted(orders, key=lambda span: (orders[span], span)):
-        yield Cited(span, "; ".join(labels.get(span, ())))
+        yield Cited(span, names.where(span), "; ".join(labels.get(span, ())))
 
 
 def _sentence(each: Said, names: Names) -> str:

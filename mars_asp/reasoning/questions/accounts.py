@@ -51,14 +51,14 @@ def told_of(
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = _names(project, nodes)
     found = told(rules, deciding, lambda read: _true(evidence, read), names)
-    return {key_of(thing): _told(thing, found) for thing in things}
+    return {key_of(thing): _told(thing, found, names) for thing in things}
 
 
-def _told(thing: Consequence | Node, found: Told) -> tuple[Account, str | None]:
+def _told(thing: Consequence | Node, found: Told, names: Names) -> tuple[Account, str | None]:
     account = found.accounts.get(key_of(thing), Account(None, (), ()))
     if isinstance(thing, Node):
         return account, found.rules.get(thing.term)
-    cites = account.cites or tuple(Cited(span, "") for span in thing.spans)
+    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in thing.spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
 
 

@@ -20,6 +20,7 @@ from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negat
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.model.declarations import node_kind
+from mars_asp.reasoning.account import ACCOUNT, speakers
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
@@ -60,10 +61,11 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     """
     project = reasoner.project
     named = {each.text for each in project.configuration.modules}
-    if node_kind(name) is None or name in named:
+    kind = node_kind(name)
+    if kind is None or name in named:
         return None
     part = slice_for_resolution(
-        reasoner.rulebook, lambda names: project_facts(project, wanted=names)
+        reasoner.rulebook, kind, lambda names: project_facts(project, wanted=names)
     )
     if part is None:
         return None
@@ -100,12 +102,16 @@ def slice_for(
     """
     name, first = _asked(subject, rulebook)
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
+    # What is told of a consequence is asked with it.
+    telling = speakers(rulebook, [first]) if name == CONSEQUENCE.name else ()
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
+    rules += telling
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
     if not any(name == head.name for rule in rules for head in rule.heads):
         return None
-    asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
+    predicates = (name, f"-{name}", *([ACCOUNT.name] if telling else []))
+    asked = dict.fromkeys(predicates, frozenset({first}))
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
     demand = _demand(
@@ -129,22 +135,24 @@ def slice_for(
 
 
 def slice_for_resolution(
-    rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
+    rulebook: Rulebook, kind: str, facts_of: Callable[[Set[str]], Iterable[Fact]]
 ) -> Slice | None:
     """Return what the resolution needs; `None` with rule packs, which could leave no answer.
 
-    That is what its rules read, and what no specification can resolve, which is not theirs to say.
+    That is what its rules read and those that tell of nodes of a kind, and what no specification
+    can resolve, which is not theirs to say.
     """
     if rulebook.packs:
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
     stages = ("resolve", FOLLOWING["resolve"])
     resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
-    read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
+    telling = speakers(rulebook, [kind])
+    read = {UNRESOLVABLE}.union(*(rule.reads for rule in (*resolving, *telling)))
     behind: dict[str, Rule] = {}
     new = resolving
     while new:
-        kinds = _kinds_read((*behind.values(), *resolving))
+        kinds = _kinds_read((*behind.values(), *resolving, *telling))
         new = tuple(
             rule
             for rule in base
@@ -161,7 +169,7 @@ def slice_for_resolution(
     )
     facts = tuple(facts_of({each.name for each in read}))
     documented = rulebook.documented
-    return Slice(Rulebook((*rules, *resolving), texts, documented=documented), facts)
+    return Slice(Rulebook((*rules, *resolving, *telling), texts, documented=documented), facts)
 
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
@@ -217,11 +225,14 @@ def _demand(
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
-        return demand_of(rules, Asked(CONSEQUENCE, (0, 2)), values, keys)
+        wanted = [Asked(CONSEQUENCE, (0, 2))]
+        if any(rule.head.signature == ACCOUNT for rule in rules):
+            wanted.append(Asked(ACCOUNT, (0, 1)))
+        return demand_of(rules, wanted, values, keys)
     if symbol is None or not symbol.arguments:
         return None
     asked = Asked(signature_of(symbol), tuple(range(len(symbol.arguments))))
-    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], keys)
+    return demand_of(rules, [asked], [tuple(map(str, symbol.arguments))], keys)
 
 
 def _needed(

@@ -18,7 +18,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
-from mars_asp.reasoning.account import Account, Key
+from mars_asp.reasoning.account import Account, Key, UnnamedNodeError
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.accounts import key_of, told_of
@@ -97,7 +97,8 @@ def explain(
     elif subject is not None and not reasoner.is_resolved:
         for find in (sliced_evidence, preceding_evidence):
             # What a part refuses, the whole says with all that is wrong, if it is.
-            with contextlib.suppress(MarsError):
+            # Of a part, nodes of some kinds have no names.
+            with contextlib.suppress(MarsError, UnnamedNodeError):
                 part = find(reasoner, subject)
                 if part is None:
                     continue
