@@ -19,7 +19,7 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.model.declarations import node_kind
+from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.account import ACCOUNT, speakers
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
@@ -61,11 +61,10 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     """
     project = reasoner.project
     named = {each.text for each in project.configuration.modules}
-    kind = node_kind(name)
-    if kind is None or name in named:
+    if node_kind(name) is None or name in named:
         return None
     part = slice_for_resolution(
-        reasoner.rulebook, kind, lambda names: project_facts(project, wanted=names)
+        reasoner.rulebook, lambda names: project_facts(project, wanted=names)
     )
     if part is None:
         return None
@@ -135,19 +134,19 @@ def slice_for(
 
 
 def slice_for_resolution(
-    rulebook: Rulebook, kind: str, facts_of: Callable[[Set[str]], Iterable[Fact]]
+    rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
 ) -> Slice | None:
     """Return what the resolution needs; `None` with rule packs, which could leave no answer.
 
-    That is what its rules read and those that tell of nodes of a kind, and what no specification
-    can resolve, which is not theirs to say.
+    That is what its rules read and those that tell of nodes, and what no specification can resolve,
+    which is not theirs to say.
     """
     if rulebook.packs:
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
     stages = ("resolve", FOLLOWING["resolve"])
     resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
-    telling = speakers(rulebook, [kind])
+    telling = speakers(rulebook, NODE_NAMES)
     read = {UNRESOLVABLE}.union(*(rule.reads for rule in (*resolving, *telling)))
     behind: dict[str, Rule] = {}
     new = resolving
