@@ -56,7 +56,7 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "alternatives annotation_edits evidence subject edits explain diff repair why_not"
+        "account alternatives annotation_edits evidence subject edits explain diff repair why_not"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
@@ -73,7 +73,7 @@ FILES = {
     "cli": (
         "deliver encode lines live progress outputs report extract limits worker reason "
         "alternatives analyse can check draw export facts fmt import rules run synthesise test "
-        "verify diff repair explain"
+        "verify diff repair account explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

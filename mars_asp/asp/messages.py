@@ -37,9 +37,7 @@ class Said(NamedTuple):
         """Return what the rule says there is to do; `None` where it says nothing."""
         return self.filled(self.rule.help)
 
-    def filled(
-        self, text: str | None, show: Callable[[TermId], str] | None = None
-    ) -> str | None:
+    def filled(self, text: str | None, show: Callable[[TermId], str] | None = None) -> str | None:
         """Return a text of the rule with its holes filled by values as `show` writes them."""
         # Most advice is the same for everybody.
         if text is None or "{" not in text:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from mars_asp.asp.trace.text import wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.output import visible
-from mars_asp.reasoning.account import Account, Cited
+from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
 
 #: Labels begin in one column, unless a line is longer than this.

@@ -103,9 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
     # The traces stand without what was grounded, which takes as much memory.
     del answer
     if arguments.format == "json":
-        traces = [
-            {"title": t.title, **trace_json(t.trace)} for t in topics if t.trace is not None
-        ]
+        traces = [{"title": t.title, **trace_json(t.trace)} for t in topics if t.trace is not None]
         print(encoded({"subject": subject, "traces": traces}))
     else:
         lines = chain(_told(topics, traced, arguments), closing)
@@ -218,10 +216,8 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
         yield "no specification realises this configuration: `mars-asp check` says why not"
 
 
-def _told(
-    topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace
-) -> Iterator[str]:
-    """Yield the lines of topics: their accounts, or traces where these are wanted or all there is."""
+def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
         told = [(topic.title, topic.trace) for topic in topics if topic.trace is not None]

@@ -20,12 +20,12 @@ from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negat
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.model.declarations import NODE_NAMES, node_kind
-from mars_asp.reasoning.account import ACCOUNT, speakers
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import project_facts, project_lookup
+from mars_asp.reasoning.questions.account import ACCOUNT, speakers
 from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, introduced_with

@@ -18,10 +18,15 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
-from mars_asp.reasoning.account import Account, Key, UnnamedNodeError
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.accounts import key_of, told_of
+from mars_asp.reasoning.questions.account import (
+    Account,
+    Key,
+    UnnamedNodeError,
+    key_of,
+    told_of,
+)
 from mars_asp.reasoning.questions.evidence import preceding_evidence, sliced_evidence
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -84,9 +89,9 @@ def explain(
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
-    Accounts are always told, traces where they are `traced`, and of atoms. With `every` each step of a trace has all `others` derivations of its atom, too. With `only`
-    topics of one sort are explained, of everything or of a module; for consequences nothing is
-    resolved.
+    Accounts are always told; traces where they are `traced`, and of atoms. With `every` each step
+    of a trace has all `others` derivations of its atom, too. With `only` topics of one sort are
+    explained, of everything or of a module; for consequences nothing is resolved.
 
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
@@ -190,9 +195,7 @@ def _topic(
             return Topic(asked.title, name, "consequence", severity, rule, (), account, trace)
         case Node() as node:
             account, rule = told[key_of(node)]
-            return Topic(
-                asked.title, node.name, "node", None, rule, asked.resolves, account, trace
-            )
+            return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
         case None:
             return Topic(asked.title, asked.title, "atom", None, None, (), None, trace)
 

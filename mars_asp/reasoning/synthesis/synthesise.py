@@ -99,9 +99,9 @@ def introduced_with(
     """Return the nodes of the stretch of a configuration that has a node, and its resolution.
 
     They are those of the least specification that are decided together with nodes of the kind that
-    is asked for; of those before, only how many there are is found out. `None` where there is no such node, where
-    it is not sure that there is one least specification, or where rules may bring modules together
-    that nothing connects.
+    is asked for; of those before, only how many there are is found out. `None` where there is no
+    such node, where it is not sure that there is one least specification, or where rules may bring
+    modules together that nothing connects.
 
     Raises:
         MarsError: clingo refuses the rules, or costs are too large to be added up.
@@ -135,7 +135,9 @@ def introduced_with(
                 resolution = grounding.resolve(counting.text, deadline, known=known)
             if resolution.count is None:
                 return None
-            counts = {each: resolution.answer.count(decides) for each, decides in counted.items()}
+            counts = {
+                str(each): resolution.answer.count(decides) for each, decides in counted.items()
+            }
             if draft.pass_over(counts, name):
                 continue
         grounding = cut.ground(number, apart.whole)

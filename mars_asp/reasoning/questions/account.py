@@ -5,7 +5,7 @@ is written as users write it.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import TypeAlias
 
@@ -17,9 +17,15 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, text
 from mars_asp.diagnostic import Span
-from mars_asp.reasoning.facts.identifiers import plain
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.session import Evidence
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis.derived import decided_by
 
 #: The stage whose rules tell accounts.
 STAGE = "account"
@@ -33,6 +39,8 @@ Key: TypeAlias = tuple[str, str, str]
 Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 #: The name under which rules that decide are heard.
 _DECIDING = "deciding"
+#: What a node has for the case of a consequence.
+_NODE = "node"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +54,15 @@ class Cited:
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What is told of a consequence or node: a sentence, lines, and further sentences."""
+    """What is told of a consequence or node: a sentence, lines, and further sentences.
+
+    `rules` are the ids of the rules that tell it.
+    """
 
     answer: str | None
     cites: tuple[Cited, ...]
     notes: tuple[str, ...]
+    rules: tuple[str, ...] = ()
 
 
 class UnnamedNodeError(Exception):
@@ -77,10 +89,11 @@ class Names:
         """Return a term as a sentence shows it."""
         found = self._written.get(term)
         if found is None:
-            found = self._written[term] = self._write(as_symbol(term))
+            found = self._written[term] = self.word(as_symbol(term))
         return found
 
-    def _write(self, symbol: clingo.Symbol) -> str:
+    def word(self, symbol: clingo.Symbol) -> str:
+        """Return a term as a sentence shows it."""
         if symbol.type == clingo.SymbolType.Function and len(symbol.arguments) == 1:
             write = _WORDS.get(symbol.name)
             if write is not None:
@@ -116,7 +129,7 @@ class Names:
         return self.where(self._place(thing))
 
     def where(self, span: Span) -> str:
-        """Return a line as `config.mars:3`: paths are relative to the folder of the configuration."""
+        """Return a line as `config.mars:3`, its path seen from the folder of the configuration."""
         folder = self.configuration.path.rpartition("/")[0]
         path = span.path.removeprefix(f"{folder}/") if folder else span.path
         return f"{path}:{span.line}"
@@ -133,8 +146,10 @@ _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "at": Names._at,
     "node": Names._node,
     "hz": lambda _, rate: f"{plain(Decimal(rate.number) / 1000)} Hz",
+    "sends": lambda names, rate: f"delivers at {names.word(rate)}",
+    "offers": lambda names, mode: f"offers {names.word(mode)}",
+    "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
     "mm": lambda _, length: f"{round(length.number / 1000)} mm",
-    "seconds": lambda _, time: f"{plain(Decimal(time.number) / 1000)} s",
 }
 
 
@@ -181,9 +196,7 @@ class Told:
     rules: Mapping[str, str]
 
 
-def told(
-    rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names: Names
-) -> Told:
+def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names: Names) -> Told:
     """Return what rules tell.
 
     `deciding` are rules of other stages: of the atoms that these force, the first of them is told.
@@ -218,21 +231,23 @@ def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
         _sentence(answers[0], names) if answers else None,
         tuple(_cited(parts.get("cites", ()), names)),
         tuple(dict.fromkeys(_sentence(each, names) for each in _in_order(notes, names))),
+        tuple(dict.fromkeys(each.rule.id for part in parts.values() for each in part)),
     )
 
 
 def _cited(cites: Sequence[Said], names: Names) -> Iterator[Cited]:
     """Yield the lines in their order, each once, with all that is said beside it."""
-    orders: dict[Span, _Order] = {}
-    labels: dict[Span, dict[str, None]] = {}
+    # Two things may be on one line.
+    lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
+    labels: dict[tuple[str, int], dict[str, None]] = {}
     for each in _in_order(cites, names):
         *_, order, thing = arguments(each.head)
         span = names.place(thing)
-        orders.setdefault(span, names.order(order))
+        lines.setdefault(span[:2], (names.order(order), span))
         if each.rule.because is not None:
-            labels.setdefault(span, {})[_sentence(each, names)] = None
-    for span in sorted(orders, key=lambda span: (orders[span], span)):
-        yield Cited(span, names.where(span), "; ".join(labels.get(span, ())))
+            labels.setdefault(span[:2], {})[_sentence(each, names)] = None
+    for line, (_, span) in sorted(lines.items(), key=lambda item: item[1]):
+        yield Cited(span, names.where(span), "; ".join(labels.get(line, ())))
 
 
 def _sentence(each: Said, names: Names) -> str:
@@ -250,3 +265,85 @@ def _in_order(told: Sequence[Said], names: Names) -> Sequence[Said]:
 def _are_few(told: Sequence[Said]) -> bool:
     """Whether each of them is told by a rule of its own, so that values decide nothing."""
     return len({each.number for each in told}) == len(told)
+
+
+def key_of(thing: Consequence | Node) -> Key:
+    """Return by what an account is found of a consequence or node."""
+    if isinstance(thing, Node):
+        return thing.kind, thing.term, _NODE
+    kind, _, subject, case = thing.atom.arguments
+    return str(kind), str(subject), str(case)
+
+
+def told_of(
+    project: Project,
+    evidence: Evidence,
+    nodes: Iterable[Node],
+    things: Sequence[Consequence | Node],
+) -> Mapping[Key, tuple[Account, str | None]]:
+    """Return the accounts of consequences and nodes, and the rule that gives each.
+
+    `nodes` are all that have names.
+
+    A consequence of which no rule tells has its message and places. No rule is named for a node
+    that several rules or none could have given: it was chosen.
+
+    Raises:
+        MarsError: clingo refuses a rule.
+    """
+    if not things:
+        return {}
+    kinds = {thing.kind for thing in things}
+    rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
+    names = _names(project, nodes)
+    found = told(rules, deciding, lambda read: _true(evidence, read), names)
+    return {key_of(thing): _told(thing, found, names) for thing in things}
+
+
+def _told(thing: Consequence | Node, found: Told, names: Names) -> tuple[Account, str | None]:
+    account = found.accounts.get(key_of(thing), Account(None, (), ()))
+    if isinstance(thing, Node):
+        return account, found.rules.get(thing.term)
+    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in thing.spans)
+    return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
+
+
+def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
+    """Return the rules with a message that force nodes of some kinds."""
+    predicates = {decided_by(rulebook, kind) for kind in kinds} - {None}
+    return tuple(
+        rule
+        for rule in rulebook.rules
+        if rule.because is not None
+        and rule.stage == "resolve"
+        and not rule.is_choice
+        and not predicates.isdisjoint(rule.heads)
+    )
+
+
+def _true(evidence: Evidence, read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
+    """Return the true atoms of predicates: what follows from an answer, the answer, or facts."""
+    control = evidence.analysis.grounding.control
+    derived = evidence.derived
+    opened = {} if evidence.resolution is None else evidence.resolution.answer.true
+    found: dict[Signature, Sequence[TermId]] = {}
+    for signature in read:
+        if derived is not None and signature in derived.predicates:
+            found[signature] = derived.atoms(signature)
+        else:
+            found[signature] = opened.get(signature) or atoms(control, *signature)
+    return found
+
+
+def _names(project: Project, nodes: Iterable[Node]) -> Names:
+    configuration = project.configuration
+    described = described_modules(configuration, project.modules)
+    places: dict[int | str, Span] = {name: module.span for name, module in described.items()}
+    places |= {name.text: name.span for name in configuration.modules}
+    places |= {number: each.span for number, each in numbered(configuration.relationships)}
+    places |= {
+        number: annotation.span
+        for number, _, annotation in numbered_annotations(configuration, described)
+    }
+    order = {name.text: place for place, name in enumerate(configuration.modules)}
+    return Names(places, configuration.span, {node.term: node.name for node in nodes}, order)
