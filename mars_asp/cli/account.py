@@ -8,8 +8,8 @@ from mars_asp.output import visible
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
 
-#: Labels begin in one column, unless a line is longer than this.
-_WIDEST = 56
+#: Between a line and what is said of it.
+_GAP = "   "
 
 
 def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
@@ -29,15 +29,16 @@ def _cited(cites: Sequence[Cited], width: int) -> Iterator[str]:
     """Yield lines of the user's with their places, each in its column where that is narrow."""
     places = [visible(each.place) for each in cites]
     lines = [visible(line_at(each.span)) for each in cites]
-    before = max(map(len, places), default=0)
-    short = [len(line) for line in lines if len(line) <= _WIDEST]
-    between = max(short, default=0)
+    before = max(map(len, places), default=0) + 4
+    longest = max((len(each.label) for each in cites), default=0)
+    # A label that finds no room beside its line is written below it.
+    room = width - before - len(_GAP) - longest
+    column = max((len(line) for line in lines if len(line) <= room), default=0)
     for place, line, each in zip(places, lines, cites, strict=True):
-        head = f"  {place:{before}}  "
-        if not each.label:
-            yield head + line
-        elif len(head) + max(len(line), between) + 3 + len(each.label) <= width:
-            yield f"{head}{line:{between}}   {each.label}"
+        head = f"  {place}".ljust(before)
+        text = f"{line:{column}}{_GAP}{each.label}" if each.label else line
+        if not each.label or before + len(text) <= width:
+            yield head + text
         else:
             yield head + line
             yield from wrapped(each.label, 3, width)

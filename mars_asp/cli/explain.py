@@ -220,7 +220,7 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
     """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
     coloured = colours(arguments, sys.stdout)
     if traced or any(topic.account is None for topic in topics):
-        told = [(topic.title, topic.trace) for topic in topics if topic.trace is not None]
+        told = [(topic.title, topic.trace) for topic in topics]
         yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
     for topic in topics:

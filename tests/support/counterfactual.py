@@ -1,7 +1,7 @@
 """Whether what an account cites are causes: without a cited line something else is said.
 
-A line that is cited for a consequence or node is taken out of the text. If the same is still said of
-the same, in its first sentence, the line was no cause of it.
+A line that is cited for a consequence or node is taken out of the text. If the same is still said
+of the same, in its first sentence, the line was no cause of it.
 
     python -m tests.support.counterfactual HOW_MANY [FIRST_SEED]
 
@@ -48,9 +48,17 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                     (said, frozenset(numbers[n] for n in others))
                     for said, others in _said("".join(rest), path)
                 ]
-            # Elsewhere the same may be said of others.
-            if any(said == sentence and cited & others for said, others in without[at]):
+            # A line that is stated twice is still stated, and elsewhere the same may be said.
+            if not _is_stated_again(lines, at) and any(
+                said == sentence and cited & others for said, others in without[at]
+            ):
                 yield f"{lines[at].strip()} for {sentence}"
+
+
+def _is_stated_again(lines: Sequence[str], at: int) -> bool:
+    """Whether another line relates the same two modules, whatever else it says."""
+    related = lines[at].split()[:3]
+    return any(line.split()[:3] == related for line in (*lines[:at], *lines[at + 1 :]) if related)
 
 
 def _said(text: str, path: str) -> list[tuple[str, frozenset[int]]]:

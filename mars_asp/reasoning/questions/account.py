@@ -33,6 +33,8 @@ STAGE = "account"
 ACCOUNT = Signature("account", 6)
 #: What something is ordered by: numbers first, then modules, then others.
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
+#: Which things a consequence concerns, by kind, subject and case.
+CONCERNS = Signature("concerns", 4)
 #: What is told of: the texts of its kind, subject and case.
 Key: TypeAlias = tuple[str, str, str]
 #: The atoms of predicates, as far as they are true.
@@ -297,15 +299,34 @@ def told_of(
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = _names(project, nodes)
     found = told(rules, deciding, lambda read: _true(evidence, read), names)
-    return {key_of(thing): _told(thing, found, names) for thing in things}
+    concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
+    return {key_of(thing): _told(thing, found, names, concerned) for thing in things}
 
 
-def _told(thing: Consequence | Node, found: Told, names: Names) -> tuple[Account, str | None]:
+def _told(
+    thing: Consequence | Node,
+    found: Told,
+    names: Names,
+    concerned: Mapping[Key, Sequence[TermId]] | None,
+) -> tuple[Account, str | None]:
     account = found.accounts.get(key_of(thing), Account(None, (), ()))
     if isinstance(thing, Node):
         return account, found.rules.get(thing.term)
-    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in thing.spans)
+    spans: Iterable[Span] = thing.spans
+    if concerned is not None:
+        things = concerned.get(key_of(thing), ())
+        spans = sorted(set(map(names.place, things))) or [names.configuration]
+    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
+
+
+def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
+    """Return what consequences concern; a part of the facts does not say where that is."""
+    found: dict[Key, list[TermId]] = {}
+    for atom in atoms(evidence.analysis.grounding.control, *CONCERNS):
+        kind, subject, case, thing = arguments(atom)
+        found.setdefault((text(kind), text(subject), text(case)), []).append(thing)
+    return found
 
 
 def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:

@@ -25,7 +25,7 @@ from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import project_facts, project_lookup
-from mars_asp.reasoning.questions.account import ACCOUNT, speakers
+from mars_asp.reasoning.questions.account import ACCOUNT, CONCERNS, speakers
 from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, introduced_with
@@ -101,7 +101,7 @@ def slice_for(
     """
     name, first = _asked(subject, rulebook)
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
-    # What is told of a consequence is asked with it.
+    # What is told of a consequence, and what it concerns, is asked with it.
     telling = speakers(rulebook, [first]) if name == CONSEQUENCE.name else ()
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
@@ -109,7 +109,11 @@ def slice_for(
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
     if not any(name == head.name for rule in rules for head in rule.heads):
         return None
-    predicates = (name, f"-{name}", *([ACCOUNT.name] if telling else []))
+    predicates = (
+        name,
+        f"-{name}",
+        *([ACCOUNT.name, CONCERNS.name] if name == CONSEQUENCE.name else []),
+    )
     asked = dict.fromkeys(predicates, frozenset({first}))
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
@@ -225,8 +229,8 @@ def _demand(
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
         wanted = [Asked(CONSEQUENCE, (0, 2))]
-        if any(rule.head.signature == ACCOUNT for rule in rules):
-            wanted.append(Asked(ACCOUNT, (0, 1)))
+        derived = {rule.head.signature for rule in rules}
+        wanted += [Asked(each, (0, 1)) for each in (ACCOUNT, CONCERNS) if each in derived]
         return demand_of(rules, wanted, values, keys)
     if symbol is None or not symbol.arguments:
         return None

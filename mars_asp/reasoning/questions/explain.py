@@ -15,7 +15,7 @@ import clingo
 from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
-from mars_asp.asp.trace import Trace
+from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
@@ -45,9 +45,9 @@ Sort: TypeAlias = Literal["consequences", "nodes"]
 class Topic:
     """One thing that is explained: a node, a consequence or an atom, which is called `name`.
 
-    Its `account` is short, its `trace` complete; an atom has a trace alone, and there is no trace
-    where none was asked for. `rule` is the id of the rule that gives it, where one is known without
-    the trace. A node `resolves` consequences.
+    Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an atom
+    has a trace alone. `rule` is the id of the rule that gives it, where one is known without the
+    trace. A node `resolves` consequences.
     """
 
     title: str
@@ -57,7 +57,7 @@ class Topic:
     rule: str | None
     resolves: tuple[str, ...]
     account: Account | None
-    trace: Trace | None
+    trace: Trace
 
 
 @dataclass(frozen=True)
@@ -182,12 +182,16 @@ def _topics(
     atoms = dict.fromkeys(each.atom for each in asked if traced or each.of is None)
     if atoms:
         traces = evidence.explainer.why(atoms, every)
-    return tuple(_topic(each, told, traces.get(each.atom)) for each in asked)
+    return tuple(
+        _topic(each, told, traces.get(each.atom) or _untraced(each.atom)) for each in asked
+    )
 
 
-def _topic(
-    asked: _Asked, told: Mapping[Key, tuple[Account, str | None]], trace: Trace | None
-) -> Topic:
+def _untraced(atom: clingo.Symbol) -> Trace:
+    return Unexplained(str(atom), "no trace was asked for")
+
+
+def _topic(asked: _Asked, told: Mapping[Key, tuple[Account, str | None]], trace: Trace) -> Topic:
     match asked.of:
         case Consequence() as found:
             account, rule = told[key_of(found)]
