@@ -45,9 +45,9 @@ Sort: TypeAlias = Literal["consequences", "nodes"]
 class Topic:
     """One thing that is explained: a node, a consequence or an atom, which is called `name`.
 
-    Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an atom
-    has a trace alone. `rule` is the id of the rule that gives it, where one is known without the
-    trace. A node `resolves` consequences.
+    Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an
+    atom has a trace alone. `rule` is the id of the rule that gives it, where one is known without
+    the trace. A node `resolves` consequences.
     """
 
     title: str
