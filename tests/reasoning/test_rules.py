@@ -168,7 +168,7 @@ def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook:
     assert silent == []
 
 
-#: What several files add to: accounts, consequences and their places, verdicts, nodes, costs, edits.
+#: What several files add to: accounts, consequences, verdicts, nodes, costs and edits.
 COMMON = {
     "account",
     "consequence",
