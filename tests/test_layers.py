@@ -57,8 +57,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "alternatives annotation_edits changes evidence subject vicinity blame edits explain diff "
-        "near_miss repair fix why_not"
+        "account alternatives annotation_edits changes evidence subject vicinity blame edits "
+        "explain diff near_miss repair fix why_not"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
@@ -73,9 +73,10 @@ FILES = {
     "execution/scenario": "schema toml_places read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
-        "deliver encode layout arguments lines live progress outputs report extract limits terminal "
+        "deliver encode layout arguments lines live progress outputs report extract limits "
         "trace_document worker reason alternatives analyse can completion draw export facts fmt "
-        "import rules run synthesise test verify diff repair check explain"
+        "import rules run synthesise test verify diff repair check account explain"
+    ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.
 DRAWN = (".", "asp", "reasoning", "execution")

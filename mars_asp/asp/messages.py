@@ -30,23 +30,25 @@ class Said(NamedTuple):
     @property
     def message(self) -> str | None:
         """Return the rule's message; `None` where it has none."""
-        return self._filled(self.rule.because)
+        return self.filled(self.rule.because)
 
     @property
     def help(self) -> str | None:
         """Return what the rule says there is to do; `None` where it says nothing."""
-        return self._filled(self.rule.help)
+        return self.filled(self.rule.help)
 
     @property
     def effect(self) -> str | None:
         """Return what the rule says will happen; `None` where it says nothing."""
-        return self._filled(self.rule.effect)
+        return self.filled(self.rule.effect)
 
-    def _filled(self, text: str | None) -> str | None:
+    def filled(self, text: str | None, show: Callable[[TermId], str] | None = None) -> str | None:
+        """Return a text of the rule with its holes filled by values as `show` writes them."""
         # Most advice is the same for everybody.
         if text is None or "{" not in text:
             return text
-        return fill(text, dict(zip(self.rule.holes, arguments(self.values), strict=True)), written)
+        values = dict(zip(self.rule.holes, arguments(self.values), strict=True))
+        return fill(text, values, written if show is None else show)
 
 
 def saying(stage: str, rules: Sequence[Rule]) -> list[Fragment]:

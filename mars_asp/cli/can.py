@@ -6,10 +6,10 @@ import sys
 from mars_asp.asp.trace.document import Document
 from mars_asp.asp.trace.text import DEPTH, traces_text
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
-from mars_asp.cli.terminal import width
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.capability import QUERY, Answer, capability
@@ -55,7 +55,7 @@ def _print_answer(answer: Answer, coloured: bool) -> None:
         for v in answer.verdicts
         for trace in v.traces
     ]
-    for line in traces_text(topics, asked_or_line, DEPTH, width()):
+    for line in traces_text(topics, asked_or_line, DEPTH, columns(sys.stdout)):
         title = not line.startswith(" ")
         if title:
             print()

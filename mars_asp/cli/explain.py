@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.text import DEPTH, traces_text, wrapped
 from mars_asp.asp.trace.tree import Trace
+from mars_asp.cli.account import account_lines
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
-from mars_asp.cli.terminal import width
 from mars_asp.cli.trace_document import add_schema, write_topics
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.explain import Explanation, explain
+from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
@@ -104,9 +105,11 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.repair import run_repair
 
         return run_repair(project, arguments, subject)
-    rulebook = rulebook_for(arguments)
+    rulebook = rulebook_for(arguments, ("resolve", "account"))
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    answer = explain(reasoner, subject, arguments.every, arguments.only)
+    deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
+    traced = deeper or arguments.format != "text"
+    answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
     closing = () if arguments.quiet else tuple(_closing(answer, arguments))
@@ -115,9 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format != "text":
         write_topics(subject, topics, arguments.format, sys.stdout.write)
     else:
-        told = [(topic.title, topic.trace) for topic in topics]
-        depth = getattr(arguments, "depth", DEPTH)
-        lines = chain(_lines(told, depth, arguments), closing)
+        lines = chain(_told(topics, traced, arguments), closing)
         sys.stdout.writelines(f"{line}\n" for line in lines)
     return status
 
@@ -242,11 +243,27 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
         yield "no specification realises this configuration: `mars-asp check` says why not"
 
 
+def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield the lines of topics: accounts, or traces where these are wanted or all there is."""
+    coloured = colours(arguments, sys.stdout)
+    if traced or any(topic.account is None for topic in topics):
+        told = [(topic.title, topic.trace) for topic in topics]
+        yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
+        return
+    for topic in topics:
+        if topic.account is not None:
+            yield ""
+            first, *others = account_lines(topic, topic.account, columns(sys.stdout))
+            yield paint(first, "strong", coloured)
+            yield from others
+    yield ""
+
+
 def _lines(
     topics: Sequence[tuple[str, Trace]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
     coloured = colours(arguments, sys.stdout)
-    for line in traces_text(topics, line_at, depth, width(), places=arguments.places):
+    for line in traces_text(topics, line_at, depth, columns(sys.stdout), places=arguments.places):
         title = not line.startswith(" ")
         if title:
             yield ""

@@ -304,11 +304,11 @@ def _print_winners(trial: "Trial") -> None:
 
 def _explain(judgement: "Judgement") -> None:
     from mars_asp.asp.trace.text import traces_text
+    from mars_asp.cli.layout import columns
     from mars_asp.cli.lines import line_at
-    from mars_asp.cli.terminal import width
 
     topics = [(c.kind, trace) for c, trace in judgement.traces()]
-    for line in traces_text(topics, line_at, width=width()):
+    for line in traces_text(topics, line_at, width=columns(sys.stdout)):
         print(visible(line) if line.startswith(" ") else f"\n{visible(line)}")
 
 

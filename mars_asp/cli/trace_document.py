@@ -7,6 +7,7 @@ from typing import Any
 
 from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_lines
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.lines import line_at
 from mars_asp.reasoning.questions.explain import Topic
 
 #: The formats that programs read; each has a schema in the package.
@@ -65,8 +66,22 @@ def _document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]
 
 
 def _topic_json(topic: Topic) -> dict[str, object]:
-    resolves = list(topic.resolves)
-    return {"title": topic.title, "sort": topic.sort, "name": topic.name, "resolves": resolves}
+    told = {"title": topic.title, "sort": topic.sort, "name": topic.name}
+    account = topic.account
+    if account is None:
+        return {**told, "resolves": list(topic.resolves)}
+    lines = [
+        {
+            "path": each.span.path,
+            "line": each.span.line,
+            "column": each.span.column,
+            "text": line_at(each.span),
+            "label": each.label,
+        }
+        for each in account.cites
+    ]
+    answer = {"answer": account.answer, "lines": lines, "notes": list(account.notes)}
+    return {**told, "resolves": list(topic.resolves), **answer, "decided_by": topic.rule}
 
 
 def _batches(lines: Iterable[str]) -> Iterator[list[str]]:

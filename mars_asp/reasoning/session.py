@@ -17,7 +17,7 @@ from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts
-from mars_asp.reasoning.synthesis import Introduced
+from mars_asp.reasoning.synthesis import Derived, Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
 
@@ -26,8 +26,9 @@ from mars_asp.reasoning.verification import Violation, verify
 class Evidence:
     """What questions are answered from: rules, facts, and what follows from these.
 
-    `resolution` is what was chosen on top of that, `None` where nothing was or can be. Where it was
-    chosen for a part of a configuration alone, `introduced` are the nodes of that.
+    `resolution` is what was chosen on top of that, `None` where nothing was or can be; `derived`
+    follows from it. Where it was chosen for a part of a configuration alone, `introduced` are the
+    nodes of that.
     """
 
     rulebook: Rulebook
@@ -35,6 +36,7 @@ class Evidence:
     analysis: Analysis
     resolution: Resolution | None = None
     introduced: Introduced | None = None
+    derived: Derived | None = None
 
     @cached_property
     def explainer(self) -> Explainer:
@@ -117,7 +119,9 @@ class Reasoner:
         found = synthesise(self.project, analysis, self.rulebook, self.budget)
         if found is None:
             return Evidence(self.rulebook, self.facts, analysis), None
-        return Evidence(self.rulebook, self.facts, analysis, found.resolution), found
+        resolution, derived = found.resolution, found.derived
+        evidence = Evidence(self.rulebook, self.facts, analysis, resolution, derived=derived)
+        return evidence, found
 
     def _analyse(self) -> Analysis:
         return analyse(self.facts, self.rulebook, self.project.configuration.span)

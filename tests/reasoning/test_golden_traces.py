@@ -25,6 +25,7 @@ from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.reasoning.cases import stages_of
+from mars_asp.reasoning.questions.account import STAGE as TELLING
 from mars_asp.reasoning.rules import FOLLOWING, STAGES, load_rulebook
 from mars_asp.reasoning.synthesis import derived
 from tests.support.documents import ROOT
@@ -101,7 +102,7 @@ def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
     return "\n".join(said)
 
 
-@pytest.mark.parametrize("stage", ["base", *STAGES])
+@pytest.mark.parametrize("stage", ["base", *(each for each in STAGES if each != TELLING)])
 def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
     by_file: dict[str, list[tuple[int, str]]] = {}
     for rule, text in goldens(stage):

@@ -285,7 +285,9 @@ def _lines(
         lines.pop()
         wrong = _wrong_line(key, value, near_key)
         if wrong is not None:
-            problems.append(_problem(f"`{key}: {value}` is not a key of a documented predicate", place, wrong))
+            problems.append(
+                _problem(f"`{key}: {value}` is not a key of a documented predicate", place, wrong)
+            )
         elif key in said and key not in _SENTENCES:
             problems.append(_problem(f"`{key}` occurs twice", place, "leave out one of them"))
         else:

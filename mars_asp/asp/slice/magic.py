@@ -67,24 +67,24 @@ class Demand:
 
 def demand_of(
     rules: Sequence[Statement],
-    asked: Asked,
-    values: Iterable[Sequence[str]],
+    asked: Sequence[Asked],
+    values: Sequence[Sequence[str]],
     keys: Mapping[Signature, Sequence[int]],
 ) -> Demand | None:
     """Return the demand of atoms on the rules behind them; `None` where it cannot be told.
 
-    `values` are the texts of the terms that bind arguments of what is `asked`. `keys` are, for all
-    given predicates, the positions of arguments by which their facts can be found.
+    `values` are the texts of the terms that bind arguments of each of what is `asked`. `keys` are,
+    for all given predicates, the positions of arguments by which their facts can be found.
     """
     if not are_forced(rules) or negates_itself(rules):
         return None
     writer = _Writer(keys)
     for rule in rules:
         writer.rules.setdefault(rule.head.signature, []).append(rule)
-    if not writer.is_derived(asked.signature):
+    if not all(writer.is_derived(each.signature) for each in asked):
         return None
     lines = writer.program(asked)
-    facts = (f"{asked.atom('_need', terms)}." for terms in values)
+    facts = (f"{each.atom('_need', terms)}." for each in asked for terms in values)
     return Demand(
         "\n".join((*facts, *lines)),
         "\n".join(writer.guarded()),
@@ -142,7 +142,7 @@ class _Writer:
         """Whether rules alone say what is true of a predicate."""
         return signature in self.rules and signature not in self.keys
 
-    def program(self, asked: Asked) -> list[str]:
+    def program(self, asked: Sequence[Asked]) -> list[str]:
         """Return the demand program without the question itself.
 
         At first every argument is held to be known; what turns out not to be is noted, and all is
@@ -151,8 +151,8 @@ class _Writer:
         before, unknown = -1, 0
         lines: list[str] = []
         while before != unknown:
-            self.seen, self.whole, lines = {asked: None}, set(), []
-            waiting = [asked]
+            self.seen, self.whole, lines = dict.fromkeys(asked), set(), []
+            waiting = list(asked)
             while waiting:
                 each = waiting.pop()
                 known = len(self.seen)

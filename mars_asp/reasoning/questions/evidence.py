@@ -19,12 +19,13 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.model.declarations import node_kind
+from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import project_facts, project_lookup
+from mars_asp.reasoning.questions.account import ACCOUNT, CONCERNS, speakers
 from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, introduced_with
@@ -71,10 +72,10 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     found = introduced_with(name, project, analysis, part.rulebook, reasoner.budget)
     if found is None:
         return None
-    introduced, resolution = found
+    introduced, resolution, derived = found
     # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
     analysis.grounding.state(resolution.answer.grounding.decided_predicates())
-    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced)
+    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced, derived)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +101,20 @@ def slice_for(
     """
     name, first = _asked(subject, rulebook)
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
+    # What is told of a consequence, and what it concerns, is asked with it.
+    telling = speakers(rulebook, [first]) if name == CONSEQUENCE.name else ()
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
+    rules += telling
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
     if not any(name == head.name for rule in rules for head in rule.heads):
         return None
-    asked = {name: frozenset({first}), f"-{name}": frozenset({first})}
+    predicates = (
+        name,
+        f"-{name}",
+        *([ACCOUNT.name, CONCERNS.name] if name == CONSEQUENCE.name else []),
+    )
+    asked = dict.fromkeys(predicates, frozenset({first}))
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
     demand = _demand(
@@ -133,18 +142,20 @@ def slice_for_resolution(
 ) -> Slice | None:
     """Return what the resolution needs; `None` with rule packs, which could leave no answer.
 
-    That is what its rules read, and what no specification can resolve, which is not theirs to say.
+    That is what its rules read and those that tell of nodes, and what no specification can resolve,
+    which is not theirs to say.
     """
     if rulebook.packs:
         return None
     base = [rule for rule in rulebook.rules if rule.stage == "base"]
     stages = ("resolve", FOLLOWING["resolve"])
     resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
-    read = {UNRESOLVABLE}.union(*(rule.reads for rule in resolving))
+    telling = speakers(rulebook, NODE_NAMES)
+    read = {UNRESOLVABLE}.union(*(rule.reads for rule in (*resolving, *telling)))
     behind: dict[str, Rule] = {}
     new = resolving
     while new:
-        kinds = _kinds_read((*behind.values(), *resolving))
+        kinds = _kinds_read((*behind.values(), *resolving, *telling))
         new = tuple(
             rule
             for rule in base
@@ -161,7 +172,7 @@ def slice_for_resolution(
     )
     facts = tuple(facts_of({each.name for each in read}))
     documented = rulebook.documented
-    return Slice(Rulebook((*rules, *resolving), texts, documented=documented), facts)
+    return Slice(Rulebook((*rules, *resolving, *telling), texts, documented=documented), facts)
 
 
 def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
@@ -217,11 +228,14 @@ def _demand(
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
         values = [(kind, each) for each in sorted(subjects)]
-        return demand_of(rules, Asked(CONSEQUENCE, (0, 2)), values, keys)
+        wanted = [Asked(CONSEQUENCE, (0, 2))]
+        derived = {rule.head.signature for rule in rules}
+        wanted += [Asked(each, (0, 1)) for each in (ACCOUNT, CONCERNS) if each in derived]
+        return demand_of(rules, wanted, values, keys)
     if symbol is None or not symbol.arguments:
         return None
     asked = Asked(signature_of(symbol), tuple(range(len(symbol.arguments))))
-    return demand_of(rules, asked, [tuple(map(str, symbol.arguments))], keys)
+    return demand_of(rules, [asked], [tuple(map(str, symbol.arguments))], keys)
 
 
 def _needed(

@@ -6,7 +6,7 @@
 """
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -15,11 +15,18 @@ import clingo
 from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
-from mars_asp.asp.trace import Trace
-from mars_asp.diagnostic import MarsError
+from mars_asp.asp.trace.tree import Trace, Unexplained
+from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.account import (
+    Account,
+    Key,
+    UnnamedNodeError,
+    key_of,
+    told_of,
+)
 from mars_asp.reasoning.questions.evidence import preceding_evidence, sliced_evidence
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -36,24 +43,21 @@ Sort: TypeAlias = Literal["consequences", "nodes"]
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One thing that is explained, which is called `name`; a node `resolves` consequences."""
+    """One thing that is explained: a node, a consequence or an atom, which is called `name`.
+
+    Its `account` is short, its `trace` complete, and `Unexplained` where none was asked for; an
+    atom has a trace alone. `rule` is the id of the rule that gives it, where one is known without
+    the trace. A node `resolves` consequences.
+    """
 
     title: str
     name: str
     sort: Literal["consequence", "node", "atom"]
+    severity: Severity | None
+    rule: str | None
     resolves: tuple[str, ...]
+    account: Account | None
     trace: Trace
-
-
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """What a subject names: a consequence, a node, or an atom of another kind."""
-
-    title: str
-    atom: clingo.Symbol
-    name: str
-    sort: Literal["consequence", "node", "atom"]
-    resolves: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,14 +70,28 @@ class Explanation:
     synthesis: Synthesis | None
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a subject names: a consequence, a node, or an atom of another kind."""
+
+    title: str
+    atom: clingo.Symbol
+    of: Consequence | Node | None = None
+    resolves: tuple[str, ...] = ()
+
+
 def explain(
-    reasoner: Reasoner, subject: str | None = None, every: bool = False, only: Sort | None = None
+    reasoner: Reasoner,
+    subject: str | None = None,
+    every: bool = False,
+    only: Sort | None = None,
+    traced: bool = True,
 ) -> Explanation:
     """Explain everything, or a module, node, consequence kind or atom.
 
-    With `every` each step of a trace has all `others` derivations of its atom, too. With `only`
-    topics of one sort are explained, of everything or of a module; for consequences nothing is
-    resolved.
+    Accounts are always told; traces where they are `traced`, and of atoms. With `every` each step
+    of a trace has all `others` derivations of its atom, too. With `only` topics of one sort are
+    explained, of everything or of a module; for consequences nothing is resolved.
 
     Raises:
         MarsError: the subject is nothing that could be explained, or does not hold.
@@ -84,18 +102,21 @@ def explain(
     elif subject is not None and not reasoner.is_resolved:
         for find in (sliced_evidence, preceding_evidence):
             # What a part refuses, the whole says with all that is wrong, if it is.
-            with contextlib.suppress(MarsError):
+            # Of a part, nodes of some kinds have no names.
+            with contextlib.suppress(MarsError, UnnamedNodeError):
                 part = find(reasoner, subject)
                 if part is None:
                     continue
                 chosen = _consequences(part, reasoner.project, subject, None)
                 asked = _asked(reasoner.project, part, None, subject, None, chosen)
-                return Explanation(subject, _topics(part, asked, every), part.analysis, None)
-    return _explain_whole(reasoner, subject, every, only)
+                nodes = () if part.introduced is None else part.introduced.nodes
+                topics = _topics(reasoner.project, part, nodes, asked, every, traced)
+                return Explanation(subject, topics, part.analysis, None)
+    return _explain_whole(reasoner, subject, every, only, traced)
 
 
 def _explain_whole(
-    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None
+    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None, traced: bool
 ) -> Explanation:
     evidence = reasoner.evidence(resolved=False)
     chosen = _consequences(evidence, reasoner.project, subject, only)
@@ -106,7 +127,9 @@ def _explain_whole(
     asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
-    return Explanation(subject, _topics(evidence, asked, every), evidence.analysis, synthesis)
+    nodes = () if synthesis is None else synthesis.specification.nodes
+    topics = _topics(reasoner.project, evidence, nodes, asked, every, traced)
+    return Explanation(subject, topics, evidence.analysis, synthesis)
 
 
 def _asked(
@@ -127,15 +150,13 @@ def _asked(
     introduced = evidence.introduced if synthesis is None else synthesis.specification
     asked: list[_Asked] = []
     if only != "nodes":
-        titles = [(f"{c.kind}({c.subject})", c.atom) for c in chosen]
-        asked += [_Asked(title, atom, title, "consequence") for title, atom in titles]
+        asked += [_Asked(f"{c.kind}({c.subject})", c.atom, c) for c in chosen]
     if only != "consequences" and introduced is not None:
         asked += [
             _Asked(
                 _node_title(node, introduced),
                 _node_atom(node, evidence, synthesis),
-                node.name,
-                "node",
+                node,
                 tuple(introduced.resolves[node.name]),
             )
             for node in _nodes(introduced, subject, chosen)
@@ -143,14 +164,44 @@ def _asked(
     if not asked and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis)
-        title, atom = _asked_atom(subject, project, evidence, synthesis)
-        asked = [_Asked(title, atom, title, "atom")]
+        asked = [_Asked(*_asked_atom(subject, project, evidence, synthesis))]
     return asked
 
 
-def _topics(evidence: Evidence, asked: Sequence[_Asked], every: bool) -> tuple[Topic, ...]:
-    traces = evidence.explainer.why(dict.fromkeys(each.atom for each in asked), every)
-    return tuple(Topic(a.title, a.name, a.sort, a.resolves, traces[a.atom]) for a in asked)
+def _topics(
+    project: Project,
+    evidence: Evidence,
+    nodes: Sequence[Node],
+    asked: Sequence[_Asked],
+    every: bool,
+    traced: bool,
+) -> tuple[Topic, ...]:
+    things = [each.of for each in asked if each.of is not None]
+    told = told_of(project, evidence, nodes, things)
+    traces: Mapping[clingo.Symbol, Trace] = {}
+    atoms = dict.fromkeys(each.atom for each in asked if traced or each.of is None)
+    if atoms:
+        traces = evidence.explainer.why(atoms, every)
+    return tuple(
+        _topic(each, told, traces.get(each.atom) or _untraced(each.atom)) for each in asked
+    )
+
+
+def _untraced(atom: clingo.Symbol) -> Trace:
+    return Unexplained(str(atom), "no trace was asked for")
+
+
+def _topic(asked: _Asked, told: Mapping[Key, tuple[Account, str | None]], trace: Trace) -> Topic:
+    match asked.of:
+        case Consequence() as found:
+            account, rule = told[key_of(found)]
+            name, severity = f"{found.kind}({found.subject})", found.severity
+            return Topic(asked.title, name, "consequence", severity, rule, (), account, trace)
+        case Node() as node:
+            account, rule = told[key_of(node)]
+            return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
+        case None:
+            return Topic(asked.title, asked.title, "atom", None, None, (), None, trace)
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

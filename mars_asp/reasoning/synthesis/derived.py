@@ -38,6 +38,10 @@ class Derived:
         found = sorted(self.predicates)
         grounding.state({signature: atoms(control, *signature) for signature in found})
 
+    def atoms(self, predicate: Signature) -> Sequence[TermId]:
+        """Return the atoms of a predicate."""
+        return atoms(self._grounding.control, *predicate)
+
     def rows(self, name: str, arity: int) -> list[Sequence[TermId]]:
         """Return the arguments of the atoms of a predicate."""
         return [arguments(atom) for atom in atoms(self._grounding.control, name, arity, True)]
@@ -90,4 +94,4 @@ def decided_by(rulebook: Rulebook, kind: str) -> Signature | None:
         for statement in rule.statements
         if statement.head.signature == _NODE and statement.head.terms[1].constant in (kind, None)
     ]
-    return found[0][0] if len(found) == len(found[0]) == 1 else None
+    return found[0][0] if list(map(len, found)) == [1] else None

@@ -78,12 +78,12 @@ class Draft:
                 found[line] = place
         return found
 
-    def pass_over(self, kind: str, count: int, name: str) -> bool:
-        """Count nodes that are not written here, unless one of them would have a name."""
-        before = self._next.get(kind, 1)
-        if name not in [self._free_name(kind) for _ in range(count)]:
+    def pass_over(self, counts: Mapping[str, int], name: str) -> bool:
+        """Count nodes by kind that are not written here, unless one of them would have a name."""
+        before = dict(self._next)
+        if name not in [self._free_name(kind) for kind, n in counts.items() for _ in range(n)]:
             return True
-        self._next[kind] = before
+        self._next = before
         return False
 
     def _conversion(self, node: TermId, name: str, derived: Derived) -> Conversion | None:

@@ -12,7 +12,7 @@ from mars_asp.asp.solve.components import Component
 from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import node_kind
+from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.facts.vocabulary import vocabulary
@@ -95,13 +95,13 @@ def introduced_with(
     analysis: Analysis,
     rulebook: Rulebook,
     budget: Budget = ENDLESS,
-) -> tuple[Introduced, Resolution] | None:
+) -> tuple[Introduced, Resolution, Derived] | None:
     """Return the nodes of the stretch of a configuration that has a node, and its resolution.
 
-    They are those of the least specification; of those before, only how many there are is found
-    out, so only nodes of the same kind have their names. `None` where there is no such node, where
-    it is not sure that there is one least specification, or where rules may bring modules together
-    that nothing connects.
+    They are those of the least specification that are decided together with nodes of the kind that
+    is asked for; of those before, only how many there are is found out. `None` where there is no
+    such node, where it is not sure that there is one least specification, or where rules may bring
+    modules together that nothing connects.
 
     Raises:
         MarsError: clingo refuses the rules, or costs are too large to be added up.
@@ -118,6 +118,12 @@ def introduced_with(
         return None
     deadline = budget.deadline()
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
+    # Kinds that are decided together are counted together, so they all have their names.
+    counted = {
+        each: decides
+        for each in NODE_NAMES
+        if (decides := decided_by(rulebook, each)) in counting.derived
+    }
     cut = stretches(project.configuration.relationships, analysis.facts, analysis.grounding, given)
     draft = Draft(project)
     known: dict[Component, Optimum] = {}
@@ -129,14 +135,20 @@ def introduced_with(
                 resolution = grounding.resolve(counting.text, deadline, known=known)
             if resolution.count is None:
                 return None
-            if draft.pass_over(kind, resolution.answer.count(predicate), name):
+            counts = {
+                str(each): resolution.answer.count(decides) for each, decides in counted.items()
+            }
+            if draft.pass_over(counts, name):
                 continue
         grounding = cut.ground(number, apart.whole)
         with costs_of(analysis.facts):
             resolution = grounding.resolve(resolving, deadline, known=known)
-        introduced = introduce(draft, Derived(rulebook, resolution.answer), relationships)
-        named = any(node.name == name for node in introduced.nodes)
-        return (introduced, resolution) if named and resolution.proven else None
+        derived = Derived(rulebook, resolution.answer)
+        introduced = introduce(draft, derived, relationships)
+        nodes = tuple(node for node in introduced.nodes if node.kind in counted)
+        if not resolution.proven or all(node.name != name for node in nodes):
+            return None
+        return Introduced(nodes, introduced.resolves), resolution, derived
     return None
 
 

@@ -1,0 +1,370 @@
+"""Accounts of consequences and nodes: a sentence, the user's lines behind it, and what follows.
+
+What is told `rules/account` decides, words included; here it is read, and what its terms stand for
+is written as users write it.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import TypeAlias
+
+import clingo
+
+from mars_asp.asp.fragments import joined
+from mars_asp.asp.messages import Said, said, saying, shown
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, text
+from mars_asp.diagnostic import Span
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.session import Evidence
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis.derived import decided_by
+
+#: The stage whose rules tell accounts.
+STAGE = "account"
+#: Kind, subject and case of what is told of, which part of that is told, its order and its thing.
+ACCOUNT = Signature("account", 6)
+#: What something is ordered by: numbers first, then modules, then others.
+_Order: TypeAlias = tuple[tuple[int, int, str], ...]
+#: Which things a consequence concerns, by kind, subject and case.
+CONCERNS = Signature("concerns", 4)
+#: What is told of: the texts of its kind, subject and case.
+Key: TypeAlias = tuple[str, str, str]
+#: The atoms of predicates, as far as they are true.
+Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
+#: The name under which rules that decide are heard.
+_DECIDING = "deciding"
+#: What a node has for the case of a consequence.
+_NODE = "node"
+
+
+@dataclass(frozen=True, slots=True)
+class Cited:
+    """A line of the user's, where that is in words, and what is said beside it."""
+
+    span: Span
+    place: str
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What is told of a consequence or node: a sentence, lines, and further sentences.
+
+    `rules` are the ids of the rules that tell it.
+    """
+
+    answer: str | None
+    cites: tuple[Cited, ...]
+    notes: tuple[str, ...]
+    rules: tuple[str, ...] = ()
+
+
+class UnnamedNodeError(Exception):
+    """A sentence names a node of which the name is not known."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """What terms in sentences stand for: the places of things, and the names of nodes.
+
+    Things are relationships and annotations by their numbers, modules by their names; nodes are
+    known by the texts of their terms. `modules` are in the order of the configuration.
+    """
+
+    places: Mapping[int | str, Span]
+    configuration: Span
+    nodes: Mapping[str, str]
+    modules: Mapping[str, int]
+    #: What was found out of terms, of which few stand in very many accounts.
+    _orders: dict[TermId, "_Order"] = field(default_factory=dict)
+    _written: dict[TermId, str] = field(default_factory=dict)
+
+    def written(self, term: TermId) -> str:
+        """Return a term as a sentence shows it."""
+        found = self._written.get(term)
+        if found is None:
+            found = self._written[term] = self.word(as_symbol(term))
+        return found
+
+    def word(self, symbol: clingo.Symbol) -> str:
+        """Return a term as a sentence shows it."""
+        if symbol.type == clingo.SymbolType.Function and len(symbol.arguments) == 1:
+            write = _WORDS.get(symbol.name)
+            if write is not None:
+                return write(self, symbol.arguments[0])
+        return shown(symbol)
+
+    def place(self, thing: TermId) -> Span:
+        """Return where a relationship, annotation or module is, or the configuration."""
+        return self._place(as_symbol(thing))
+
+    def order(self, term: TermId) -> "_Order":
+        """Return what a term of an order is compared by: modules are in the order of the file."""
+        found = self._orders.get(term)
+        if found is None:
+            found = self._orders[term] = tuple(map(self._place_of, _flat(as_symbol(term))))
+        return found
+
+    def _place_of(self, symbol: clingo.Symbol) -> tuple[int, int, str]:
+        if symbol.type == clingo.SymbolType.Number:
+            return 0, symbol.number, ""
+        if symbol.type == clingo.SymbolType.String:
+            return 1, self.modules.get(symbol.string, len(self.modules)), symbol.string
+        return 2, 0, str(symbol)
+
+    def _place(self, symbol: clingo.Symbol) -> Span:
+        if symbol.type == clingo.SymbolType.Number:
+            return self.places[symbol.number]
+        if symbol.type == clingo.SymbolType.String:
+            return self.places[symbol.string]
+        return self.configuration
+
+    def _at(self, thing: clingo.Symbol) -> str:
+        return self.where(self._place(thing))
+
+    def where(self, span: Span) -> str:
+        """Return a line as `config.mars:3`, its path seen from the folder of the configuration."""
+        folder = self.configuration.path.rpartition("/")[0]
+        path = span.path.removeprefix(f"{folder}/") if folder else span.path
+        return f"{path}:{span.line}"
+
+    def _node(self, node: clingo.Symbol) -> str:
+        name = self.nodes.get(str(node))
+        if name is None:
+            raise UnnamedNodeError
+        return name
+
+
+#: How terms of one argument are written, by their names.
+_WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
+    "at": Names._at,
+    "node": Names._node,
+    "hz": lambda _, rate: f"{plain(Decimal(rate.number) / 1000)} Hz",
+    "sends": lambda names, rate: f"delivers at {names.word(rate)}",
+    "offers": lambda names, mode: f"offers {names.word(mode)}",
+    "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
+    "mm": lambda _, length: f"{round(length.number / 1000)} mm",
+}
+
+
+def _flat(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
+    """Yield what a tuple holds, or a term itself."""
+    if symbol.type == clingo.SymbolType.Function and not symbol.name:
+        for each in symbol.arguments:
+            yield from _flat(each)
+    else:
+        yield symbol
+
+
+def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Rule, ...]:
+    """Return the rules that tell accounts of some kinds of things, with what these rules need."""
+    own = [rule for rule in rulebook.rules if rule.stage == STAGE]
+    if kinds is None:
+        return tuple(own)
+    wanted = frozenset(kinds)
+    found = {rule.text for rule in own if not wanted.isdisjoint(rule.firsts.get(ACCOUNT, ()))}
+    while True:
+        read = frozenset[Signature]().union(*(rule.reads for rule in own if rule.text in found))
+        more = {
+            rule.text
+            for rule in own
+            if ACCOUNT not in rule.heads and not read.isdisjoint(rule.heads)
+        }
+        if more <= found:
+            return tuple(rule for rule in own if rule.text in found)
+        found |= more
+
+
+def reads(rules: Iterable[Rule]) -> frozenset[Signature]:
+    """Return the predicates that rules read and do not derive."""
+    rules = tuple(rules)
+    derived = frozenset[Signature]().union(*(rule.heads for rule in rules))
+    return frozenset[Signature]().union(*(rule.reads for rule in rules)) - derived
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is told: accounts by what they are of, and by the texts of atoms the rule of each."""
+
+    accounts: Mapping[Key, Account]
+    rules: Mapping[str, str]
+
+
+def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names: Names) -> Told:
+    """Return what rules tell.
+
+    `deciding` are rules of other stages: of the atoms that these force, the first of them is told.
+    `atoms_of` gives the true atoms of what all these rules read.
+
+    Raises:
+        MarsError: clingo refuses a rule.
+        UnnamedNodeError: a sentence names a node that has no name.
+    """
+    telling = [rule for rule in rules if ACCOUNT in rule.heads]
+    read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
+    grounding = Grounding((), atoms_of(sorted(read)))
+    program = "\n".join(rule.text for rule in rules)
+    sayings = (*saying(STAGE, telling), *saying(_DECIDING, deciding))
+    grounding.derive(f"{program}\n{joined(sayings)}")
+    found: dict[Key, dict[str, list[Said]]] = {}
+    for each in said(grounding.control, STAGE, telling):
+        kind, subject, case, part, _, _ = arguments(each.head)
+        parts = found.setdefault((text(kind), text(subject), text(case)), {})
+        parts.setdefault(text(part), []).append(each)
+    forced: dict[str, int] = {}
+    for each in said(grounding.control, _DECIDING, deciding):
+        atom = text(each.head)
+        forced[atom] = min(each.number, forced.get(atom, each.number))
+    accounts = {key: _account(parts, names) for key, parts in found.items()}
+    return Told(accounts, {atom: deciding[number].id for atom, number in forced.items()})
+
+
+def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
+    answers, notes = _in_order(parts.get("answer", ()), names), parts.get("notes", ())
+    return Account(
+        _sentence(answers[0], names) if answers else None,
+        tuple(_cited(parts.get("cites", ()), names)),
+        tuple(dict.fromkeys(_sentence(each, names) for each in _in_order(notes, names))),
+        tuple(dict.fromkeys(each.rule.id for part in parts.values() for each in part)),
+    )
+
+
+def _cited(cites: Sequence[Said], names: Names) -> Iterator[Cited]:
+    """Yield the lines in their order, each once, with all that is said beside it."""
+    # Two things may be on one line.
+    lines: dict[tuple[str, int], tuple[_Order, Span]] = {}
+    labels: dict[tuple[str, int], dict[str, None]] = {}
+    for each in _in_order(cites, names):
+        *_, order, thing = arguments(each.head)
+        span = names.place(thing)
+        lines.setdefault(span[:2], (names.order(order), span))
+        if each.rule.because is not None:
+            labels.setdefault(span[:2], {})[_sentence(each, names)] = None
+    for line, (_, span) in sorted(lines.items(), key=lambda item: item[1]):
+        yield Cited(span, names.where(span), "; ".join(labels.get(line, ())))
+
+
+def _sentence(each: Said, names: Names) -> str:
+    return each.filled(each.rule.because, names.written) or ""
+
+
+def _in_order(told: Sequence[Said], names: Names) -> Sequence[Said]:
+    """Return what is told by its order, then by rules, then by values."""
+    if len(told) < 2:
+        return told
+    by_values = told if _are_few(told) else sorted(told, key=lambda each: text(each.values))
+    return sorted(by_values, key=lambda each: (names.order(arguments(each.head)[4]), each.number))
+
+
+def _are_few(told: Sequence[Said]) -> bool:
+    """Whether each of them is told by a rule of its own, so that values decide nothing."""
+    return len({each.number for each in told}) == len(told)
+
+
+def key_of(thing: Consequence | Node) -> Key:
+    """Return by what an account is found of a consequence or node."""
+    if isinstance(thing, Node):
+        return thing.kind, thing.term, _NODE
+    kind, _, subject, case = thing.atom.arguments
+    return str(kind), str(subject), str(case)
+
+
+def told_of(
+    project: Project,
+    evidence: Evidence,
+    nodes: Iterable[Node],
+    things: Sequence[Consequence | Node],
+) -> Mapping[Key, tuple[Account, str | None]]:
+    """Return the accounts of consequences and nodes, and the rule that gives each.
+
+    `nodes` are all that have names.
+
+    A consequence of which no rule tells has its message and places. No rule is named for a node
+    that several rules or none could have given: it was chosen.
+
+    Raises:
+        MarsError: clingo refuses a rule.
+    """
+    if not things:
+        return {}
+    kinds = {thing.kind for thing in things}
+    rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
+    names = _names(project, nodes)
+    found = told(rules, deciding, lambda read: _true(evidence, read), names)
+    concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
+    return {key_of(thing): _told(thing, found, names, concerned) for thing in things}
+
+
+def _told(
+    thing: Consequence | Node,
+    found: Told,
+    names: Names,
+    concerned: Mapping[Key, Sequence[TermId]] | None,
+) -> tuple[Account, str | None]:
+    account = found.accounts.get(key_of(thing), Account(None, (), ()))
+    if isinstance(thing, Node):
+        return account, found.rules.get(thing.term)
+    spans: Iterable[Span] = thing.spans
+    if concerned is not None:
+        things = concerned.get(key_of(thing), ())
+        spans = sorted(set(map(names.place, things))) or [names.configuration]
+    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
+    return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
+
+
+def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
+    """Return what consequences concern; a part of the facts does not say where that is."""
+    found: dict[Key, list[TermId]] = {}
+    for atom in atoms(evidence.analysis.grounding.control, *CONCERNS):
+        kind, subject, case, thing = arguments(atom)
+        found.setdefault((text(kind), text(subject), text(case)), []).append(thing)
+    return found
+
+
+def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
+    """Return the rules with a message that force nodes of some kinds."""
+    predicates = {decided_by(rulebook, kind) for kind in kinds} - {None}
+    return tuple(
+        rule
+        for rule in rulebook.rules
+        if rule.because is not None
+        and rule.stage == "resolve"
+        and not rule.is_choice
+        and not predicates.isdisjoint(rule.heads)
+    )
+
+
+def _true(evidence: Evidence, read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
+    """Return the true atoms of predicates: what follows from an answer, the answer, or facts."""
+    control = evidence.analysis.grounding.control
+    derived = evidence.derived
+    opened = {} if evidence.resolution is None else evidence.resolution.answer.true
+    found: dict[Signature, Sequence[TermId]] = {}
+    for signature in read:
+        if derived is not None and signature in derived.predicates:
+            found[signature] = derived.atoms(signature)
+        else:
+            found[signature] = opened.get(signature) or atoms(control, *signature)
+    return found
+
+
+def _names(project: Project, nodes: Iterable[Node]) -> Names:
+    configuration = project.configuration
+    described = described_modules(configuration, project.modules)
+    places: dict[int | str, Span] = {name: module.span for name, module in described.items()}
+    places |= {name.text: name.span for name in configuration.modules}
+    places |= {number: each.span for number, each in numbered(configuration.relationships)}
+    places |= {
+        number: annotation.span
+        for number, _, annotation in numbered_annotations(configuration, described)
+    }
+    order = {name.text: place for place, name in enumerate(configuration.modules)}
+    return Names(places, configuration.span, {node.term: node.name for node in nodes}, order)

@@ -1,0 +1,78 @@
+"""Accounts: what is said of consequences and nodes, and whether what they cite are causes.
+
+Each `.mars` file of `tests/accounts` has what `explain` prints of it beside it; together they make
+every rule of `rules/account` speak.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions.account import ACCOUNT, STAGE
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.support.counterfactual import KINDS, STAGES, topics, uncaused
+from tests.support.documents import ROOT
+
+CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
+EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
+#: One answer of so many has more than twelve lines at most.
+FEW = 20
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_what_is_told(
+    path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    update_golden: bool,
+) -> None:
+    monkeypatch.chdir(path.parent)
+    run_here(["explain", path.name])
+    told, expected = capsys.readouterr().out, path.with_suffix(".txt")
+    if update_golden:
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+def test_every_rule_speaks_in_a_case() -> None:
+    rulebook = load_rulebook(stages=STAGES)
+    telling = {rule.id for rule in rulebook.rules if rule.stage == STAGE and rule.derives(ACCOUNT)}
+    spoken = {
+        rule
+        for path in CASES
+        for topic in topics(path.read_text(encoding="utf-8"), str(path))
+        for rule in (topic.account.rules if topic.account is not None else ())
+    }
+    assert telling == spoken
+
+
+@pytest.mark.parametrize("path", [*CASES, *EXAMPLES], ids=lambda path: str(path.relative_to(ROOT)))
+def test_whatever_is_cited_is_a_cause(path: Path) -> None:
+    assert list(uncaused(path.read_text(encoding="utf-8"), str(path))) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_whatever_is_cited_of_random_configurations_is_a_cause(kind: type) -> None:
+    assert [line for seed in range(3) for line in uncaused(kind(seed))] == []
+
+
+def test_most_answers_are_short() -> None:
+    found = [
+        block for path in CASES for block in path.with_suffix(".txt").read_text().split("\n\n")
+    ]
+    long = [block for block in found if len(block.strip().splitlines()) > 12]
+    assert len(long) * FEW <= len(found), long
+
+
+def test_a_part_tells_what_the_whole_does() -> None:
+    rulebook = load_rulebook(stages=STAGES)
+    for path in CASES:
+        project = load_project(str(path))
+        for topic in explain(Reasoner(project, rulebook), traced=False).topics:
+            part = explain(Reasoner(project, rulebook), topic.name, traced=False).topics
+            told = [each.account for each in part if each.name == topic.name]
+            assert topic.account in told, (path, topic.name)
