@@ -119,7 +119,10 @@ class _Teller:
     """Finds out what stands in which line. What it told in one trace it does not tell again."""
 
     def __init__(self, line_at: Callable[[Span], str], depth: int | None, folded: bool) -> None:
-        self._line_at = line_at
+        self._read = line_at
+        #: What was read, by its place; a line is quoted wherever a trace leads to it.
+        self._lines: dict[Span, str] = {}
+        self._paths: dict[str, str] = {}
         self._depth = depth
         self._folded = folded
         #: The steps that come more than once.
@@ -192,15 +195,29 @@ class _Teller:
                 assert each.span is not None
                 quoted.setdefault(each.span[:2], []).append(each)
                 continue
-            found += self._quotations(quoted)
-            quoted.clear()
+            if quoted:
+                found += self._quotations(quoted)
+                quoted.clear()
             goes_on = isinstance(each, Missing) and bool(each.attempts)
             if goes_on or isinstance(each, Derived | Attempt | str):
                 found.append(each)
             elif (line := self._plain(each)) is not None:
                 found.append(line)
-        found += self._quotations(quoted)
+        if quoted:
+            found += self._quotations(quoted)
         return found
+
+    def _line_at(self, span: Span) -> str:
+        line = self._lines.get(span)
+        if line is None:
+            line = self._lines[span] = self._read(span)
+        return line
+
+    def _place(self, span: Span) -> str:
+        path = self._paths.get(span.path)
+        if path is None:
+            path = self._paths[span.path] = _shown_path(span.path)
+        return f"{path}:{span.line}"
 
     def _quotations(self, quoted: Mapping[tuple[object, ...], Sequence[Given]]) -> list[_Quoted]:
         found = []
@@ -209,9 +226,10 @@ class _Teller:
             assert span is not None
             line = self._line_at(span)
             notes = dict.fromkeys(filter(None, (_note(each, line) for each in givens)))
-            place = f"{_shown_path(span.path)}:{span.line}"
-            found.append(_Quoted(place, line, "; ".join(notes)))
-        width = max((len(leaf.place) for leaf in found), default=0) if len(found) > 1 else 0
+            found.append(_Quoted(self._place(span), line, "; ".join(notes)))
+        if len(found) == 1:
+            return found
+        width = max(len(leaf.place) for leaf in found)
         return [leaf._replace(place=leaf.place.ljust(width)) for leaf in found]
 
     def _plain(self, step: Trace) -> str | None:
@@ -224,7 +242,7 @@ class _Teller:
                     return f"{told}  (observed{when})"
                 if span is None or (self._folded and is_pseudo(span)):
                     return told if self._folded and step.message else None
-                place = f"{_shown_path(span.path)}:{span.line}"
+                place = self._place(span)
                 return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
             case Absent() | Missing():
                 return step.sentence if self._folded else step.message
@@ -326,8 +344,6 @@ def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
 
 def _shown_path(path: str) -> str:
     """Return a path from the current directory, where it leads below that."""
-    if not os.path.isabs(path):  # noqa: PTH117 -- for each line
-        return path
     return path.removeprefix(os.path.join(os.getcwd(), ""))  # noqa: PTH109, PTH118
 
 
