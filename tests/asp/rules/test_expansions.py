@@ -172,9 +172,6 @@ def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
             '%! near: Y "seen by {Z}"',
             "`{Z}` in a label of `near` is not a variable of the rule's body",
         ),
-            '%! near: Y "seen by {Z}"',
-            "`{Z}` in a label of `near` is not a variable of the rule's body",
-        ),
         ('%! via: Y "seen"', "`via` takes no labels"),
     ],
 )
