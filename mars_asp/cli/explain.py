@@ -156,7 +156,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(_why_not_json(answer)))
     else:
-        first, *others = _why_not_text(answer)
+        packs = "".join(f" --rules {visible(path)}" for path in arguments.rules)
+        first, *others = _why_not_text(answer, packs)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
@@ -180,7 +181,7 @@ def _why_not_json(answer: "WhyNot") -> dict[str, object]:
     }
 
 
-def _why_not_text(answer: "WhyNot") -> Iterator[Sequence[str]]:
+def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
     """Yield the lines of the answer, then those that it speaks of and what would give one."""
     yield wrapped(visible(answer.answer), 0)
     shown = answer.evidence[:_MOST_EVIDENCE]
@@ -194,9 +195,9 @@ def _why_not_text(answer: "WhyNot") -> Iterator[Sequence[str]]:
         yield wrapped(_price(answer.extra), 1)
     path = answer.analysis.configuration.path
     if answer.obstacles:
-        yield ["  What would mend that:", f"    mars-asp explain {visible(path)} --repair"]
+        yield ["  What would mend that:", f"    mars-asp explain {visible(path)}{packs} --repair"]
     if answer.see is not None:
-        yield [f"  Why: mars-asp explain {visible(path)} '{visible(answer.see)}'"]
+        yield [f"  Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
 
 
 def _plural(words: str, count: int) -> str:

@@ -4,8 +4,8 @@ The rule that comes nearest is followed through what it lacks down to lines: one
 or those that stand against it. A change that mends this is made, and the question asked anew.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 
 import clingo
 
@@ -70,6 +70,7 @@ class _Lack:
     evidence: tuple[Span, ...] = ()
     change: clingo.Symbol | None = None
     to_get: str = ""
+    wider: "_Lack | None" = None
 
 
 def near_miss(
@@ -84,6 +85,11 @@ def near_miss(
     for _ in range(MOST_CHANGES):
         if lack.change is None:
             break
+        wider = lack.wider
+        if wider is not None and wider.change and gives(changed(project, wider.change)):
+            # Which module it is does not matter.
+            first, lack = (wider if first is lack else first), wider
+        assert lack.change is not None
         project = changed(project, lack.change)
         steps.append(lack.to_get)
         if gives(project):
@@ -118,24 +124,22 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
             return _compared(attempt, pattern)
         trace = attempt.cause
     if isinstance(trace, Absent | Missing):
-        return _of_absent(trace.atom)
+        return _of_absent(trace.atom, frozenset(_strings(pattern)))
     return _excluded(trace)
 
 
-def _of_absent(atom: str) -> _Lack:
-    """Return that nothing of a given predicate fits."""
+def _of_absent(atom: str, kept: Set[str]) -> _Lack:
+    """Return that nothing of a given predicate fits; names are `kept` that somebody asks about."""
     found = pattern_in(atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
-        verb, change, (left, right) = _LINES[found.name]
-        ends = [found.arguments[left], found.arguments[right]]
-        line = f"`{_end(ends[0])} {verb} {_end(ends[1])}`"
-        terms = [
-            end if end.type == clingo.SymbolType.String else _new(number)
-            for number, end in enumerate(ends, 1)
-        ]
-        return _Lack(
-            f"there is no line {line}", (), clingo.Function(change, terms), f"a line {line}"
-        )
+        _, _, places = _LINES[found.name]
+        ends = [found.arguments[place] for place in places]
+        named = [end.type == clingo.SymbolType.String for end in ends]
+        asked = [_end(end) in kept for end in ends]
+        if ends[0] == ends[1]:
+            asked[1] = False
+        wider = _of_line(found.name, ends, asked) if asked != named and any(asked) else None
+        return replace(_of_line(found.name, ends, named), wider=wider)
     if found is not None and found.name in _LACKS:
         place, words = _LACKS[found.name]
         end = found.arguments[place]
@@ -146,6 +150,19 @@ def _of_absent(atom: str) -> _Lack:
         return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
     detail = None if found is None else _DETAILS.get(found.name)
     return _Lack(detail or "no line of the configuration or its annotations says so")
+
+
+def _of_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
+    """Return that there is no line of two ends, of which some may be any module."""
+    verb, change, _ = _LINES[name]
+    words = [_end(end) if keep else "..." for end, keep in zip(ends, kept, strict=True)]
+    line = f"`{words[0]} {verb} {words[1]}`"
+    terms = [
+        end if keep else _new(number)
+        for number, (end, keep) in enumerate(zip(ends, kept, strict=True), 1)
+    ]
+    lines = clingo.Function(change, terms)
+    return _Lack(f"there is no line {line}", (), lines, f"a line {line}")
 
 
 def _excluded(trace: Trace) -> _Lack:

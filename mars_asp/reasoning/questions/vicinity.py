@@ -8,14 +8,14 @@ large component, most questions need no more than what stands near the module.
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 
-from mars_asp.model.declarations import Module, Mount, Relationship, ends_of
+from mars_asp.model.declarations import Control, Module, Mount, Relationship, ends_of
 from mars_asp.reasoning.project import Project
 
 #: A component of so many modules is taken whole.
 MOST_WHOLE = 200
 #: Of a larger one, what so many relationships lead to; mounts do not count, as motions add up.
 NEAR = 2
-#: Beyond another module that is related to more than so many, nothing is looked for.
+#: Beyond another module that is related to more than so many, only its controllers are looked for.
 MOST_BESIDE = 50
 
 
@@ -52,9 +52,13 @@ def _connected(
     """Return the modules that at most so many relationships lead to."""
     reached, front, steps = set(modules), set(modules), 0
     while front and (most is None or steps < most):
-        if most is not None:
-            front = {n for n in front if n in modules or len(beside.get(n, ())) <= MOST_BESIDE}
-        front = set(_next(front, beside, reached))
+        crowded = {n for n in front - modules if len(beside.get(n, ())) > MOST_BESIDE}
+        hubs = crowded if most is not None else set()
+        front = {
+            *_next(front - hubs, beside, reached),
+            # What a module is commanded reaches those that carry it.
+            *_controllers(hubs, beside, reached),
+        }
         # Whatever carries a module moves it.
         mounted = set(front)
         while mounted:
@@ -76,6 +80,15 @@ def _next(
         for relationship in beside.get(name, ()):
             if kind is None or isinstance(relationship, kind):
                 yield from (end for end in ends_of(relationship) if end not in reached)
+
+
+def _controllers(
+    modules: Set[str], beside: Mapping[str, Sequence[Relationship]], reached: Set[str]
+) -> Iterator[str]:
+    for name in modules:
+        for each in beside.get(name, ()):
+            if isinstance(each, Control) and each.controlled == name:
+                yield from {each.controller} - reached
 
 
 def _is_kept(module: Module, names: Set[str]) -> bool:

@@ -24,6 +24,7 @@ from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
 from mars_asp.reasoning.analysis import Analysis, read_consequences
+from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import Blame, blame
@@ -56,6 +57,8 @@ _RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "con
 #: Kinds for which what is far away from a module counts as well.
 _FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
+#: Kinds for which all that use data from one source count.
+_SHARED = frozenset({"service_dependency", "service_infeasible"})
 #: The relationships of circles, which are reported for the module that they begin with alone.
 _CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
 #: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
@@ -136,9 +139,11 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         return _of_named_node(reasoner, subject)
     question = vocabulary.question(subject)
     near, is_whole = _near(reasoner, question)
-    found = None if is_whole else _held_elsewhere(reasoner, question)
-    if found is None:
-        found = _answer(near, question, depth)
+    found = _answer(near, question, depth)
+    if not is_whole and question.kind in _SHARED:
+        exact = _held_anywhere(reasoner, question)
+        if exact is not None and exact != found.present:
+            found = _answer(reasoner, question, depth)
     is_local = found.present and question.is_node and near is not reasoner
     # Something elsewhere may stand against every specification.
     if is_local and is_unresolvable(reasoner.analysis):
@@ -170,15 +175,10 @@ def _near(reasoner: Reasoner, question: _Question) -> tuple[Reasoner, bool]:
     return near, is_whole
 
 
-def _held_elsewhere(reasoner: Reasoner, question: _Question) -> WhyNot | None:
-    """Return that a consequence holds, which may rest on what is not near."""
-    if question.is_node:
-        return None
+def _held_anywhere(reasoner: Reasoner, question: _Question) -> bool | None:
+    """Return whether a consequence holds, which may rest on what is not near."""
     evidence = sliced_evidence(reasoner, question.shown)
-    if evidence is None:
-        return None
-    held = _held(question, evidence, None)
-    return None if held is None else _present(question, held, evidence, None)
+    return None if evidence is None else _held(question, evidence, None) is not None
 
 
 def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
@@ -262,17 +262,13 @@ def _present(
             if node.term == _node_term(held, question.kind)
             for topic in specification.resolves[node.name]
         ]
-        because = f" is there, and resolves {', '.join(topics)}" if topics else " is there"
+        because = f" is there, and resolves {_listed(_named(topics))}" if topics else " is there"
         named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
         see = question.shown if named else next(iter(topics), None)
     elif question.kind is not None:
         found = [c for c in read_consequences(evidence.analysis) if c.atom == held]
         because = f" holds: {found[0].message}" if found else " holds"
         spans = found[0].spans if found else ()
-        if spans == (evidence.analysis.configuration,):
-            # Of a part that does not say what a consequence concerns, its reasons do.
-            leaves = leaves_of(evidence.explainer.why([held])[held])
-            spans = tuple(leaf.span for leaf in leaves if leaf.span is not None)
     else:
         because = " holds"
 
@@ -407,8 +403,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     found = blame(reasoner.project, reasoner.rulebook, kind, None, _never)
     because = "the minimal specification has none" if found is None else found.because
     if same:
-        named = [f"{n} ({', '.join(specification.resolves[n])})" for n in same[:_MOST_NAMED]]
-        named += [f"{len(same) - _MOST_NAMED} more"] if len(same) > _MOST_NAMED else []
+        named = _named([f"{n} ({_listed(_named(specification.resolves[n]))})" for n in same])
         words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
         because = f"the minimal specification has {words}: {_listed(named)}"
     pattern = _AT_MODULE[kind](hole())[0]
@@ -424,6 +419,12 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
         evidence.analysis,
         lambda: Absent(shown_pattern(pattern)),
     )
+
+
+def _named(words: Sequence[str]) -> Sequence[str]:
+    """Return the first of some words, and how many more there are."""
+    rest = len(words) - _MOST_NAMED
+    return [*words[:_MOST_NAMED], f"{rest} more"] if rest > 0 else words
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -490,33 +491,46 @@ class _Vocabulary:
         self._modules.update(end for r in configuration.relationships for end in ends_of(r))
 
     @cached_property
-    def _known_terms(self) -> tuple[set[Signature], set[str], set[str]]:
-        """Return the predicates, constants and strings of the rules and of all facts."""
+    def _predicates(self) -> set[Signature]:
+        """Return the predicates of the rules and of what they are given."""
         rulebook = self._reasoner.rulebook
-        predicates = {head for rule in rulebook.rules for head in rule.heads}
-        constants, strings = set[str](), set(self._modules)
-        for found in constants_of(rule.text for rule in rulebook.rules).values():
+        given = (defined(text) for _, text in rulebook.texts)
+        return {head for rule in rulebook.rules for head in rule.heads}.union(*given)
+
+    @cached_property
+    def _in_rules(self) -> tuple[set[str], set[str]]:
+        """Return the constants and strings of the rules."""
+        constants, strings = set(CONSTANTS), set[str]()
+        for found in constants_of(rule.text for rule in self._reasoner.rulebook.rules).values():
             constants |= found.names
             strings |= found.strings
-        for _, text in rulebook.texts:
-            predicates |= defined(text)
-        for fact in self._reasoner.facts:
-            symbol = symbol_of(fact.atom)
-            predicates.add(signature_of(symbol))
-            _note(symbol, constants, strings)
-        return predicates, constants, strings
+        return constants, strings
 
-    @property
-    def _predicates(self) -> set[Signature]:
-        return self._known_terms[0]
+    @cached_property
+    def _known_terms(self) -> tuple[set[str], set[str]]:
+        """Return the constants and strings of the rules and of all facts."""
+        constants, strings = (set(each) for each in self._in_rules)
+        for fact in self._reasoner.facts:
+            _note(symbol_of(fact.atom), constants, strings)
+        return constants, strings | self._modules
+
+    @cached_property
+    def _other_names(self) -> set[str]:
+        """Return the names of what is described, and of what it delivers and accepts."""
+        project = self._reasoner.project
+        every = (*project.modules.values(), *project.configuration.declared)
+        services = [service for module in every for service in module.services]
+        named = {name for each in services for name in (each.output, *each.inputs) if name}
+        functions = {each.name for module in every for each in module.functions}
+        return named | functions | {module.name for module in every} | self._in_rules[1]
 
     @property
     def _constants(self) -> set[str]:
-        return self._known_terms[1]
+        return self._known_terms[0]
 
     @property
     def _strings(self) -> set[str]:
-        return self._known_terms[2]
+        return self._known_terms[1]
 
     def is_node(self, subject: str) -> bool:
         """Say whether a subject is the name of a node, and of no module."""
@@ -536,12 +550,12 @@ class _Vocabulary:
             )
             if node is not None and subject not in self._modules:
                 about, title = self._about(name, NODE_NAMES[node])
-                return _Question(title, _AT_MODULE[node](about), node, _named(about))
+                return _Question(title, _AT_MODULE[node](about), node, _module(about))
             if call[1] in self._kinds or self._is_kind(call[1]):
                 about, title = self._about(name, call[1])
                 kind_term = clingo.Function(call[1])
                 pattern = clingo.Function("consequence", [kind_term, hole(), about, hole()])
-                return _Question(title, (pattern,), call[1], _named(about))
+                return _Question(title, (pattern,), call[1], _module(about))
             if not self._is_predicate(call[1]):
                 raise self._unknown_predicate(call[1])
         return _Question(subject, (self._atom(subject),))
@@ -576,12 +590,16 @@ class _Vocabulary:
         """Check the constants of a term; a variable with the name of a module is that module."""
         if is_hole(term):
             name = term.arguments[0].string
-            return clingo.String(name) if name in self._strings else term
+            # To make all facts takes long, and what is asked about is a module most of the time.
+            is_name = name in self._modules or (name != "_" and name in self._other_names)
+            return clingo.String(name) if is_name else term
         if term.type == clingo.SymbolType.String:
-            return self._string(term.string, self._strings)
+            is_known = term.string in self._modules
+            return term if is_known else self._string(term.string, self._strings)
         if term.type != clingo.SymbolType.Function:
             return term
-        if term.name and term.name not in self._constants:
+        known = self._in_rules[0]
+        if term.name and term.name not in known and term.name not in self._constants:
             raise self._unknown("constant", term.name, self._constants)
         return clingo.Function(term.name, list(map(self._known, term.arguments)), term.positive)
 
@@ -628,7 +646,7 @@ def _inherited(name: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function("inherited", [name])
 
 
-def _named(term: clingo.Symbol) -> str | None:
+def _module(term: clingo.Symbol) -> str | None:
     return None if is_hole(term) else term.string
 
 
