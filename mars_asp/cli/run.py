@@ -60,7 +60,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dry-run",
         action="store_true",
-        help="say whose code would run and what is simulated; import and run nothing",
+        help="list whose code would run and what is simulated; import and run nothing",
     )
     parser.add_argument(
         "--schema", action=_Schema, help="print the JSON Schema of scenarios, and do nothing else"
@@ -166,7 +166,9 @@ def _print_plan(
         imported.setdefault(str(path), {})[name] = function
     missing = [file for file in imported if not Path(file).is_file()]
     for file in missing:
-        print(f"mars-asp: `{visible(file)}`, which this run imports, is no file", file=sys.stderr)
+        print(
+            f"mars-asp: `{visible(file)}`, which this run imports, is not a file", file=sys.stderr
+        )
     devices = {name: str(device["kind"]) for name, device in scenario.devices.items()}
     if arguments.format == "json":
         imports = [{"path": file, "functions": named} for file, named in imported.items()]

@@ -56,7 +56,7 @@ _UNITS = {
     "obeyed": ("", "", "milliseconds", "milliseconds"),
     "clearance": ("micrometres", "micrometres"),
     "never_reached": ("milliseconds",),
-    "nearest": ("", "micrometres", "milliseconds"),
+    "came_nearest": ("", "micrometres", "milliseconds"),
     "together": ("", "", "milliseconds"),
     "coverage": ("thousandths", "thousandths"),
     "failed": ("", "times", ""),
@@ -169,7 +169,7 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         distance, at = trial.nearest
         # A pose between two that are kept may be nearer by a little: whole millimetres will do.
         told = _whole(round(distance) * 1000), _whole(at * 1000)
-        yield _seen("nearest", f"({x:g}, {y:g})", *told)
+        yield _seen("came_nearest", f"({x:g}, {y:g})", *told)
     for first, second in asked.get("exclusive", ()):
         yield _seen("together", first, second, _whole(trial.together(first, second) * 1000))
     if "coverage" in asked:

@@ -300,7 +300,7 @@ def test_a_dry_run_says_whose_code_would_run_and_imports_none(tmp_path: Path) ->
     command = start(*words)
     output, said = command.communicate(timeout=60)
     assert command.returncode == 2
-    assert said.decode() == f"mars-asp: `{file}`, which this run imports, is no file\n"
+    assert said.decode() == f"mars-asp: `{file}`, which this run imports, is not a file\n"
 
 
 @pytest.mark.parametrize(
