@@ -235,10 +235,8 @@ def _unfixed(path: str, why: str) -> Diagnostic:
 def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
     """Print what was mended and how many findings there are; the text of standard input alone."""
     # The output is for the text of standard input alone, where that is mended.
-    piped = arguments.fix and STANDARD_INPUT in arguments.files
-    stream = sys.stderr if piped else sys.stdout
     for one in checked:
-        if piped and one.text is not None:
+        if one.text is not None:
             sys.stdout.buffer.write(one.text.encode())
         for repair in one.mended:
             consequence, mend = repair.consequence, repair.mends[0]
@@ -246,13 +244,13 @@ def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
             about = f"{consequence.kind}({consequence.subject})"
             said = "; ".join(edit.message for edit in mend.edits)
             place = f"{span.path}:{span.line}:{span.column}"
-            print(visible(f"fixed {place}: {about}: {said}"), file=stream)
+            print(visible(f"fixed {place}: {about}: {said}"), file=sys.stderr)
             for line in mend.lines:
                 for text in line_text(line):
-                    print(text.removeprefix("   "), file=stream)
+                    print(text.removeprefix("   "), file=sys.stderr)
     if not arguments.quiet:
         for text in _summary(checked):
-            print(text, file=stream)
+            print(text, file=sys.stderr)
 
 
 def _summary(checked: Sequence[_Checked]) -> Iterable[str]:

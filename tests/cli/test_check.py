@@ -1,6 +1,7 @@
 """`check` of many files, and what `--fix` does to them."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,8 @@ def test_findings_read_as_they_stand_beside_their_files(
 
 def heads(told: str) -> list[str]:
     """Return the lines of diagnostics that name a place, up to their severity."""
-    return [": ".join(line.split(": ")[:2]) for line in told.splitlines() if line[0] != " "]
+    lines = (line for line in told.splitlines() if re.match(r"\S+:\d+:\d+: ", line))
+    return [": ".join(line.split(": ")[:2]) for line in lines]
 
 
 def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
@@ -71,7 +73,8 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
         f"{robots}:1:1: error",
         "choice.mars:3:1: error",
     ]
-    assert shown.out == (
+    assert shown.out == ""
+    assert shown.err.endswith(
         "4 errors, 2 warnings in 6 files\n"
         "2 of them have exactly one repair, shown above; --fix applies it\n"
     )
@@ -92,7 +95,10 @@ def test_the_summary_says_how_much_was_found(
     words: list[str], status: int, summary: str, robots: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["check", *words]) == status
-    assert capsys.readouterr().out == summary
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.endswith(summary)
+    assert (" in " in shown.err.rpartition("\n")[0].rpartition("\n")[2]) == bool(summary)
 
 
 def test_a_finding_with_one_repair_shows_it(
@@ -124,7 +130,8 @@ def test_fix_applies_what_is_shown_and_keeps_line_ends(
     assert (robots / "choice.mars").read_text() == CHOICE
     shown = capsys.readouterr()
     assert heads(shown.err) == ["choice.mars:3:1: error"]
-    assert shown.out == (
+    assert shown.out == ""
+    assert shown.err.endswith(
         "fixed twice.mars:4:1: duplicate_relationship(Base): drop the line that says it again\n"
         "    - twice.mars:5: Base is_controlled_by B 1\n"
         "fixed twice.mars:7:1: duplicate_relationship(B): drop the line that says it again\n"
@@ -150,7 +157,7 @@ def test_a_read_only_file_is_left_alone(robots: Path, capsys: pytest.CaptureFixt
     assert run_here(["check", "--fix", "twice.mars"]) == 2
     shown = capsys.readouterr()
     assert "was not fixed: it is read-only" in shown.err
-    assert "fixed" not in shown.out
+    assert "\nfixed" not in shown.err
     assert (robots / "twice.mars").read_text() == TWICE
 
 

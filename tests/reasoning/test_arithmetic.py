@@ -10,6 +10,12 @@ from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Print each message in one line."""
+    monkeypatch.setenv("COLUMNS", "1000")
+
+
 @pytest.mark.parametrize("words", ["analyse", "check", "synthesise", "explain big(Camera)"])
 def test_a_pack_with_a_number_that_does_not_fit_is_bad_input(
     words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -14,6 +14,12 @@ from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.random_configurations import random_configuration
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Print each message in one line."""
+    monkeypatch.setenv("COLUMNS", "1000")
+
+
 def refusals(folder: Path, text: str) -> list[tuple[str, int, int, str]]:
     path = folder / "mine.lp"
     path.write_text(text, encoding="utf-8")
