@@ -228,7 +228,7 @@ def test_without_the_extra_a_png_is_refused_and_all_else_works(
     monkeypatch.setitem(sys.modules, "resvg_py", None)
     config, target = str(ROOT / "examples/level0/config.mars"), tmp_path / "a.png"
     assert run_here(["draw", config, "-o", str(target)]) == 2
-    told = capsys.readouterr().err
+    told = " ".join(capsys.readouterr().err.split())
     assert "a PNG needs the package `resvg_py`, which is not installed" in told
     assert "pip install 'mars-asp[png]'" in told
     assert not target.exists()
