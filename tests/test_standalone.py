@@ -205,7 +205,7 @@ def test_a_path_that_cannot_be_written_is_told(tmp_path: Path, capsys: Captured)
     (folder / "config.mars").write_text(CONFIG.format("a.py"))
     words = ["synthesise", str(folder / "config.mars"), "-o", str(tmp_path / "spec.mars")]
     assert run_here(words) == 2
-    told = capsys.readouterr().err
+    told = " ".join(capsys.readouterr().err.split())
     assert "config.mars:2:10: error: `a, b/a.py`" in told
     assert "Traceback" not in told
     assert not (tmp_path / "spec.mars").exists()

@@ -5,7 +5,7 @@ import importlib
 import re
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
@@ -165,7 +165,7 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
     parser = Parser(prog=f"mars-asp {word}", description=description, formatter_class=_Formatter)
     module.configure(parser)
     own = len(parser.options())
-    common_options(parser)
+    common_options(parser, getattr(module, "FORMATS", ("text", "json")))
     common = parser.options()[own:]
     names = [f"{option.option_strings[0]} {_value(option)}".rstrip() for option in common]
     for option in common:
@@ -202,7 +202,9 @@ def unknown_verb(words: Iterable[str]) -> NoReturn:
     parser.error(f"there is no verb `{first}`: {hint}")
 
 
-def common_options(parser: argparse.ArgumentParser) -> None:
+def common_options(
+    parser: argparse.ArgumentParser, formats: Sequence[str] = ("text", "json")
+) -> None:
     """Add the options of every verb."""
     add = parser.add_argument
     add("--rules", metavar="DIR", action="append", default=[], help="more rule files; repeatable")
@@ -213,7 +215,7 @@ def common_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="more annotated sources; repeatable",
     )
-    add("--format", choices=("text", "json"), default="text", help="of the output (default text)")
+    add("--format", choices=formats, default="text", help="of the output (default text)")
     add(
         "--time-limit",
         metavar="SECONDS",

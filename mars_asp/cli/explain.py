@@ -7,11 +7,11 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.trace.document import trace_json
-from mars_asp.asp.trace.text import DEPTH, traces_text, wrapped
+from mars_asp.asp.trace.text import DEPTH, traces_text
 from mars_asp.asp.trace.tree import Trace
-from mars_asp.cli.account import account_lines
+from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
@@ -183,21 +183,27 @@ def _why_not_json(answer: "WhyNot") -> dict[str, object]:
 
 def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
     """Yield the lines of the answer, then those that it speaks of and what would give one."""
-    yield wrapped(visible(answer.answer), 0)
+    width = columns(sys.stdout)
+
+    def below(text: str) -> Sequence[str]:
+        return wrapped(visible(text), width, BELOW, BELOW + FURTHER)
+
+    yield wrapped(visible(answer.answer), width, "", FURTHER)
     shown = answer.evidence[:_MOST_EVIDENCE]
     # Lines of the user are not broken.
-    yield [f"  {visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
+    yield [f"{BELOW}{visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
     if len(answer.evidence) > len(shown):
-        yield [f"  and {len(answer.evidence) - len(shown)} more lines"]
+        yield [f"{BELOW}and {len(answer.evidence) - len(shown)} more lines"]
     if answer.to_get is not None:
-        yield wrapped(visible(f"To get one: {answer.to_get}"), 1)
+        yield below(f"To get one: {answer.to_get}")
     if answer.extra is not None:
-        yield wrapped(_price(answer.extra), 1)
+        yield below(_price(answer.extra))
     path = answer.analysis.configuration.path
     if answer.obstacles:
-        yield ["  What would mend that:", f"    mars-asp explain {visible(path)}{packs} --repair"]
+        command = f"mars-asp explain {visible(path)}{packs} --repair"
+        yield [f"{BELOW}What would mend that:", f"{BELOW}{BELOW}{command}"]
     if answer.see is not None:
-        yield [f"  Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
+        yield [f"{BELOW}Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
 
 
 def _plural(words: str, count: int) -> str:

@@ -452,7 +452,9 @@ def test_a_comment_is_judged_by_what_its_converter_converts() -> None:
     for names in (("Lines", "Image"), ("Image", "Depth"), ("other::Image", "Lines")):
         violations, _ = judged(CHOSEN.format(comment=right.format(*names)), CHOICE)
         assert any(
-            said.startswith("verify/conversion/misnamed 3: `DataTransformer1` is to apply `Cheap`")
+            said.startswith(
+                "verify/conversion/misnamed 3: `DataTransformer1` applies `Cheap`, which"
+            )
             for said in violations
         ), names
 

@@ -112,14 +112,15 @@ def repairs(
     seconds: float | None = None,
     progress: Callable[[int, int], None] | None = None,
     with_warnings: bool = False,
-    most_facts: int = MOST_FACTS,
+    most_facts: int | None = None,
 ) -> tuple[Repair, ...]:
     """Look for mends of every error, or of every warning where there is no error.
 
     `subject` chooses findings by kind, subject or `kind(subject)` instead; `with_warnings`, mends
-    of warnings are looked for beside those of errors. The search ends when `most_facts` were
-    solved. `rulebook` holds the stages `STAGES`. After `seconds` what was found so far is returned.
-    `progress` is told how many sets of edits were tried, and how many will be at most.
+    of warnings are looked for beside those of errors. The search ends when so many facts were
+    solved: `most_facts`, or `MOST_FACTS`. `rulebook` holds the stages `STAGES`. After `seconds`
+    what was found so far is returned. `progress` is told how many sets of edits were tried, and how
+    many will be at most.
 
     Raises:
         MarsError: rules that clingo refuses; the subject is no module,
@@ -135,7 +136,7 @@ def repairs(
             _check_subject(subject, project, rulebook)
         return ()
     proposed = _proposals(analysis, rulebook)
-    most = most_facts // (len(facts) + FACTS_OF_A_TRY)
+    most = (MOST_FACTS if most_facts is None else most_facts) // (len(facts) + FACTS_OF_A_TRY)
     search = _Search(project, rulebook, analysis.consequences, findings, deadline)
     return search.repairs(
         [proposed.get(_key_of(finding.atom), []) for finding in findings],

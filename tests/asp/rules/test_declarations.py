@@ -100,7 +100,7 @@ unless: {p.C}
         ("`{p.D}` names no argument", "name one of R, C"),
         ("`{pp.C}` names no argument", "did you mean `p`?"),
         (
-            "`p` has no argument that `r` has, too",
+            "`p` has no argument that `r` also has",
             "call the argument by which its fact is found the same",
         ),
     ]
