@@ -28,7 +28,9 @@ STAGES: Mapping[str, str] = {
         "what a resolution means: its nodes, what each is there for, the lines between them, and "
         "what each states"
     ),
-    "account": "the sentences about each consequence and node, and the lines of files that they rest on",
+    "account": (
+        "the sentences about each consequence and node, and the lines of files that they rest on"
+    ),
     "verify": "whether a specification realises its configuration, clause by clause",
     "cost": "what a specification costs as it is written",
     "run": "what must hold while a specification runs, and what a scenario asks for",
