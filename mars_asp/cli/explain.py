@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.why_not import WhyNot
 
 #: The verb's output has one format more than that of others.
-FORMATS = ("text", "json", "jsonl")
+RESULT_FORMATS = ("text", "json", "jsonl")
 MOST_ALTERNATIVES = 1000
 #: Deep enough to say which premise fails; why that one does is the next question.
 ABSENCE_DEPTH = 1
