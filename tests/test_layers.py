@@ -11,7 +11,7 @@ from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
-    ("diagnostic", "spelling", "output"),
+    ("diagnostic", "spelling", "output", "page"),
     ("asp", "model"),
     ("annotations",),
     ("language",),
@@ -75,7 +75,7 @@ FILES = {
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
         "trace_document worker reason alternatives analyse can completion draw export facts fmt "
-        "import rules run synthesise test verify diff repair check account explain"
+        "import rules run synthesise test verify diff repair check account explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.
