@@ -130,7 +130,9 @@ def run(arguments: argparse.Namespace) -> int:
     answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
-    closing = () if arguments.quiet else tuple(_closing(answer, arguments))
+    # What a page says of the whole is no remark beside it.
+    is_told = arguments.output is not None or not arguments.quiet
+    closing = tuple(_closing(answer, arguments)) if is_told else ()
     synthesis = answer.synthesis
     specified = None if synthesis is None else synthesis.specification.configuration
     # The traces stand without what was grounded, which takes as much memory.
@@ -138,9 +140,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output is not None:
         from mars_asp.cli.explain_page import explanation_page
 
-        if not traced:
-            closing = (*closing, _TOO_MANY_TRACES)
-        page = explanation_page(project, specified, topics, closing)
+        remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
+        page = explanation_page(project, specified, topics, remarks)
         if arguments.output == "-":
             sys.stdout.write(page)
         else:

@@ -2,6 +2,8 @@
 "use strict";
 const { steps, why } = JSON.parse(document.getElementById("traces").textContent);
 const topics = [...document.querySelectorAll("details.topic")];
+// What is searched: what was opened since does not change what is found.
+const texts = new Map(topics.map((topic) => [topic, topic.textContent.toLowerCase()]));
 const [search, told, files] = ["#search", "#told", ".files"].map(
   (name) => document.querySelector(name));
 const MOST = 150;
@@ -94,10 +96,11 @@ function addTrace(topic) {
   topic.append(trace);
 }
 
-// Marks the lines that are cited inside of an element, and shows the first of them.
+// Marks the lines that are cited inside of an element, if there are any, and shows the first.
 function mark(inside) {
-  for (const line of marked) line.removeAttribute("aria-current");
   const links = [...inside.querySelectorAll("a.place")];
+  if (!links.length) return;
+  for (const line of marked) line.removeAttribute("aria-current");
   marked = new Set(links.map((link) => document.getElementById(link.hash.slice(1))));
   for (const line of marked) line.setAttribute("aria-current", "true");
   const [first] = marked;
@@ -123,7 +126,7 @@ function find() {
   const wanted = search.value.trim().toLowerCase();
   let count = 0;
   for (const topic of topics) {
-    topic.hidden = !topic.textContent.toLowerCase().includes(wanted);
+    topic.hidden = !texts.get(topic).includes(wanted);
     count += topic.hidden ? 0 : 1;
   }
   for (const section of document.querySelectorAll("section.sort")) {

@@ -271,7 +271,7 @@ def _figure(project: Project, specification: Configuration | None, topics: Seque
     nodes = f", {introduced} of them introduced" if introduced else ""
     caption = (
         f"The {drawn.kind}: {len(picture.boxes)} boxes{nodes}. "
-        "A box that is a link leads to what is said of it."
+        "A box that is a link opens what is found there."
     )
     return (
         '<figure><div class="drawing" role="region" aria-label="Picture" tabindex="0">'
