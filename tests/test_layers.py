@@ -11,7 +11,7 @@ from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
-    ("diagnostic", "spelling", "output", "page"),
+    ("diagnostic", "spelling", "output"),
     ("asp", "model"),
     ("annotations",),
     ("language",),
@@ -63,7 +63,8 @@ FILES = {
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
     "draw": (
-        "picture colours ranks order straighten layered packing shapes legend svg dot mermaid png"
+        "picture colours ranks order straighten layered packing shapes legend svg page dot "
+        "mermaid png"
     ),
     "execution": "executor simulator scenario trial judgement recording",
     "execution/executor": (

@@ -163,10 +163,12 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
         subject = "SUBJECT" if has_subject else "--about"
         return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
     if arguments.output is not None:
-        for option in ("why_not", "repair", "alternatives", "places", "depth"):
-            if getattr(arguments, option, None):
+        for option in ("why_not", "repair", "alternatives", "places"):
+            if getattr(arguments, option) not in (None, False):
                 named = option.replace("_", "-")
                 return f"-o writes accounts and whole traces: leave out --{named}, or -o"
+        if hasattr(arguments, "depth"):
+            return "-o writes accounts and whole traces: leave out --depth, or -o"
         if arguments.format != "text":
             return f"-o writes a page: leave out `--format {arguments.format}`, or -o"
     if arguments.why_not is not None and arguments.only is not None:

@@ -20,10 +20,10 @@ from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.layered import TooLargeError
+from mars_asp.draw.page import in_page, policy_source
 from mars_asp.draw.svg import svg_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.output import visible
-from mars_asp.page import in_page, policy_source
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Topic
 

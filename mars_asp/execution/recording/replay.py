@@ -7,12 +7,12 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
+from mars_asp.draw.page import in_page, policy_source
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.recording.picture import LEFT, MARGIN, Picture, plot_run
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
-from mars_asp.page import in_page, policy_source
 
 
 def replay_page(trial: Trial, title: str) -> str:
