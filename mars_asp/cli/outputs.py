@@ -21,6 +21,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
     for option, endings, text in (
         ("--plot", (".svg", ".png"), "draw the way and who held control"),
         ("--replay", (".html",), "write a page that plays the run"),
+        ("--report", (".html",), "write a page with the verdict, and who won and why"),
         ("--record", (".jsonl", ".mcap"), "write every event, one a line or for Foxglove"),
     ):
         metavar = f"OUT{'|'.join(endings)}"
