@@ -63,7 +63,8 @@ FILES = {
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
     "draw": (
-        "picture colours ranks order straighten layered packing shapes legend svg dot mermaid png"
+        "picture colours ranks order straighten layered packing shapes legend svg page dot "
+        "mermaid png"
     ),
     "execution": "executor simulator scenario trial judgement recording",
     "execution/executor": (
@@ -75,7 +76,8 @@ FILES = {
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
         "trace_document worker reason alternatives analyse can completion draw export facts fmt "
-        "import rules run synthesise test verify diff repair check account explain"
+        "import rules run_report run synthesise test verify diff repair check account "
+        "explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

@@ -53,6 +53,7 @@ def python(site: Path, *words: str) -> str:
 def test_the_wheel_works_outside_the_checkout(site: Path) -> None:
     printed = python(site, "-m", "mars_asp", "synthesise", "config.mars")
     assert printed == (ROOT / "tests" / "specifications" / "level0.mars").read_text()
+    assert "</svg>" in python(site, "-m", "mars_asp", "explain", "config.mars", "-o", "-")
     for carried in ("rules/vocabulary.lp", "py.typed", "execution/recording/replay.html"):
         assert (site / "mars_asp" / carried).is_file()
 

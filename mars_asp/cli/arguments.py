@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
 USAGE = 2
+#: What every verb prints a result in; one with more of them names all as its `RESULT_FORMATS`.
+FORMATS = ("text", "json")
 
 
 class Verb(NamedTuple):
@@ -165,7 +167,7 @@ def parser_of(word: str) -> tuple[ModuleType, Parser]:
     parser = Parser(prog=f"mars-asp {word}", description=description, formatter_class=_Formatter)
     module.configure(parser)
     own = len(parser.options())
-    common_options(parser, getattr(module, "FORMATS", ("text", "json")))
+    common_options(parser, getattr(module, "RESULT_FORMATS", FORMATS))
     common = parser.options()[own:]
     names = [f"{option.option_strings[0]} {_value(option)}".rstrip() for option in common]
     for option in common:
@@ -202,10 +204,8 @@ def unknown_verb(words: Iterable[str]) -> NoReturn:
     parser.error(f"there is no verb `{first}`: {hint}")
 
 
-def common_options(
-    parser: argparse.ArgumentParser, formats: Sequence[str] = ("text", "json")
-) -> None:
-    """Add the options of every verb."""
+def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
+    """Add the options of every verb, of which a verb may print its result in more `formats`."""
     add = parser.add_argument
     add("--rules", metavar="DIR", action="append", default=[], help="more rule files; repeatable")
     add(

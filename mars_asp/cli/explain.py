@@ -10,9 +10,11 @@ from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.text import DEPTH, traces_text
 from mars_asp.asp.trace.tree import Trace
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_at
+from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.cli.trace_document import add_schema, write_topics
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from mars_asp.reasoning.questions.why_not import WhyNot
 
 #: The verb's output has one format more than that of others.
-FORMATS = ("text", "json", "jsonl")
+RESULT_FORMATS = ("text", "json", "jsonl")
 MOST_ALTERNATIVES = 1000
 #: Deep enough to say which premise fails; why that one does is the next question.
 ABSENCE_DEPTH = 1
@@ -41,6 +43,12 @@ _UNITS = {
 }
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
+#: A page of everything about more modules has no traces, which would be too large for browsers.
+_MOST_TRACED = 2_000
+_TOO_MANY_TRACES = (
+    f"This page has no traces, as there are more than {_MOST_TRACED} modules. "
+    "`mars-asp explain FILE NAME --depth all` prints that of one name."
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +92,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"how deep (default {DEPTH}, of what is absent {ABSENCE_DEPTH})",
     )
     parser.add_argument("--places", action="store_true", help="say where each rule is written")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT.html",
+        type=ending(".html", "-"),
+        help="write a page: the picture, what is found, its traces and the lines behind them; "
+        "`-` is standard output",
+    )
     add_schema(parser)
 
 
@@ -109,13 +125,28 @@ def run(arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
     traced = deeper or arguments.format != "text"
+    if arguments.output is not None:
+        traced = subject is not None or len(project.configuration.modules) <= _MOST_TRACED
     answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
-    closing = () if arguments.quiet else tuple(_closing(answer, arguments))
+    # What a page says of the whole is no remark beside it.
+    is_told = arguments.output is not None or not arguments.quiet
+    closing = tuple(_closing(answer, arguments)) if is_told else ()
+    synthesis = answer.synthesis
+    specified = None if synthesis is None else synthesis.specification.configuration
     # The traces stand without what was grounded, which takes as much memory.
-    del answer
-    if arguments.format != "text":
+    del answer, synthesis
+    if arguments.output is not None:
+        from mars_asp.cli.explain_page import explanation_page
+
+        remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
+        page = explanation_page(project, specified, topics, remarks)
+        if arguments.output == "-":
+            sys.stdout.write(page)
+        else:
+            write_file(arguments.output, page)
+    elif arguments.format != "text":
         write_topics(subject, topics, arguments.format, sys.stdout.write)
     else:
         lines = chain(_told(topics, traced, arguments), closing)
@@ -131,6 +162,15 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
     if arguments.why_not is not None and (has_subject or arguments.about is not None):
         subject = "SUBJECT" if has_subject else "--about"
         return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
+    if arguments.output is not None:
+        for option in ("why_not", "repair", "alternatives", "places"):
+            if getattr(arguments, option) not in (None, False):
+                named = option.replace("_", "-")
+                return f"-o writes accounts and whole traces: leave out --{named}, or -o"
+        if hasattr(arguments, "depth"):
+            return "-o writes accounts and whole traces: leave out --depth, or -o"
+        if arguments.format != "text":
+            return f"-o writes a page: leave out `--format {arguments.format}`, or -o"
     if arguments.why_not is not None and arguments.only is not None:
         return "--why-not asks about its ATOM alone: leave out --only, or --why-not"
     if arguments.format == "jsonl":

@@ -2,7 +2,7 @@
 
 import linecache
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from mars_asp.diagnostic import Span
 from mars_asp.language.text_edits import LineEdit
@@ -32,6 +32,14 @@ def whole_line(span: Span) -> str:
     if span.path not in linecache.cache and not os.path.isfile(span.path):  # noqa: PTH113
         return ""
     return linecache.getline(span.path, span.line)
+
+
+def lines_of(path: str) -> Sequence[str]:
+    """Return the lines of a file without their ends; none where it cannot be read."""
+    if path not in linecache.cache and not os.path.isfile(path):  # noqa: PTH113
+        return ()
+    lines = [line.rstrip("\n") for line in linecache.getlines(path)]
+    return lines[:-1] if lines and not lines[-1] else lines
 
 
 def shortened(line: str, column: int) -> str:

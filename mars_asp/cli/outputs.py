@@ -21,18 +21,24 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
     for option, endings, text in (
         ("--plot", (".svg", ".png"), "draw the way and who held control"),
         ("--replay", (".html",), "write a page that plays the run"),
+        ("--report", (".html",), "write a page with the verdict, and who won and why"),
         ("--record", (".jsonl", ".mcap"), "write every event, one a line or for Foxglove"),
     ):
         metavar = f"OUT{'|'.join(endings)}"
-        parser.add_argument(option, metavar=metavar, type=_ending(*endings), help=text)
+        parser.add_argument(option, metavar=metavar, type=ending(*endings), help=text)
 
 
-def _ending(*endings: str) -> Callable[[str], str]:
-    """Return what refuses a file's name that does not say what to write."""
+def ending(*endings: str) -> Callable[[str], str]:
+    """Return what refuses a file's name that does not say what to write.
+
+    `-` among the endings allows standard output.
+    """
+    suffixes = tuple(each for each in endings if each != "-")
 
     def check(path: str) -> str:
-        if not path.endswith(endings):
-            message = f"cannot tell what to write to `{path}`: end it in {' or '.join(endings)}"
+        if path not in endings and not path.endswith(suffixes):
+            named = " or ".join(suffixes)
+            message = f"cannot tell what to write to `{path}`: end it in {named}"
             raise argparse.ArgumentTypeError(message)
         return path
 

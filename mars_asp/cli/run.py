@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp.cli.arguments import positive
-from mars_asp.cli.deliver import runs_code_of
+from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
@@ -120,6 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
         _carry_out(trial, arguments)
     judgement = judge(trial)
     write_outputs(trial, record, arguments)
+    if arguments.report:
+        _write_report(trial, judgement, arguments)
     if arguments.format == "json":
         result = run_json(trial, judgement)
         if arguments.explain:
@@ -222,6 +224,16 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         ],
         "failures": [_failures_json(*each) for each in executor.failures.items()],
     }
+
+
+def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
+    from mars_asp.cli.run_report import replay_seen_from, report_page
+    from mars_asp.execution.recording.picture import plot_run
+
+    replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
+    title = f"{Path(trial.scenario.path).name}, seed {trial.scenario.seed}"
+    page = report_page(run_json(trial, judgement), plot_run(trial), title, replay)
+    write_file(arguments.report, page)
 
 
 def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:

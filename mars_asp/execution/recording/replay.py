@@ -1,14 +1,13 @@
 """A run as one page that plays it: nothing else is needed, and nothing is fetched."""
 
 import json
-from base64 import b64encode
 from collections.abc import Iterator
-from hashlib import sha256
 from html import escape
 from importlib.resources import files
 from string import Template
 from typing import Any
 
+from mars_asp.draw.page import in_page, policy_source
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.recording.picture import LEFT, MARGIN, Picture, plot_run
@@ -19,21 +18,14 @@ from mars_asp.output import visible
 def replay_page(trial: Trial, title: str) -> str:
     """Return an HTML page; only its own script may run in it, whatever the names are."""
     script = files("mars_asp.execution.recording").joinpath("replay.js").read_text(encoding="utf-8")
-    digest = b64encode(sha256(script.encode()).digest()).decode()
     page = files("mars_asp.execution.recording").joinpath("replay.html").read_text(encoding="utf-8")
     return Template(page).substitute(
-        policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'",
+        policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src {policy_source(script)}",
         title=escape(visible(title)),
         picture=plot_run(trial),
-        run=_embedded(replay_json(trial)),
+        run=in_page(json.dumps(replay_json(trial), separators=(",", ":"), allow_nan=False)),
         script=script,
     )
-
-
-def _embedded(value: object) -> str:
-    """Return JSON that can stand in HTML: no text in it ends the element it stands in."""
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-    return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
 
 
 def replay_json(trial: Trial) -> dict[str, Any]:

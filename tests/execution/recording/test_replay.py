@@ -3,14 +3,10 @@
 import argparse
 import json
 import re
-import shutil
-import subprocess
 from base64 import b64encode
 from functools import cache
 from hashlib import sha256
-from html import unescape
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -24,6 +20,7 @@ from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.simulator import Pose
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
+from tests.support.browser import in_a_browser, probed, rendered
 
 #: `High` is silent from 1 to 2 s; `Low` always speaks. Holds are 2.5 periods of 100 ms.
 SPECIFICATION = """@specification hierarchical
@@ -161,45 +158,17 @@ def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
     assert size == [2 * int(found[1]), 2 * int(found[2])]
 
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
-in_a_browser = pytest.mark.skipif(
-    CHROMIUM is None, reason="no Chromium: a browser is no Python package that we could ask for"
-)
-
-
-def rendered(path: Path, text: str) -> str:
-    """Return a page's elements after its scripts have run for two seconds of its time."""
-    path.write_text(text, encoding="utf-8")
-    words = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000"]
-    done = subprocess.run(
-        [str(CHROMIUM), *words, f"--user-data-dir={path.parent}", "--dump-dom", path.as_uri()],
-        capture_output=True,
-        check=True,
-        timeout=180,
-    )
-    return done.stdout.decode()
-
-
-def probed(path: Path, probe: str) -> dict[str, Any]:
-    """Run a script in the page; return what it puts into `told`."""
-    script = f"""<script>
-      const told = {{}};
-      const text = (name) => document.querySelector(name).textContent;
-      const click = (name, share) => {{
-        const lane = document.querySelector(`.lane[data-name="${{name}}"]`);
-        const box = lane.getBoundingClientRect();
-        lane.dispatchEvent(new MouseEvent("click", {{
-          bubbles: true, clientX: box.left + share * box.width, clientY: box.top + 3 }}));
-      }};
-      {probe}
-      setTimeout(() => {{ document.documentElement.dataset.told = JSON.stringify(told); }}, 1500);
-    </script></body>"""
-    text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page())
-    shown = rendered(path, text.replace("</body>", script))
-    found = re.search(r'data-told="([^"]*)"', shown)
-    assert found, shown
-    result: dict[str, Any] = json.loads(unescape(found[1]))
-    return result
+#: What probes use.
+HELPERS = """
+  const told = found;
+  const text = (name) => document.querySelector(name).textContent;
+  const click = (name, share) => {
+    const lane = document.querySelector(`.lane[data-name="${name}"]`);
+    const box = lane.getBoundingClientRect();
+    lane.dispatchEvent(new MouseEvent("click", {
+      bubbles: true, clientX: box.left + share * box.width, clientY: box.top + 3 }));
+  };
+"""
 
 
 @in_a_browser
@@ -214,7 +183,9 @@ def test_the_script_runs_under_its_policy_and_names_stay_text(tmp_path: Path) ->
 def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
     told = probed(
         tmp_path / "run.html",
-        """
+        page(),
+        HELPERS
+        + """
         const say = () => [text("#time"), text(".told"), text(".verdict"), text(".asked"),
                            text(".wins"), text("#state").split(".")[0]];
         click("Low", 0.25); told.lost = say();
@@ -250,7 +221,9 @@ def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
 def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(tmp_path: Path) -> None:
     told = probed(
         tmp_path / "run.html",
-        """
+        page(),
+        HELPERS
+        + """
         const scrub = (time) => {
           const slider = document.querySelector("#slider");
           slider.value = time;

@@ -1,0 +1,297 @@
+"""Explanations as one page: the picture, what is found, why, and the lines behind it.
+
+Nothing is fetched, and only the page's own script may run in it, whatever the names are.
+"""
+
+import contextlib
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from mars_asp.asp.trace.document import trace_lines
+from mars_asp.asp.trace.text import traces_text
+from mars_asp.asp.trace.tree import Unexplained
+from mars_asp.cli.lines import line_at, lines_of
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.draw import Picture, depict
+from mars_asp.draw.layered import TooLargeError
+from mars_asp.draw.page import in_page, policy_source
+from mars_asp.draw.svg import svg_text
+from mars_asp.model.declarations import Configuration
+from mars_asp.output import visible
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.explain import Topic
+
+#: Larger pictures take long to draw, and nobody finds anything in them.
+MOST_BOXES = 500
+#: Of longer files only the lines are shown that something is said of.
+MOST_LINES = 20_000
+#: The headings, and which topics stand below each.
+_SORTS: Mapping[str, tuple[str, ...]] = {
+    "Errors": ("error",),
+    "Warnings": ("warning",),
+    "Other consequences": ("note",),
+    "Nodes": ("node",),
+    "Atoms": ("atom",),
+}
+
+
+def explanation_page(
+    project: Project,
+    specification: Configuration | None,
+    topics: Sequence[Topic],
+    closing: Iterable[str],
+) -> str:
+    """Return an HTML page of topics, with a picture of the specification where there is one.
+
+    `closing` are sentences on the whole.
+    """
+    sources = _Sources(project.configuration.path)
+    # The user's own file comes first, and is shown also where nothing is found in it.
+    sources.name(project.configuration.path)
+    numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
+    told = "\n".join(_sections(project.diagnostics, topics, numbers, sources))
+    traces = _traces(topics, sources)
+    style, script = _part("css"), _part("js")
+    return Template(_part("html")).substitute(
+        policy=(
+            f"default-src 'none'; base-uri 'none'; form-action 'none'; "
+            f"style-src {policy_source(style)}; script-src {policy_source(script)}"
+        ),
+        title=escape(sources.name(project.configuration.path)),
+        style=style,
+        script=script,
+        summary="\n".join(f"<p>{_words(line)}</p>" for line in closing),
+        picture=_figure(project, specification, topics),
+        topics=told,
+        files="\n".join(sources.sections()),
+        traces=in_page(json.dumps(traces, separators=(",", ":"))),
+    )
+
+
+def _part(ending: str) -> str:
+    part = files("mars_asp.cli") / f"explain_page.{ending}"
+    return part.read_text(encoding="utf-8")
+
+
+def _words(text: str) -> str:
+    """Return a text as HTML, in which names stand between backticks."""
+    return re.sub("`([^`]*)`", r"<code>\1</code>", escape(visible(text)))
+
+
+# ---- Files ---------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Sources:
+    """The files that something is said of, by their paths, and which lines of them are cited."""
+
+    configuration: str
+    _numbers: dict[str, int] = field(default_factory=dict)
+    _lines: dict[str, Sequence[str]] = field(default_factory=dict)
+    _cited: dict[str, set[int]] = field(default_factory=dict)
+
+    def name(self, path: str) -> str:
+        """Return how a file is called: by its path from the folder of the configuration."""
+        if path not in self._lines:
+            self._numbers[path] = len(self._numbers) + 1
+            self._lines[path], self._cited[path] = lines_of(path), set()
+        folder, slash, _ = self.configuration.rpartition("/")
+        return visible(path.removeprefix(folder + slash))
+
+    def cite(self, path: str, line: int) -> str | None:
+        """Return the id of a line in the page; `None` where the file does not have it."""
+        self.name(path)
+        if not 0 < line <= len(self._lines[path]):
+            return None
+        self._cited[path].add(line)
+        return f"f{self._numbers[path]}-{line}"
+
+    def link(self, span: Span, place: str) -> str:
+        """Return a link to a line, which is called `place`."""
+        line = self.cite(span.path, span.line)
+        shown = escape(visible(place))
+        return shown if line is None else f'<a class="place" href="#{line}">{shown}</a>'
+
+    def sections(self) -> Iterator[str]:
+        """Yield the files with their lines."""
+        for path, number in self._numbers.items():
+            lines = self._lines[path]
+            name, cited = escape(self.name(path)), self._cited[path]
+            whole = len(lines) <= MOST_LINES
+            yield f'<section aria-labelledby="f{number}" data-name="{name}">'
+            yield f'<h2 id="f{number}">{name}</h2>'
+            if not whole:
+                yield f'<p class="quiet">{len(cited)} of {len(lines)} lines</p>'
+            yield "<ol>"
+            for line in range(1, len(lines) + 1) if whole else sorted(cited):
+                text = escape(visible(lines[line - 1].expandtabs(4)))
+                yield f'<li id="f{number}-{line}" value="{line}">{text}</li>'
+            yield "</ol></section>"
+
+
+# ---- Topics --------------------------------------------------------------------------------------
+
+
+def _sections(
+    diagnostics: Sequence[Diagnostic],
+    topics: Sequence[Topic],
+    numbers: Mapping[str, int],
+    sources: _Sources,
+) -> Iterator[str]:
+    if diagnostics:
+        yield '<section aria-labelledby="reading"><h2 id="reading">About the files</h2><ul>'
+        for each in diagnostics:
+            place = sources.link(each.span, f"{sources.name(each.span.path)}:{each.span.line}")
+            help_text = f"; {_words(each.help)}" if each.help else ""
+            yield f"<li>{place} {each.severity}: {_words(each.message)}{help_text}</li>"
+        yield "</ul></section>"
+    resolved: dict[str, list[str]] = {}
+    for topic in topics:
+        for name in topic.resolves:
+            resolved.setdefault(name, []).append(topic.name)
+    for heading, sorts in _SORTS.items():
+        chosen = [
+            (number, topic)
+            for number, topic in enumerate(topics, 1)
+            if (topic.severity or topic.sort) in sorts
+        ]
+        if chosen:
+            label = f"h-{sorts[0]}"
+            yield f'<section class="sort" aria-labelledby="{label}">'
+            yield f'<h2 id="{label}">{heading} ({len(chosen)})</h2>'
+            for number, topic in chosen:
+                yield from _topic(number, topic, resolved.get(topic.name, ()), numbers, sources)
+            yield "</section>"
+
+
+def _topic(
+    number: int,
+    topic: Topic,
+    resolved_by: Iterable[str],
+    numbers: Mapping[str, int],
+    sources: _Sources,
+) -> Iterator[str]:
+    severity = f'<span class="severity">{topic.severity}</span> ' if topic.severity else ""
+    answer = topic.account.answer if topic.account is not None else None
+    said = f": {_words(answer.rstrip('.'))}." if answer else ""
+    yield f'<details class="topic {topic.severity or topic.sort}" id="t{number}" name="topic">'
+    yield f"<summary>{severity}<b>{escape(visible(topic.name))}</b>{said}</summary>"
+    if topic.account is not None:
+        yield '<ul class="lines">'
+        for cited in topic.account.cites:
+            label = f" {_words(cited.label)}" if cited.label else ""
+            line = escape(visible(line_at(cited.span)))
+            yield f"<li>{sources.link(cited.span, cited.place)} <code>{line}</code>{label}</li>"
+        yield "</ul>"
+        yield from (f"<p>{_words(note)}</p>" for note in topic.account.notes)
+    elif not isinstance(topic.trace, Unexplained):
+        lines = traces_text([(topic.title, topic.trace)], line_at)
+        shown = "\n".join(escape(visible(line)) for line in list(lines)[1:])
+        yield f"<noscript><pre>{shown}</pre></noscript>"
+    for says, names in (("Resolves", topic.resolves), ("Resolved by", resolved_by)):
+        linked = ", ".join(_linked(name, numbers) for name in names)
+        if linked:
+            yield f"<p>{says} {linked}.</p>"
+    if topic.rule:
+        yield f'<p class="rule">Rule {escape(visible(topic.rule))}</p>'
+    yield "</details>"
+
+
+def _linked(name: str, numbers: Mapping[str, int]) -> str:
+    shown = escape(visible(name))
+    return f'<a href="#t{numbers[name]}">{shown}</a>' if name in numbers else shown
+
+
+# ---- Traces --------------------------------------------------------------------------------------
+
+
+def _traces(topics: Sequence[Topic], sources: _Sources) -> dict[str, Any]:
+    """Return the steps of all traces, each once, and for each topic the numbers of its own.
+
+    A step has its `kind`, what it `says`, where that is in words, the line that it is `at`, its
+    `rule`, the numbers of the steps that it follows `from`, and of `others` that give the same.
+    """
+    steps: list[dict[str, Any]] = []
+    why: list[list[int]] = []
+    rules: dict[int, str] = {}
+    paths: dict[int, str] = {}
+    traced = [topic for topic in topics if not _is_untraced(topic)]
+    for line in trace_lines(None, (({}, topic.trace) for topic in traced)):
+        entry = json.loads(line)
+        match entry:
+            case {"step": _, "kind": kind, "atom": atom, "says": says}:
+                place = entry["at"] and sources.cite(paths[entry["at"][0]], entry["at"][1])
+                step = {
+                    "kind": kind,
+                    "says": None if says == atom else says,
+                    "at": place,
+                    "rule": rules.get(entry["rule"]),
+                    "from": entry["from"],
+                }
+                steps.append({key: value for key, value in step.items() if value})
+                if "other_of" in entry:
+                    steps[entry["other_of"] - 1].setdefault("others", []).append(len(steps))
+            case {"rule": number, "id": name}:
+                rules[number] = name
+            case {"file": number, "path": path}:
+                paths[number] = path
+            case {"why": numbers}:
+                why.append(numbers)
+    told = iter(why)
+    return {"steps": steps, "why": [[] if _is_untraced(each) else next(told) for each in topics]}
+
+
+def _is_untraced(topic: Topic) -> bool:
+    return topic.account is not None and isinstance(topic.trace, Unexplained)
+
+
+# ---- The picture ---------------------------------------------------------------------------------
+
+
+def _figure(project: Project, specification: Configuration | None, topics: Sequence[Topic]) -> str:
+    drawn = specification or project.configuration
+    picture = depict(drawn, project.modules)
+    svg = None
+    if len(picture.boxes) <= MOST_BOXES:
+        with contextlib.suppress(TooLargeError):
+            svg = svg_text(picture, _links(picture, topics))
+    if svg is None:
+        return (
+            f'<p class="quiet">There is no picture here: {len(picture.boxes)} boxes with '
+            f"{len(picture.lines)} lines are too many to be read. <code>mars-asp draw</code> "
+            "writes one to a file.</p>"
+        )
+    introduced = sum(box.node is not None for box in picture.boxes)
+    nodes = f", {introduced} of them introduced" if introduced else ""
+    caption = (
+        f"The {drawn.kind}: {len(picture.boxes)} boxes{nodes}. "
+        "A box that is a link opens what is found there."
+    )
+    return (
+        '<figure><div class="drawing" role="region" aria-label="Picture" tabindex="0">'
+        f"{svg}</div><figcaption>{caption}</figcaption></figure>"
+    )
+
+
+def _links(picture: Picture, topics: Sequence[Topic]) -> dict[str, str]:
+    """Return where boxes lead: nodes to themselves, modules to the gravest that is said of them."""
+    shown = {box.name for box in picture.boxes}
+    links: dict[str, str] = {}
+    order = [sort for sorts in _SORTS.values() for sort in sorts]
+    ranked = sorted(
+        enumerate(topics, 1), key=lambda each: order.index(each[1].severity or each[1].sort)
+    )
+    for number, topic in ranked:
+        name = visible(topic.name)
+        if topic.sort == "consequence":
+            subject = name.partition("(")[2].removesuffix(")")
+            # What is said of a port is said of its module.
+            name = subject if subject in shown else subject.partition(".")[0]
+        links.setdefault(name, f"#t{number}")
+    return links

@@ -1,0 +1,93 @@
+"""A run as one page to read: the verdict, the requirements, and who won at each arbiter."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import Any
+from urllib.parse import quote
+
+from mars_asp.draw.page import policy_source
+from mars_asp.output import visible
+
+#: Longer tables are cut, and say so.
+MOST_ROWS = 1_000
+_HOLDS = {True: "holds", False: "violated", None: "not decided"}
+
+
+def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | None) -> str:
+    """Return an HTML page of a run, `run` as JSON has it; `replay` is where it can be played.
+
+    No script may run in it, and nothing is fetched.
+    """
+    style, page = (
+        (files("mars_asp.cli") / f"run_report.{each}").read_text("utf-8")
+        for each in ("css", "html")
+    )
+    linked = f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else ""
+    return Template(page).substitute(
+        policy=f"default-src 'none'; base-uri 'none'; style-src {policy_source(style)}",
+        title=_shown(f"{title}: {run['verdict']}"),
+        style=style,
+        summary=_shown(_summary(run)),
+        replay=linked,
+        sections="\n".join(_sections(run)),
+        picture=picture,
+    )
+
+
+def replay_seen_from(report: str, replay: str) -> str:
+    """Return a link from a report to a replay, both given by their paths."""
+    folder = os.path.dirname(os.path.abspath(report))  # noqa: PTH100, PTH120 -- a path of others
+    return quote(os.path.relpath(replay, folder))
+
+
+def _summary(run: Mapping[str, Any]) -> str:
+    clearance = run["min_clearance_mm"]
+    near = "" if clearance is None else f", least clearance {clearance:g} mm"
+    count = run["collisions"]
+    return (
+        f"{run['seconds']:g} s, seed {run['seed']}: {count} collision{'s' * (count != 1)}{near}, "
+        f"{run['driven_mm']:.0f} mm driven"
+    )
+
+
+def _sections(run: Mapping[str, Any]) -> Iterator[str]:
+    requirements = [(_HOLDS[r["holds"]], r["name"], r["message"]) for r in run["requirements"]]
+    yield from _table("Requirements", ("", "requirement", ""), requirements)
+    shares = sorted(run["control_time"].items(), key=lambda share: -share[1])
+    times = [
+        (name, f"{seconds:.2f} s", f"{100 * seconds / run['seconds']:.1f} %")
+        for name, seconds in shares
+    ]
+    yield from _table("In control", ("controller", "time", "share"), times)
+    winners: dict[str, list[tuple[str, str, str]]] = {}
+    for held in run["control"]:
+        row = f"{held['seconds']:.3f} s", held["holder"] or "no controller", held["why"]
+        winners.setdefault(held["node"], []).append(row)
+    for node, rows in winners.items():
+        yield from _table(f"Who won at {node}", ("from", "winner", "because"), rows)
+    failures = [
+        (each["name"], f"{each['count']} times", f"first at {each['seconds']:g} s: {each['first']}")
+        for each in run["failures"]
+    ]
+    yield from _table("Failures", ("behaviour", "", ""), failures)
+
+
+def _table(title: str, heads: Iterable[str], rows: Sequence[Iterable[str]]) -> Iterator[str]:
+    if not rows:
+        return
+    yield f"<section><h2>{_shown(title)}</h2><table><thead><tr>"
+    yield "".join(f'<th scope="col">{head}</th>' if head else "<td></td>" for head in heads)
+    yield "</tr></thead><tbody>"
+    for row in rows[:MOST_ROWS]:
+        yield f"<tr>{''.join(f'<td>{_shown(cell)}</td>' for cell in row)}</tr>"
+    yield "</tbody></table>"
+    if len(rows) > MOST_ROWS:
+        yield f"<p>These are the first {MOST_ROWS} of {len(rows)}; `--format json` has all.</p>"
+    yield "</section>"
+
+
+def _shown(text: str) -> str:
+    return escape(visible(str(text)))

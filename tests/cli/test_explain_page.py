@@ -1,0 +1,311 @@
+"""The page of `explain -o`: held against the JSON of the same question and the files themselves."""
+
+import json
+import re
+from base64 import b64encode
+from collections.abc import Iterator
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mars_asp.cli import explain
+from tests.support.browser import in_a_browser, probed
+from tests.support.documents import ROOT, run
+from tests.support.pages import Page
+
+HOSTILE = """\
+@configuration hierarchical // </script><script>alert(1)</script> <!-- & "q"
+@modules Src, Grüße, B, Base
+@sources odd.cpp
+Grüße uses_data_from Src
+B uses_data_from Src // </li></ol><img src=x onerror=alert(1)>'"`</title>
+Base is_controlled_by B 1
+Base is_controlled_by Grüße 1
+"""
+SOURCE = """\
+/* @module_start
+@module_name Src
+@Sense NotifyAtFrequency 25 */
+std::map<Ray, Ray> grab();
+/* @module_end */
+/* @module_start
+@module_name B
+@ControlOut */
+Motion act(std::map<Key, Value> x);
+/* @module_end */
+// \u202e</script>
+"""
+IMPOSSIBLE = """\
+@configuration
+@modules A, B, C
+A uses_data_from B NotifyWhenReady
+C uses_data_from B
+@module_start
+@module_name B
+@Sense RequestWhenReady
+Image look();
+@module_end
+"""
+PLAIN = "@configuration\n@modules A, B\nA uses_data_from B\n"
+
+
+@pytest.fixture(scope="module", params=["level1", "module-conflict", "scara", "gripper-arm", "odd"])
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a robot, `config.mars`."""
+    if request.param != "odd":
+        return ROOT / "examples" / str(request.param)
+    made = tmp_path_factory.mktemp("odd")
+    (made / "config.mars").write_text(HOSTILE, encoding="utf-8")
+    (made / "odd.cpp").write_text(SOURCE, encoding="utf-8")
+    return made
+
+
+@cache
+def told(folder: Path, words: str = "") -> tuple[str, Any]:
+    """Return the page of a question, and its JSON."""
+    page = run(f"mars-asp explain config.mars {words} --quiet -o -", folder)
+    begin = page.index("<!DOCTYPE")
+    known = run(f"mars-asp explain config.mars {words} --quiet --format json", folder)
+    (line,) = (line for line in known.splitlines() if line.startswith('{"format"'))
+    return page[begin:], json.loads(line)
+
+
+def test_ids_links_and_labels_lead_somewhere_in_the_page(folder: Path) -> None:
+    page = Page(told(folder)[0])
+    ids = page.by_id()
+    for each in page.top.all():
+        for name in ("href", "aria-labelledby", "for"):
+            if name in each.attributes:
+                assert each.attributes[name].removeprefix("#") in ids
+        assert not [name for name in each.attributes if name.startswith("on") or name == "src"]
+        if each.name in ("a", "summary"):
+            assert each.text.strip()
+
+
+def test_every_topic_has_its_answer_and_the_lines_that_it_cites(folder: Path) -> None:
+    text, known = told(folder)
+    page = Page(text)
+    ids = page.by_id()
+    assert known["topics"]
+    for number, topic in enumerate(known["topics"], 1):
+        shown = ids[f"t{number}"]
+        (summary,) = shown.all("summary")
+        assert summary.text.removesuffix(".").endswith(
+            f"{topic['name']}: {plain(topic['answer']).removesuffix('.')}"
+        )
+        links = list(shown.all("a", "place"))
+        cited = [each.removesuffix("\n") for each in lines_of(folder, topic["lines"])]
+        found = [ids[each.attributes["href"][1:]].text for each in links]
+        assert found == cited
+        for note in topic["notes"]:
+            assert plain(note) in [each.text for each in shown.all("p")]
+        for name in topic["resolves"]:
+            assert name in [each.text for each in shown.all("a")]
+
+
+def plain(text: str) -> str:
+    return re.sub("`([^`]*)`", r"\1", text)
+
+
+def lines_of(folder: Path, places: list[dict[str, Any]]) -> list[str]:
+    """Return the lines at places as they stand in the files, controls made visible."""
+    found = []
+    for place in places:
+        whole = (folder / place["path"]).read_text(encoding="utf-8").split("\n")
+        found.append(whole[place["line"] - 1].expandtabs(4).replace("\u202e", r"\u202e"))
+    return found
+
+
+def test_a_file_is_shown_whole(folder: Path) -> None:
+    page = Page(told(folder)[0])
+    (configuration, *_) = (
+        each for each in page.top.all("section") if "data-name" in each.attributes
+    )
+    assert configuration.attributes["data-name"] == "config.mars"
+    whole = (folder / "config.mars").read_text(encoding="utf-8").removesuffix("\n").split("\n")
+    lines = list(configuration.all("li"))
+    assert [each.text for each in lines] == [line.expandtabs(4) for line in whole]
+    assert [int(each.attributes["value"]) for each in lines] == list(range(1, len(whole) + 1))
+
+
+@pytest.mark.parametrize("words", ["", "--all"])
+def test_a_trace_leads_to_the_lines_that_the_json_document_has(folder: Path, words: str) -> None:
+    text, known = told(folder, words)
+    page = Page(text)
+    ids = page.by_id()
+    traces = json.loads(ids["traces"].text)
+    in_document: dict[int, Any] = {}
+    for trace in known["traces"]:
+        number_steps(trace, in_document)
+    for trace, why in zip(known["traces"], traces["why"], strict=True):
+        wanted = {
+            (place["path"], place["line"])
+            for step in reached_in_json(trace, in_document)
+            if (place := step.get("location"))
+        }
+        found = set()
+        for step in reached(traces["steps"], why):
+            assert step["kind"] in ("given", "derived", "chosen", "absent", "computed")
+            if "at" in step:
+                line = ids[step["at"]]
+                section = next(s for s in page.top.all("section") if line in s.all("li"))
+                found.add((section.attributes["data-name"], int(line.attributes["value"])))
+        assert found == wanted
+
+
+def number_steps(step: Any, found: dict[int, Any]) -> None:
+    if "id" in step:
+        found[step["id"]] = step
+    for each in (*step.get("premises", ()), *step.get("others", ())):
+        number_steps(each, found)
+
+
+def reached_in_json(trace: Any, numbered: dict[int, Any]) -> Iterator[Any]:
+    waiting, seen = [trace], set()
+    while waiting:
+        step = waiting.pop()
+        step = numbered[step["ref"]] if "ref" in step else step
+        if step["id"] not in seen:
+            seen.add(step["id"])
+            yield step
+            waiting += [*step["premises"], *step.get("others", ())]
+
+
+def reached(steps: list[Any], why: list[int]) -> Iterator[Any]:
+    waiting, seen = list(why), set()
+    while waiting:
+        number = waiting.pop()
+        if number not in seen:
+            seen.add(number)
+            step = steps[number - 1]
+            yield step
+            waiting += [*step.get("from", ()), *step.get("others", ())]
+
+
+def test_nothing_is_fetched_and_no_text_of_others_becomes_markup(folder: Path) -> None:
+    text, _ = told(folder)
+    page = Page(text)
+    assert set(re.findall(r"https?://[^\"]*", text)) == {"http://www.w3.org/2000/svg"}
+    assert not re.search(r"@import|url\((?!#)|fetch\(|import\(", text)
+    names = {each.name for each in page.top.all()}
+    assert not names & {"img", "iframe", "object", "link", "base", "form", "embed"}
+    assert not re.search("[\u202e\0]", text)
+    data, script = page.top.all("script")
+    assert data.attributes["type"] == "application/json"
+    (style,) = page.top.all("style")
+    policy = next(
+        each.attributes["content"]
+        for each in page.top.all("meta")
+        if each.attributes.get("http-equiv") == "Content-Security-Policy"
+    )
+    assert policy.startswith("default-src 'none'; ")
+    for part, of in (("style", style), ("script", script)):
+        digest = b64encode(sha256(of.text.encode()).digest()).decode()
+        assert f"{part}-src 'sha256-{digest}'" in policy
+
+
+def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
+    text, known = told(folder)
+    page = Page(text)
+    ids = page.by_id()
+    (svg,) = page.top.all("svg")
+    boxes = {each.attributes["aria-label"]: each for each in svg.all("a")}
+    nodes = {topic["name"] for topic in known["topics"] if topic["sort"] == "node"}
+    assert nodes <= boxes.keys()
+    for name, box in boxes.items():
+        summary = next(ids[box.attributes["href"][1:]].all("summary")).text
+        assert f"{name}:" in summary if name in nodes else f"({name})" in summary
+
+
+def test_what_is_grave_comes_first(tmp_path: Path) -> None:
+    (tmp_path / "config.mars").write_text(IMPOSSIBLE)
+    text, _ = told(tmp_path)
+    headings = [each.text for each in Page(text).top.all("h2")]
+    assert headings[0].startswith("Errors (")
+    assert 'class="topic error"' in text
+    assert "no specification realises this configuration" in text
+
+
+def test_a_robot_of_which_nothing_is_said_has_a_page(tmp_path: Path) -> None:
+    (tmp_path / "config.mars").write_text(PLAIN)
+    text, _ = told(tmp_path)
+    assert "nothing to resolve, so nothing to explain" in text
+    assert not list(Page(text).top.all("details"))
+    assert len(list(Page(text).top.all("svg"))) == 1
+
+
+def test_an_atom_has_its_trace(tmp_path: Path) -> None:
+    text, _ = told(ROOT / "examples" / "scara", '\'gives("Tool","Wrist","Rotn_Z")\'')
+    page = Page(text)
+    (topic,) = page.top.all("details")
+    assert "config.mars:" in topic.text
+    assert json.loads(page.by_id()["traces"].text)["why"][0]
+
+
+def test_what_is_too_large_to_be_read_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = [f"M{number}" for number in range(501)]
+    uses = [f"{name} uses_data_from M0" for name in names[1:3]]
+    written = "\n".join(["@configuration", f"@modules {', '.join(names)}", *uses, ""])
+    (tmp_path / "config.mars").write_text(written)
+    monkeypatch.setattr(explain, "_MOST_TRACED", 500)
+    text = run("mars-asp explain config.mars -o -", tmp_path)
+    page = Page(text)
+    assert not list(page.top.all("svg"))
+    assert "There is no picture here: 502 boxes with 3 lines are too many to be read." in text
+    assert "as there are more than" in text
+    traces = json.loads(page.by_id()["traces"].text)
+    assert traces["steps"] == []
+    assert not any(traces["why"])
+
+
+def test_a_page_is_written_as_the_readme_says(tmp_path: Path) -> None:
+    config = (ROOT / "examples" / "level1" / "config.mars").read_bytes()
+    (tmp_path / "config.mars").write_bytes(config)
+    (command,) = re.findall("^mars-asp explain .* -o .*$", (ROOT / "README.md").read_text(), re.M)
+    assert run(command, tmp_path) == ""
+    written = (tmp_path / command.split()[-1]).read_text(encoding="utf-8")
+    assert written == run("mars-asp explain config.mars -o -", tmp_path)
+
+
+#: Opens the topic of the hash, follows a box, opens all of its trace, and searches.
+PROBE = """
+const marks = () => [...document.querySelectorAll(".files [aria-current]")].map((x) => x.id);
+const opened = () => document.querySelector("details.topic[open] b").textContent;
+document.querySelector('svg a[aria-label="ArbitrationNode"]').dispatchEvent(
+  new MouseEvent("click", { bubbles: true }));
+setTimeout(() => {
+  found.open = opened();
+  found.marks = marks();
+  found.focus = document.activeElement.tagName;
+  document.querySelector("details.topic[open] .trace").open = true;
+  setTimeout(() => { found.steps = document.querySelectorAll(".trace li").length; }, 200);
+}, 200);
+setTimeout(() => {
+  const search = document.querySelector("#search");
+  search.value = "turn";
+  search.dispatchEvent(new Event("input"));
+  found.told = document.querySelector("#told").textContent;
+  found.shown = document.querySelectorAll("details.topic:not([hidden])").length;
+  found.fetched = performance.getEntriesByType("resource").length;
+}, 800);
+"""
+
+
+@in_a_browser
+def test_a_click_on_a_box_opens_it_and_marks_its_lines(tmp_path: Path) -> None:
+    page, _ = told(ROOT / "examples" / "level1")
+    found = probed(tmp_path / "page.html", page, PROBE)
+    assert found == {
+        "open": "ArbitrationNode",
+        "marks": ["f1-11", "f1-12", "f1-13", "f1-14"],
+        "focus": "SUMMARY",
+        "steps": 1,
+        "told": "4 of 6 match",
+        "shown": 4,
+        "fetched": 0,
+    }

@@ -1,0 +1,84 @@
+"""The page of `run --report`: it says what the JSON of the same run says."""
+
+import json
+import re
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from mars_asp.cli.run_report import MOST_ROWS, replay_seen_from, report_page
+from tests.support.documents import ROOT, run
+from tests.support.pages import Page
+
+LEVEL1 = ROOT / "examples" / "level1"
+HOSTILE = "</td></script><img src=x onerror=alert(1)>\u202e"
+
+
+def test_a_report_says_what_json_says(tmp_path: Path) -> None:
+    words = f"run {LEVEL1}/config.mars --scenario {LEVEL1}/scenario.toml --duration 3 --quiet"
+    said = run(
+        f"mars-asp {words} --format json --report out.html --replay 'play it.html'", tmp_path
+    )
+    known = json.loads(said.strip().splitlines()[-1])
+    text = (tmp_path / "out.html").read_text(encoding="utf-8")
+    page = Page(text)
+    tables = [[cell.text for cell in each.all("td")] for each in page.top.all("table")]
+    requirements, shares, *winners = tables
+    assert f": {known['verdict']}" in next(page.top.all("h1")).text
+    words_of = {True: "holds", False: "violated", None: "not decided"}
+    for each in known["requirements"]:
+        assert [words_of[each["holds"]], each["name"], each["message"]] in triples(requirements[2:])
+    assert [name for name, *_ in triples(shares)] == sorted(
+        known["control_time"], key=lambda name: -known["control_time"][name]
+    )
+    assert [row for table in winners for row in triples(table)] == [
+        [f"{held['seconds']:.3f} s", held["holder"] or "no controller", held["why"]]
+        for held in known["control"]
+    ]
+    (link,) = page.top.all("a")
+    assert link.attributes["href"] == "play%20it.html"
+    assert (tmp_path / "play it.html").is_file()
+    assert set(re.findall(r"https?://[^\"]*", text)) == {"http://www.w3.org/2000/svg"}
+
+
+def triples(cells: list[str]) -> list[list[str]]:
+    return [cells[begin : begin + 3] for begin in range(0, len(cells), 3)]
+
+
+def made(**keys: Any) -> dict[str, Any]:
+    run_ = {"verdict": "fail", "requirements": [], "seconds": 2.0, "seed": 1, "collisions": 1}
+    return {
+        **run_,
+        "min_clearance_mm": None,
+        "driven_mm": 0.0,
+        "control_time": {},
+        "control": [],
+        "failures": [],
+        **keys,
+    }
+
+
+def test_no_text_of_others_becomes_markup() -> None:
+    known = made(
+        requirements=[{"name": HOSTILE, "holds": None, "message": HOSTILE}],
+        control_time={HOSTILE: 1.0},
+        control=[{"seconds": 0, "node": HOSTILE, "holder": HOSTILE, "why": HOSTILE}],
+        failures=[{"name": HOSTILE, "count": 2, "seconds": 0.5, "first": HOSTILE}],
+    )
+    text = report_page(known, "", HOSTILE, HOSTILE)
+    names = {each.name for each in Page(text).top.all()}
+    assert not names & {"img", "script"}
+    assert "\u202e" not in text.replace(escape(HOSTILE), "")
+    assert "not decided" in text
+
+
+def test_a_long_table_is_cut_and_says_so() -> None:
+    held = {"seconds": 0, "node": "A", "holder": None, "why": "alone"}
+    text = report_page(made(control=[held] * (MOST_ROWS + 1)), "", "t", None)
+    assert text.count("no controller") == MOST_ROWS
+    assert f"the first {MOST_ROWS} of {MOST_ROWS + 1}" in text
+
+
+def test_a_replay_is_found_from_the_folder_of_the_report(tmp_path: Path) -> None:
+    report, replay = tmp_path / "a" / "r.html", tmp_path / "b" / "p#1.html"
+    assert replay_seen_from(str(report), str(replay)) == "../b/p%231.html"
