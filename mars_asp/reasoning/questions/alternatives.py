@@ -21,15 +21,14 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
-from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.print import print_configuration
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.rules import COSTS, NODES
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Derived, Specification, specify
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
-from mars_asp.spelling import nearest
 
 #: The levels that are a cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
@@ -114,7 +113,7 @@ class _Search:
         names = {clingo.parse_term(n.term): n.name for n in self.synthesis.specification.nodes}
         chosen = [atom for atom, name in names.items() if subject in (None, name)]
         if not chosen and subject is not None:
-            raise self._no_node(subject, names.values())
+            raise no_node(subject, list(names.values()), self.project)
         part_of = self.analysis.grounding.part_of
         forced = tuple(names[atom] for atom in chosen if part_of(atom) is None)
         if subject is None:
@@ -174,14 +173,6 @@ class _Search:
                 tuple(_words(symbol, declared) for symbol in told),
                 tuple(names[symbol] for symbol in told if symbol in names),
             )
-
-    def _no_node(self, subject: str, names: object) -> MarsError:
-        known = [node.name for node in self.synthesis.specification.nodes]
-        near = nearest(subject, known)
-        place = point(self.project.configuration.path, 1, 1)
-        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(known) or 'none'}"
-        message = f"`{subject}` is no node of the specification"
-        return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
 
 
 def _combined(

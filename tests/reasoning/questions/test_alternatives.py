@@ -121,7 +121,7 @@ def test_as_many_cost_the_same_as_are_counted(seed: int) -> None:
 
 
 def test_a_subject_is_a_node() -> None:
-    with pytest.raises(MarsError, match="is no node"):
+    with pytest.raises(MarsError, match="is not a node"):
         found("@configuration\n@modules A, B\nA uses_data_from B\n", "A")
 
 
