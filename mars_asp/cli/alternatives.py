@@ -21,7 +21,6 @@ from mars_asp.reasoning.questions.alternatives import (
 from mars_asp.reasoning.questions.needs import places
 from mars_asp.reasoning.rules import CONVERSION, COSTS, RELATIONSHIPS, by_name
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: So many needs are written out; JSON has the reasons of all.
 _MOST_NEEDS = 20
@@ -149,7 +148,7 @@ def _levels(found: Alternatives) -> Iterator[str]:
         is_met = conversion.bound == conversion.cost
         told += f"; {'no specification of as few nodes needs less' if is_met else searched}"
     yield f"{told}."
-    told = f"Relationships {relationships.cost}: {_relationships(found.synthesis, found.declared)}"
+    told = f"Relationships {relationships.cost}: {_relationships(found)}"
     if resolution.proven and relationships.bound != relationships.cost:
         told += f"; {searched}"
     yield f"{told}."
@@ -177,20 +176,20 @@ def _conversions(found: Alternatives) -> str:
     return ", ".join([*told, *([f"and {more} more"] if is_cut else [])])
 
 
-def _relationships(synthesis: Synthesis, declared: int) -> str:
+def _relationships(found: Alternatives) -> str:
     """Return how the lines of a specification come about, in whole numbers that add up."""
-    specification = synthesis.specification
-    nodes = {node.name: node for node in specification.nodes}
+    specification, declared = found.synthesis.specification, found.declared
+    nodes = specification.nodes
     lines = [r for r in specification.configuration.relationships if isinstance(r, Data | Control)]
-    fanned = sum(
-        isinstance(line, Control) and nodes[line.controller].stands_for is not None
-        for line in lines
-        if isinstance(line, Control) and line.controller in nodes
-    ) - sum(node.stands_for is not None for node in nodes.values())
+    stand_ins = {node.name for node in nodes if node.stands_for is not None}
+    outputs = sum(isinstance(line, Control) and line.controller in stand_ins for line in lines)
+    fanned = outputs - len(stand_ins)
     shared = declared + len(nodes) + fanned - len(lines)
     if not declared:
         return "none is declared"
-    told = [f"the {declared} declared" if declared > 1 else "the one declared"]
+    first = f"the {declared} declared" if declared > 1 else "the one declared"
+    repeated = found.written - declared
+    told = [f"{first} ({repeated} repeated aside)" if repeated else first]
     if nodes:
         told.append("one more for each node" if len(nodes) > 1 else "one more for the node")
     if fanned:

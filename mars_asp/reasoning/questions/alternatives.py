@@ -32,6 +32,8 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: The levels that are a cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
+#: What the rules derive of each relationship of data or control that counts.
+_COUNTED = (("link", 3), ("commanded", 3))
 #: So many conversions are named at most.
 MOST_CONVERSIONS = 5
 #: For each part that another answer is chosen of, in order, its number and that of the answer.
@@ -76,13 +78,14 @@ class Alternatives:
 
     `forced` are the nodes that the rules leave no choice about. `needs` have no node in common;
     where there are fewer than nodes, that fewer do not suffice was found by search among so many
-    `candidates`. `declared` is how many relationships of data and control there are. `levels` are
-    told of the whole alone, `conversions` of what is applied first.
-    `complete` says that there are no further alternatives.
+    `candidates`. Relationships of data and control are so many `written`, of which so many count as
+    `declared`. `levels` are told of the whole alone, `conversions` are what the first transformers
+    apply. `complete` is whether there are no further alternatives.
     """
 
     synthesis: Synthesis
     analysis: Analysis
+    written: int
     declared: int
     nodes: int
     forced: tuple[str, ...]
@@ -162,6 +165,7 @@ class _Search:
             self.synthesis,
             self.analysis,
             sum(isinstance(r, Data | Control) for r in self.project.configuration.relationships),
+            self._declared(),
             len(forced) + sum(len(_taken(part)) for part in parts),
             tuple(names[atom] for atom in forced),
             (*self._explained(needs[:shown]), *needs[len(needs[:shown]) :]),
@@ -171,6 +175,11 @@ class _Search:
             tuple(told),
             len(found) <= most,
         )
+
+    def _declared(self) -> int:
+        """Return how many relationships of data and control count: repeated ones do not."""
+        grounding = self.analysis.grounding
+        return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
 
     def _bounds(self, parts: Iterable[Part]) -> Mapping[tuple[int, int], Sequence[AtomNeed]]:
         """Return the needs of each component at each level; equal components have equal ones."""

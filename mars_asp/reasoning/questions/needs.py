@@ -107,6 +107,8 @@ def _written(term: TermId, names: Names, lines: Mapping[Span, Iterable[str]]) ->
         for label in labels:
             spans_of.setdefault(label, []).append(span)
     path = names.configuration.path
+    if len(spans_of) == 1 < len(lines):
+        return f"{next(iter(spans_of))} over {len(lines)} lines ({places(lines, path)})"
     if len(spans_of) <= _MOST_NAMED:
         told = [f"{label} ({places(spans, path)})" for label, spans in spans_of.items()]
         return " and ".join(told)

@@ -76,6 +76,7 @@ def test_needs_are_disjoint_and_bound_the_cost(seed: int) -> None:
 NEEDS = [
     "examples/figure04-divergence/config.mars",
     "examples/figure07-representation/config.mars",
+    "examples/figure15-control-divergence/config.mars",
     "examples/gripper-arm/config.mars",
     "examples/level1/config.mars",
     "examples/scara/config.mars",
@@ -87,6 +88,7 @@ NEEDS = [
             "conversions",
             "runs",
             "services",
+            "inherited",
             "part",
             "unconverted",
             "own_part",
