@@ -65,7 +65,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["explain", LEVEL0, "--repair", ""], None, 2, "`` is no module"),
         (["explain", LEVEL0, "--repair", "data_divergenc"], None, 2, "`data_divergence`"),
         (["explain", LEVEL0, "--repair", "data_divergence(FeelForce)"], None, 0, ""),
-        (["explain", LEVEL0, "--alternatives", "2", "--", ""], None, 2, "`` is no node"),
+        (["explain", LEVEL0, "--alternatives", "2", "--", ""], None, 2, "`` is not a node"),
         (["explain", LEVEL0, "Turn", "--about", "Turn"], None, 2, "SUBJECT and --about"),
         (["explain", LEVEL0, "Turn", "--why-not", "a"], None, 2, "leave out SUBJECT"),
         (["explain", LEVEL0, "--about", "Turn", "--why-not", "a"], None, 2, "leave out --about"),

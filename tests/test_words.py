@@ -17,7 +17,7 @@ PATTERNS = {
     r"\bstand(?:s|ing)?\b": "is, occurs, means, takes the place of",
     r"\b(?:is|are|was|were|be|been|being) (?:told|said)\b": "is reported, is stated",
     r"\b(?<!to )say(?:s|ing)?\b": "states, means, shows, explains",
-    r"\bbehind\b": "after",
+    r"(?<!splitter )\bbehind\b": "after",
     r"\bjust\b": "only, exactly",
     r"\b(?:no|some)body\b|\bwhoever\b": "a plain subject",
     r"\bwhich so\b": "so it",

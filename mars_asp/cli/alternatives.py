@@ -2,65 +2,222 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from mars_asp.asp.trace.text import wrapped
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import cells, columns, counted, wrapped
 from mars_asp.cli.reason import rulebook_for
+from mars_asp.model.declarations import Control, Data
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.alternatives import Alternative, Alternatives, alternatives
-from mars_asp.reasoning.rules import COSTS, by_name
+from mars_asp.reasoning.questions.alternatives import (
+    MOST_CONVERSIONS,
+    Alternative,
+    Alternatives,
+    Need,
+    alternatives,
+)
+from mars_asp.reasoning.questions.needs import places
+from mars_asp.reasoning.rules import CONVERSION, COSTS, RELATIONSHIPS, by_name
 from mars_asp.reasoning.session import Reasoner
+
+#: So many needs are written out; JSON has the reasons of all.
+_MOST_NEEDS = 20
+#: So many nodes are named of which a need asks for one.
+_MOST_NODES = 3
+#: Between the columns of the needs.
+_GAP = "  "
+#: Stands for a blank at which no line is broken.
+_KEPT = "\0"
 
 
 def run_alternatives(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
     """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
     most: int = arguments.alternatives
-    found = alternatives(
-        Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit)), subject, most
+    is_json = arguments.format == "json"
+    reasoner = Reasoner(
+        project, rulebook_for(arguments, ("resolve", "account")), Budget(arguments.time_limit)
     )
+    found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
         print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)
         return 1
-    if arguments.format == "json":
+    if is_json:
         print(encoded({"subject": subject, **_json(found)}))
     else:
-        for line in _text(found):
+        for line in _text(found, columns(sys.stdout)):
             print(visible(line))
     return int(found.analysis.has_errors)
 
 
-def _text(found: Alternatives) -> Iterator[str]:
-    cost = ", ".join(f"{name} {found.synthesis.cost(level)}" for name, level in COSTS.items())
-    resolution = found.synthesis.resolution
-    state = "proven least" if resolution.proven else "best found"
-    count = resolution.count
-    many = "" if count is None else f"; {count} specification{'s' * (count != 1)} of that cost"
-    yield from wrapped(f"cost: {cost}; {state}{many}", 0)
-    if found.forced:
-        yield from wrapped(f"every realisation has {', '.join(found.forced)}", 0)
-    for need in found.needs:
-        ours = f"  ({', '.join(need.names)})" if need.names else ""
-        which = "at least one of these" if len(need.words) > 1 else "this"
-        yield f"every realisation has {which}{ours}"
-        for words in need.words:
-            yield from wrapped(words, 1)
-    if found.open > len(found.needs):
-        yield from wrapped(
-            f"{found.open} nodes are taken where {len(found.needs)} needs without a node in common "
-            "ask for: that fewer do not suffice was found by search",
-            0,
-        )
+def _text(found: Alternatives, width: int) -> Iterator[str]:
+    yield from wrapped(_head(found), width)
+    yield from _table(found.needs[:_MOST_NEEDS], width)
+    if len(found.needs) > _MOST_NEEDS:
+        yield f"{_GAP}and {counted(len(found.needs) - _MOST_NEEDS, 'more need')}"
+    told = " ".join(_levels(found))
+    if told:
+        yield from wrapped(told, width)
+    yield from _example(found, width)
     for number, other in enumerate(found.others, 1):
         yield ""
         yield f"{number}. {_price(other)}"
         yield from (f"     - {line}" for line in other.removed)
         yield from (f"     + {line}" for line in other.added)
-    if found.others:
+    if found.others or not found.complete:
         yield ""
-    yield "no other realisation, but for additions" if found.complete else "there are more"
+        yield (
+            "There is no further alternative other than adding nodes."
+            if found.complete
+            else "There are more alternatives."
+        )
+
+
+def _head(found: Alternatives) -> str:
+    """Return how many nodes there are, and what shows that fewer do not suffice."""
+    nodes, needs = found.nodes, len(found.needs)
+    if not nodes:
+        return "No node is needed."
+    are = f"{counted(nodes, 'node')} {'is' if found.levels else 'of this part is'}"
+    if not found.synthesis.resolution.proven:
+        common = " that have no node in common" if needs > 1 else ""
+        return f"{are} the best found; there are {counted(needs, 'need')}{common}:"
+    if needs == nodes:
+        why = "this need" if needs == 1 else f"these {needs} needs have no node in common"
+        return f"{are} the least, because {'of ' if needs == 1 else ''}{why}:"
+    searched = (
+        f"No set of fewer than {nodes} nodes exists among these {found.candidates} candidates, "
+        "proved by search."
+    )
+    if not needs:
+        return f"{are} the least. {searched}"
+    have = "1 need" if needs == 1 else f"{needs} needs that have no node in common"
+    return f"{are} the least. {searched} There {'is' if needs == 1 else 'are'} {have}:"
+
+
+def _table(needs: Sequence[Need], width: int) -> Iterator[str]:
+    """Yield the needs in columns where these are narrow enough, else the reasons below."""
+    rows = [_row(number, need) for number, need in enumerate(needs, 1)]
+    margin = max((len(number) for number, *_ in rows), default=0)
+    whats = max((cells(what) for _, what, _, _ in rows), default=0)
+    whys = max((cells(why) for _, _, why, _ in rows), default=0)
+    clauses = max((len(clause) for *_, clause in rows), default=0)
+    beside = margin + whats + whys + clauses + 4 * len(_GAP) <= width
+    for number, what, why, clause in rows:
+        head = f"{_GAP}{number:>{margin}}{_GAP}"
+        if beside:
+            row = f"{head}{what:<{whats}}{_GAP}{why:<{whys}}{_GAP}{clause}"
+            yield row.rstrip()
+            continue
+        further = " " * (len(head) + 2)
+        yield from wrapped(what, width, head, further)
+        if why:
+            # A number is not parted from its word.
+            told = f"{why} ({clause.replace(' ', _KEPT)})"
+            for line in wrapped(told, width, further, further + _GAP):
+                yield line.replace(_KEPT, " ")
+
+
+def _row(number: int, need: Need) -> tuple[str, str, str, str]:
+    """Return the number of a need, what it asks for, why, and the clause."""
+    # In a table names need no quotes.
+    reasons = [(each.what.replace("`", ""), each) for each in need.reasons]
+    if not reasons:
+        return str(number), ", ".join(need.names), "", ""
+    whats = [what for what, _ in reasons]
+    what = whats[0]
+    if len(need.nodes) > 1:
+        more = f", or one of {len(need.nodes) - _MOST_NODES} more"
+        what = f"{', or '.join(whats[:_MOST_NODES])}{more if len(need.nodes) > _MOST_NODES else ''}"
+    first = reasons[0][1]
+    here = "here " if len(need.nodes) > 1 else ""
+    why = "" if first.why is None else f"{here}{first.why.replace('`', '')}"
+    return str(number), what, why, "" if first.why is None else f"clause {first.clause}"
+
+
+def _levels(found: Alternatives) -> Iterator[str]:
+    """Yield what is spent on the levels below the nodes, and whether another way costs the same."""
+    if not found.levels:
+        return
+    resolution = found.synthesis.resolution
+    conversion, relationships = found.levels[CONVERSION], found.levels[RELATIONSHIPS]
+    searched = "that less does not suffice was proved by search"
+    told = f"Conversion {conversion.cost}: {_conversions(found)}"
+    if conversion.cost and resolution.proven:
+        is_met = conversion.bound == conversion.cost
+        told += f"; {'no specification of as few nodes needs less' if is_met else searched}"
+    yield f"{told}."
+    told = f"Relationships {relationships.cost}: {_relationships(found)}"
+    if resolution.proven and relationships.bound != relationships.cost:
+        told += f"; {searched}"
+    yield f"{told}."
+    if not resolution.proven:
+        yield "The time limit ended the proof that nothing costs less."
+    elif resolution.count is None:
+        yield "Other specifications that cost the same were not counted."
+    elif resolution.count == 1:
+        yield "No other specification costs the same."
+    else:
+        others = resolution.count - 1
+        yield f"{counted(others, 'other specification')} cost{'s' * (others == 1)} the same."
+
+
+def _conversions(found: Alternatives) -> str:
+    if not found.conversions:
+        nodes = found.synthesis.specification.nodes
+        is_abstract = any(node.kind == "data_transformer" for node in nodes)
+        return "no declared converter is applied" if is_abstract else "nothing is converted"
+    nodes = found.synthesis.specification.nodes
+    applied = sum(bool(node.conversion and node.conversion.converter) for node in nodes)
+    more = applied - len(found.conversions)
+    is_cut = len(found.conversions) == MOST_CONVERSIONS and more > 0
+    told = (each.replace("`", "") for each in found.conversions)
+    return ", ".join([*told, *([f"and {more} more"] if is_cut else [])])
+
+
+def _relationships(found: Alternatives) -> str:
+    """Return how the lines of a specification come about, in whole numbers that add up."""
+    specification, declared = found.synthesis.specification, found.declared
+    nodes = specification.nodes
+    lines = [r for r in specification.configuration.relationships if isinstance(r, Data | Control)]
+    stand_ins = {node.name for node in nodes if node.stands_for is not None}
+    outputs = sum(isinstance(line, Control) and line.controller in stand_ins for line in lines)
+    fanned = outputs - len(stand_ins)
+    shared = declared + len(nodes) + fanned - len(lines)
+    if not declared:
+        return "none is declared"
+    first = f"the {declared} declared" if declared > 1 else "the one declared"
+    repeated = found.written - declared
+    told = [f"{first} ({repeated} repeated aside)" if repeated else first]
+    if nodes:
+        told.append("one more for each node" if len(nodes) > 1 else "one more for the node")
+    if fanned:
+        told.append(f"{fanned} more from InheritanceNodes to further modules")
+    if shared < 0:
+        told.append(f"{-shared} more for what is commanded in two parts")
+    if shared > 0:
+        told.append(f"{shared} fewer, because nodes share lines")
+    if len(told) == 1:
+        return told[0]
+    return f"{', '.join(told[:-1])}, and {told[-1]}"
+
+
+def _example(found: Alternatives, width: int) -> Iterator[str]:
+    """Yield the command that shows a need, and what it will say."""
+    for need in found.needs[:_MOST_NEEDS]:
+        for reason in need.reasons:
+            if reason.why is not None and reason.lines and need.names:
+                path = found.analysis.configuration.path
+                command = f"See it break: mars-asp verify --without {need.names[0]} {path}"
+                told = f"->  clause {reason.clause} at {places(reason.lines, path)}"
+                # A command is not broken.
+                if cells(command) + len(_GAP) + cells(told) <= width:
+                    yield f"{command}{_GAP}{told}"
+                else:
+                    yield command
+                    yield from wrapped(told, width, _GAP, _GAP * 3)
+                return
 
 
 def _price(other: Alternative) -> str:
@@ -70,15 +227,32 @@ def _price(other: Alternative) -> str:
 
 
 def _json(found: Alternatives) -> dict[str, object]:
+    names = {level: name for name, level in COSTS.items()}
     return {
         "cost": {name: found.synthesis.cost(level) for name, level in COSTS.items()},
         "proven_minimal": found.synthesis.resolution.proven,
         "optimal_count": found.synthesis.resolution.count,
         "forced": list(found.forced),
-        "needs": [{"nodes": list(n.words), "taken": list(n.names)} for n in found.needs],
+        "needs": [_need_json(need) for need in found.needs],
+        "bound": {names[level]: each.bound for level, each in found.levels.items()},
         "alternatives": [
             {"extra_cost": by_name(o.extra), "added": list(o.added), "removed": list(o.removed)}
             for o in found.others
         ],
         "complete": found.complete,
+    }
+
+
+def _need_json(need: Need) -> dict[str, object]:
+    first = need.reasons[0] if need.reasons else None
+    known = first is not None and first.why is not None
+    return {
+        "nodes": [reason.what for reason in need.reasons] or list(need.names),
+        "taken": list(need.names),
+        "clause": first.clause if first is not None and known else None,
+        "why": first.why if first is not None else None,
+        "locations": [
+            {"path": span.path, "line": span.line, "column": span.column}
+            for span in (first.lines if first is not None else ())
+        ],
     }

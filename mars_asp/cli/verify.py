@@ -1,13 +1,19 @@
-"""Judge whether a specification realises a configuration, and whether it is minimal."""
+"""Judge whether a specification realises a configuration, and whether it is minimal.
+
+With `--without` it is the minimal one of CONFIG that is judged, a node taken out of it.
+"""
 
 import argparse
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.lines import line_at
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
     analyse_project,
@@ -18,10 +24,12 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic
+from mars_asp.model.declarations import Relationship
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import by_name
+from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import (
     Caution,
@@ -30,6 +38,12 @@ from mars_asp.reasoning.verification import (
     judge_specification,
     written_cost,
 )
+
+if TYPE_CHECKING:
+    from mars_asp.reasoning.questions.without import Broken
+
+#: Of the lines that a violation rests on so many are shown; JSON has all.
+_MOST_LINES = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +62,18 @@ class _Comparison:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    parser.add_argument("specification", metavar="SPEC", help="a `.mars` specification")
+    parser.add_argument(
+        "specification",
+        metavar="SPEC",
+        nargs="?",
+        help="a `.mars` specification; none with --without",
+    )
     parser.add_argument("file", metavar="CONFIG", help="the configuration it is to realise")
+    parser.add_argument(
+        "--without",
+        metavar="NODE",
+        help="show what breaks when NODE is taken out of the minimal specification of CONFIG",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,6 +81,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     A specification that costs less than what was called least is a fault of this tool, and 1.
     """
+    if arguments.without is not None:
+        return _run_without(arguments)
+    if arguments.specification is None:
+        print(
+            "mars-asp verify: SPEC and CONFIG are needed, or --without NODE CONFIG", file=sys.stderr
+        )
+        return 2
     check_inputs(arguments.specification, arguments.file)
     parsed = read_configuration(arguments, arguments.specification)
     specification = parsed.configuration
@@ -97,6 +128,73 @@ def run(arguments: argparse.Namespace) -> int:
     if compared.fault is not None:
         print(f"mars-asp: a fault of ours, please report it: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
+
+
+def _run_without(arguments: argparse.Namespace) -> int:
+    """Print what breaks without a node; 1 where something does, 3 where no time was left."""
+    if arguments.specification is not None:
+        print(
+            "mars-asp verify: --without NODE judges CONFIG alone: leave out SPEC", file=sys.stderr
+        )
+        return 2
+    from mars_asp.reasoning.questions.without import without
+
+    project = read_project(arguments)
+    rulebook = rulebook_for(arguments, ("resolve", "verify"))
+    name = arguments.without
+    found = without(name, Reasoner(project, rulebook, Budget(arguments.time_limit)))
+    if found is None:
+        print(
+            "mars-asp: no specification realises this configuration; see `check`", file=sys.stderr
+        )
+        return 1
+    if arguments.format == "json":
+        violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]
+        for told, broken in zip(violations, found, strict=True):
+            told["locations"] = [
+                {"path": each.span.path, "line": each.span.line, "column": each.span.column}
+                for each in broken.relationships
+            ]
+        print(
+            encoded(
+                {
+                    "realises": not found,
+                    "minimal": None,
+                    "violations": violations,
+                    "warnings": [],
+                    "without": name,
+                }
+            )
+        )
+    else:
+        for line in _without_text(name, found, columns(sys.stdout)):
+            print(line)
+    return int(bool(found))
+
+
+def _without_text(name: str, found: Sequence["Broken"], width: int) -> Iterator[str]:
+    """Yield what breaks, each violation with the lines of the configuration that it rests on."""
+    if not found:
+        yield f"without {name} the specification still realises the configuration"
+        return
+    yield f"Without {name}:"
+    for broken in found:
+        violation = broken.violation
+        told = f"clause {violation.clause}: {violation.message}  [{violation.rule.id}]"
+        yield from wrapped(visible(told), width, "  ", "    ")
+        yield from _relationship_lines(broken.relationships)
+
+
+def _relationship_lines(relationships: Sequence[Relationship]) -> Iterator[str]:
+    """Yield lines of the configuration, each once, with their places; of very many the first."""
+    spans = {each.span[:2]: each.span for each in relationships}
+    shown = list(spans.values())[:_MOST_LINES]
+    places = [visible(f"{span.path}:{span.line}") for span in shown]
+    longest = max(map(len, places), default=0)
+    for span, place in zip(shown, places, strict=True):
+        yield f"      {place:<{longest}}  {visible(line_at(span))}"
+    if len(spans) > len(shown):
+        yield f"      and {counted(len(spans) - len(shown), 'more line')}"
 
 
 def _report_own(

@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import clingo
+
 from mars_asp.annotations.representations import canonical_names
 from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.messages import said, saying
@@ -31,12 +33,13 @@ _OF_SPECIFICATION = "spec_"
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A clause of the definition of `realises` that fails, and how."""
+    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives."""
 
     clause: int
     message: str
     help: str | None
     rule: Rule
+    head: clingo.Symbol
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +109,7 @@ def judge_specification(
             cautions[message] = Caution(message, told.help, told.rule)
         else:
             clause = head.arguments[0].number
-            violations[clause, message] = Violation(clause, message, told.help, told.rule)
+            violations[clause, message] = Violation(clause, message, told.help, told.rule, head)
     return Verification(
         tuple(violations[key] for key in sorted(violations)),
         tuple(cautions[key] for key in sorted(cautions)),

@@ -16,7 +16,7 @@ from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT
 
 PROJECT = load_project(str(ROOT / "examples/level1/config.mars"))
-RULEBOOK = load_rulebook()
+RULEBOOK = load_rulebook(stages=("resolve", "account"))
 SUBJECTS = (
     "data_divergence(SonarMap)",
     "ArbitrationNode",
@@ -37,7 +37,7 @@ def asked(reasoner: Reasoner, question: int) -> object:
         answer = why_not(reasoner, "DataSplitter(Sonar)")
         return trace_json(answer.trace), answer.extra, answer.offered
     found = alternatives(reasoner, None, 2)
-    return None if found is None else (found.forced, len(found.others), found.open)
+    return None if found is None else (found.forced, len(found.others), len(found.needs))
 
 
 EVERY = range(len(SUBJECTS) + 2)

@@ -1,8 +1,9 @@
 """The proven optimum of one component of a ground program."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import clingo
 
@@ -19,6 +20,8 @@ _MOST_ATOMS_COUNTED = 4_000_000
 _MOST_CONFLICTS = 100_000
 #: clasp reports sums of costs as 32 bit integers, which wrap without a word.
 MOST_COST = 2**31 - 1
+#: So many searches shrink cores at most: beyond, a bound is less than it could be.
+_MOST_SEARCHES = 500
 _OPTIONS = ("--opt-strategy=usc,stratify", "--seed=1", "--warn=none")
 
 
@@ -174,30 +177,75 @@ def others(
         yield found
 
 
-def disjoint_needs(
-    component: Component, level: int, deadline: float | None = None
-) -> tuple[tuple[int, ...], ...]:
-    """Return sets of atoms that cost something at a level, no atom in two of them.
+class Need(NamedTuple):
+    """Of these atoms every answer has one, which costs at least `weight` beside other needs."""
 
-    Of each set one must be true, so no answer costs less than there are sets. The sets are
-    unsatisfiable cores (Andres et al., Unsatisfiability-based optimization in clasp, ICLP 2012),
-    each shrunk until every atom in it is needed.
+    weight: int
+    atoms: tuple[int, ...]
+
+
+def disjoint_needs(
+    component: Component, best: Optimum, level: int, deadline: float | None = None
+) -> tuple[Need, ...]:
+    """Return needs that bound the cost at a level from below, where none is higher above it.
+
+    No atom costs less than all needs in which it is weigh together, so where each costs 1 no atom
+    is in two of them, and no answer that is least above the level costs less than the sum. First
+    come the atoms that all such answers have. The others are unsatisfiable cores (Andres et al.,
+    Unsatisfiability-based optimization in clasp, ICLP 2012), each shrunk until every atom in it is
+    needed, as long as that takes few searches. The sum may be less than what is least.
 
     Raises:
         TimeoutError: the deadline passed.
     """
-    control = _control(component)
-    costly = sorted({atom for at, _, atom in component.costs if at == level and atom > 0})
-    needs: list[tuple[int, ...]] = []
-    while True:
-        core = _core(control, [-atom for atom in costly], deadline)
+    left: dict[int, int] = {}
+    for at, weight, atom in component.costs:
+        if at == level and atom > 0:
+            left[atom] = left.get(atom, 0) + weight
+    above = {each: cost for each, cost in best.cost.items() if each > level}
+    control = _bounded(component, above)
+    needs = []
+    for atom in sorted(_in_all(control, best.true.intersection(left), component, deadline)):
+        needs.append(Need(left.pop(atom), (atom,)))
+    # The atoms that are not true cost nothing, so what is left bounds what can still be found.
+    open_cost = sum(weight for atom, weight in left.items() if atom in best.true)
+    searches = 0
+    while open_cost and searches < _MOST_SEARCHES:
+        core = _core(control, [-atom for atom in sorted(left)], deadline)
         if core is None:
-            return tuple(needs)
+            break
         for literal in sorted(core):
             smaller = _core(control, [other for other in core if other != literal], deadline)
             core = core if smaller is None else smaller
-        needs.append(tuple(sorted(-literal for literal in core)))
-        costly = [atom for atom in costly if atom not in needs[-1]]
+            searches += 1
+        need = Need(min(left[-literal] for literal in core), tuple(sorted(-lit for lit in core)))
+        needs.append(need)
+        for atom in need.atoms:
+            left[atom] -= need.weight
+            if not left[atom]:
+                del left[atom]
+        open_cost -= need.weight
+    return tuple(needs)
+
+
+def _in_all(
+    control: clingo.Control, atoms: Set[int], component: Component, deadline: float | None
+) -> Set[int]:
+    """Return which of some atoms that one answer has all answers have."""
+    common = set(atoms)
+    while common:
+        with control.backend() as backend:
+            other = backend.add_atom()
+            backend.add_rule([other], choice=True)
+            backend.add_rule([], [other, *sorted(common)])
+        with _solving(control, deadline, [other]) as handle:
+            model = next(_models(handle, deadline), None)
+            if model is None:
+                if _left(deadline) == 0:
+                    raise TimeoutError
+                break
+            common &= _true(model, component)
+    return common
 
 
 def _core(

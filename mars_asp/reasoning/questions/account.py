@@ -166,11 +166,20 @@ def _flat(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
 
 def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Rule, ...]:
     """Return the rules that tell accounts of some kinds of things, with what these rules need."""
+    wanted = None if kinds is None else frozenset(kinds)
+    return telling(
+        rulebook,
+        lambda rule: (
+            ACCOUNT in rule.heads
+            and (wanted is None or not wanted.isdisjoint(rule.firsts.get(ACCOUNT, ())))
+        ),
+    )
+
+
+def telling(rulebook: Rulebook, tells: Callable[[Rule], bool]) -> tuple[Rule, ...]:
+    """Return the rules of the stage that tell something, with what these rules need of it."""
     own = [rule for rule in rulebook.rules if rule.stage == STAGE]
-    if kinds is None:
-        return tuple(own)
-    wanted = frozenset(kinds)
-    found = {rule.text for rule in own if not wanted.isdisjoint(rule.firsts.get(ACCOUNT, ()))}
+    found = {rule.text for rule in own if tells(rule)}
     while True:
         read = frozenset[Signature]().union(*(rule.reads for rule in own if rule.text in found))
         more = {
@@ -297,8 +306,8 @@ def told_of(
         return {}
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
-    names = _names(project, nodes)
-    found = told(rules, deciding, lambda read: _true(evidence, read), names)
+    names = names_of(project, nodes)
+    found = told(rules, deciding, lambda read: true_atoms(evidence, read), names)
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
     return {key_of(thing): _told(thing, found, names, concerned) for thing in things}
 
@@ -342,7 +351,9 @@ def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
     )
 
 
-def _true(evidence: Evidence, read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
+def true_atoms(
+    evidence: Evidence, read: Sequence[Signature]
+) -> Mapping[Signature, Sequence[TermId]]:
     """Return the true atoms of predicates: what follows from an answer, the answer, or facts."""
     control = evidence.analysis.grounding.control
     derived = evidence.derived
@@ -356,7 +367,8 @@ def _true(evidence: Evidence, read: Sequence[Signature]) -> Mapping[Signature, S
     return found
 
 
-def _names(project: Project, nodes: Iterable[Node]) -> Names:
+def names_of(project: Project, nodes: Iterable[Node]) -> Names:
+    """Return what terms in sentences about a project and its nodes stand for."""
     configuration = project.configuration
     described = described_modules(configuration, project.modules)
     places: dict[int | str, Span] = {name: module.span for name, module in described.items()}

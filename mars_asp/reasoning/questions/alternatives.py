@@ -7,32 +7,35 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 import clingo
 
-from mars_asp.asp.messages import shown
-from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.grounding import Answer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.asp.solve.optimum import Need as AtomNeed
 from mars_asp.language.print import print_configuration
+from mars_asp.model.declarations import Control, Data
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.needs import Reason, reasons
+from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.rules import COSTS, NODES
-from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Derived, Specification, specify
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
-from mars_asp.spelling import nearest
 
 #: The levels that are a cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
+#: What the rules derive of each relationship of data or control that counts.
+_COUNTED = (("link", 3), ("commanded", 3))
+#: So many conversions are named at most.
+MOST_CONVERSIONS = 5
 #: For each part that another answer is chosen of, in order, its number and that of the answer.
 _Places: TypeAlias = tuple[tuple[int, int], ...]
 _RELATES = re.compile(r"^//|\b(?:is_mounted_on|is_controlled_by|uses_data_from)\b")
@@ -50,10 +53,23 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Of these possible nodes, told in words, every realisation has one; `names` are in ours."""
+    """Every realisation has one of these nodes: `names` are those of ours among them.
 
-    words: tuple[str, ...]
+    `nodes` are told by their terms; `reasons` say of each what it is, and of ours why. They are
+    empty where it was not asked.
+    """
+
+    nodes: tuple[str, ...]
     names: tuple[str, ...]
+    reasons: tuple[Reason, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What is spent on a level of the cost; needs add up to `bound`, so nothing costs less."""
+
+    cost: int
+    bound: int
 
 
 @dataclass(frozen=True)
@@ -61,23 +77,33 @@ class Alternatives:
     """The least specification, others in the order of their cost, and needs that bound the cost.
 
     `forced` are the nodes that the rules leave no choice about. `needs` have no node in common;
-    `open` is how many nodes are left to choice: where it is more than the needs, that fewer do not
-    suffice was found by search. `complete` says that there are no further ones.
+    where there are fewer than nodes, that fewer do not suffice was found by search among so many
+    `candidates`. Relationships of data and control are so many `written`, of which so many count as
+    `declared`. `levels` are told of the whole alone, `conversions` are what the first transformers
+    apply. `complete` is whether there are no further alternatives.
     """
 
     synthesis: Synthesis
     analysis: Analysis
+    written: int
+    declared: int
+    nodes: int
     forced: tuple[str, ...]
     needs: tuple[Need, ...]
-    open: int
+    candidates: int
+    levels: Mapping[int, Level]
+    conversions: tuple[str, ...]
     others: tuple[Alternative, ...]
     complete: bool
 
 
 def alternatives(
-    reasoner: Reasoner, subject: str | None = None, most: int = 5
+    reasoner: Reasoner, subject: str | None = None, most: int = 5, shown: int | None = None
 ) -> Alternatives | None:
     """Return other realisations of all, or of the component of a node; `None` where there is none.
+
+    Reasons are told of the first needs alone, of so many as are `shown`; of `None`, of all. The
+    rulebook of `reasoner` holds the stages `resolve` and `account`.
 
     In each component in which one differs from the least specification, it lacks a decision of all
     that are less there, so mere additions are left out.
@@ -90,8 +116,8 @@ def alternatives(
     evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
         return None
-    search = _Search(reasoner.project, evidence.analysis, synthesis, reasoner.rulebook, deadline)
-    return search.run(subject, most)
+    search = _Search(reasoner.project, evidence, synthesis, reasoner.rulebook, deadline)
+    return search.run(subject, most, shown)
 
 
 class _Choice(NamedTuple):
@@ -105,18 +131,22 @@ class _Choice(NamedTuple):
 @dataclass(frozen=True)
 class _Search:
     project: Project
-    analysis: Analysis
+    evidence: Evidence
     synthesis: Synthesis
     rulebook: Rulebook
     deadline: float | None
 
-    def run(self, subject: str | None, most: int) -> Alternatives:
+    @property
+    def analysis(self) -> Analysis:
+        return self.evidence.analysis
+
+    def run(self, subject: str | None, most: int, shown: int | None) -> Alternatives:
         names = {clingo.parse_term(n.term): n.name for n in self.synthesis.specification.nodes}
         chosen = [atom for atom, name in names.items() if subject in (None, name)]
         if not chosen and subject is not None:
-            raise self._no_node(subject, names.values())
+            raise no_node(subject, list(names.values()), self.project)
         part_of = self.analysis.grounding.part_of
-        forced = tuple(names[atom] for atom in chosen if part_of(atom) is None)
+        forced = [atom for atom in chosen if part_of(atom) is None]
         if subject is None:
             parts = list(self.analysis.grounding.parts)
         else:
@@ -124,17 +154,77 @@ class _Search:
         found = list(islice(_combined([self._choices(part, most + 1) for part in parts]), most + 1))
         own = _lines(self.synthesis.specification)
         told = [self._told(extra, chosen, own) for extra, chosen in found[:most]]
-        needs = [need for part in parts for need in self._needs(part, names)]
-        opened = sum(len(_taken(part)) for part in parts)
+        bounds = self._bounds(parts)
+        needs = [Need((str(atom),), (names[atom],)) for atom in forced]
+        for part in parts:
+            needs += self._needs(part, bounds[id(part.component), NODES], names)
+        place = {name: number for number, name in enumerate(names.values())}
+        needs.sort(key=lambda need: min((place[name] for name in need.names), default=len(place)))
+        levels = self._levels(parts, bounds) if subject is None else {}
         return Alternatives(
             self.synthesis,
             self.analysis,
-            forced,
-            tuple(needs),
-            opened,
+            sum(isinstance(r, Data | Control) for r in self.project.configuration.relationships),
+            self._declared(),
+            len(forced) + sum(len(_taken(part)) for part in parts),
+            tuple(names[atom] for atom in forced),
+            (*self._explained(needs[:shown]), *needs[len(needs[:shown]) :]),
+            len(forced) + sum(len(_costly(part)) for part in parts),
+            levels,
+            self._conversions() if levels else (),
             tuple(told),
             len(found) <= most,
         )
+
+    def _declared(self) -> int:
+        """Return how many relationships of data and control count: repeated ones do not."""
+        grounding = self.analysis.grounding
+        return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
+
+    def _bounds(self, parts: Iterable[Part]) -> Mapping[tuple[int, int], Sequence[AtomNeed]]:
+        """Return the needs of each component at each level; equal components have equal ones."""
+        found: dict[tuple[int, int], Sequence[AtomNeed]] = {}
+        for part in parts:
+            for level in _LEVELS:
+                key = id(part.component), level
+                if key not in found:
+                    found[key] = disjoint_needs(part.component, part.best, level, self.deadline)
+        return found
+
+    def _levels(
+        self, parts: Sequence[Part], bounds: Mapping[tuple[int, int], Sequence[AtomNeed]]
+    ) -> Mapping[int, Level]:
+        """Return what each level costs, and to how much of it needs add up."""
+        found = {}
+        for level in _LEVELS:
+            cost = self.synthesis.cost(level)
+            open_cost = sum(part.best.cost.get(level, 0) for part in parts)
+            met = sum(n.weight for part in parts for n in bounds[id(part.component), level])
+            found[level] = Level(cost, cost - open_cost + met)
+        return found
+
+    def _explained(self, needs: Sequence[Need]) -> Iterator[Need]:
+        asked = [node for need in needs for node in need.nodes]
+        found = self._reasons(asked)
+        for need in needs:
+            told = [found[node] for node in need.nodes if node in found]
+            # Ours come first, of which it is told why they are needed.
+            told.sort(key=lambda reason: reason.why is None)
+            yield replace(need, reasons=tuple(told))
+
+    def _conversions(self) -> tuple[str, ...]:
+        """Return what is applied by the first transformers of the specification, and its cost."""
+        nodes = self.synthesis.specification.nodes
+        applying = [node.term for node in nodes if node.conversion and node.conversion.converter]
+        found = self._reasons(applying[:MOST_CONVERSIONS])
+        return tuple(reason.cost for reason in found.values() if reason.cost is not None)
+
+    def _reasons(self, asked: Sequence[str]) -> Mapping[str, Reason]:
+        if not asked:
+            return {}
+        nodes = self.synthesis.specification.nodes
+        found = reasons(self.project, self.evidence, nodes, asked)
+        return {node: found[node] for node in asked if node in found}
 
     def _choices(self, part: Part, most: int) -> list[_Choice]:
         """Return other answers of a component in the order of what they cost more."""
@@ -163,25 +253,15 @@ class _Search:
             tuple(line[2:] for line in changes if line.startswith("- ")),
         )
 
-    def _needs(self, part: Part, names: Mapping[clingo.Symbol, str]) -> Iterator[Need]:
-        declared = self.rulebook.declarations
+    def _needs(
+        self, part: Part, found: Sequence[AtomNeed], names: Mapping[clingo.Symbol, str]
+    ) -> Iterator[Need]:
         symbol_of = self.analysis.grounding.symbol_of
-        for atoms in disjoint_needs(part.component, NODES, self.deadline):
-            told = [
-                symbol_of[number] for atom in atoms if (number := part.atoms[atom - 1]) in symbol_of
-            ]
-            yield Need(
-                tuple(_words(symbol, declared) for symbol in told),
-                tuple(names[symbol] for symbol in told if symbol in names),
-            )
-
-    def _no_node(self, subject: str, names: object) -> MarsError:
-        known = [node.name for node in self.synthesis.specification.nodes]
-        near = nearest(subject, known)
-        place = point(self.project.configuration.path, 1, 1)
-        help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(known) or 'none'}"
-        message = f"`{subject}` is no node of the specification"
-        return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
+        for need in found:
+            numbers = [part.atoms[atom - 1] for atom in need.atoms]
+            told = [symbol_of[number] for number in numbers if number in symbol_of]
+            ours = tuple(names[symbol] for symbol in told if symbol in names)
+            yield Need(tuple(map(str, told)), ours)
 
 
 def _combined(
@@ -224,17 +304,11 @@ def _costs(part: Part) -> list[tuple[int, int]]:
     return [(level, part.best.cost.get(level, 0)) for level in _LEVELS]
 
 
-def _taken(part: Part) -> set[int]:
+def _costly(part: Part) -> set[int]:
+    """Return the atoms that cost a node and are open."""
+    return {atom for at, _, atom in part.component.costs if at == NODES and atom > 0}
+
+
+def _taken(part: Part) -> Set[int]:
     """Return the atoms of the optimum that cost a node and were open."""
-    return {a for at, _, a in part.component.costs if at == NODES and a in part.best.true}
-
-
-def _words(symbol: clingo.Symbol, declared: Mapping[Signature, Declaration]) -> str:
-    """Return what is declared of a predicate, with an atom's arguments for its variables."""
-    known = declared.get(signature_of(symbol))
-    if known is None:
-        return str(symbol)
-    names = (argument.name for argument in known.arguments)
-    values = dict(zip(names, map(shown, symbol.arguments), strict=True))
-    pattern = "|".join(rf"(?<!\w){re.escape(name)}(?![\w'])" for name in values)
-    return re.sub(pattern, lambda match: f"`{values[match[0]]}`", known.words).split(".")[0]
+    return _costly(part) & part.best.true

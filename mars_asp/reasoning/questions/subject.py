@@ -1,7 +1,7 @@
 """What a question names, and what is said where it names nothing that is there."""
 
 import re
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -10,6 +10,8 @@ from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
 
+#: So many names are listed where none is alike.
+_MOST_NAMES = 5
 _STRING_OR_VARIABLE = re.compile(r'"(?:[^"\\]|\\.)*"|\b[A-Z_]\w*')
 
 
@@ -50,6 +52,15 @@ def absent_subject(
         return wrong_subject(project, message, f"{asked} says why")
     message = f"`{subject}` is not the name of a node"
     return wrong_subject(project, message, f"{asked} says why there is one or none")
+
+
+def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
+    """Return the error that a name is not one of the nodes of the specification."""
+    near = nearest(subject, nodes)
+    more = f" and {len(nodes) - _MOST_NAMES} more" if len(nodes) > _MOST_NAMES else ""
+    known = f"its nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "it has no node"
+    message = f"`{subject}` is not a node of the specification"
+    return wrong_subject(project, message, f"did you mean `{near}`?" if near else known)
 
 
 def unconcerned(subject: str, project: Project) -> MarsError:

@@ -188,25 +188,49 @@ def test_disjoint_needs_are_met_by_every_answer_and_have_no_atom_to_spare() -> N
         everything = answers(whole)
         if not everything:
             continue
-        costly = {atom for level, _, atom in whole.costs if level == 30 and atom > 0}
-        needs = disjoint_needs(whole, 30)
-        needed += len(needs)
-        taken = [atom for need in needs for atom in need]
-        assert len(set(taken)) == len(taken)
-        assert costly.issuperset(taken)
-        for need in needs:
-            assert all(true & set(need) for true in everything)
-            for atom in need:
-                assert any(not true & (set(need) - {atom}) for true in everything)
-        left = costly.difference(taken)
-        assert any(not true & left for true in everything)
-    assert needed > 15
+        best = optimise(whole)
+        for level in (30, 20):
+            left = [
+                true
+                for true in everything
+                if all(cost(whole, true)[at] == best.cost[at] for at in best.cost if at > level)
+            ]
+            weights: dict[int, int] = {}
+            for at, weight, atom in whole.costs:
+                if at == level and atom > 0:
+                    weights[atom] = weights.get(atom, 0) + weight
+            needs = disjoint_needs(whole, best, level)
+            needed += len(needs)
+            for need in needs:
+                assert need.weight > 0
+                assert all(true & set(need.atoms) for true in left)
+                for atom in need.atoms:
+                    weights[atom] -= need.weight
+                    assert any(not true & (set(need.atoms) - {atom}) for true in left)
+            assert all(weight >= 0 for weight in weights.values())
+            unmet = {atom for atom, weight in weights.items() if weight}
+            assert any(not true & unmet for true in left)
+    assert needed > 30
 
 
 def test_what_costs_where_it_is_false_is_no_need() -> None:
     either = component(3, (forbid(-1, -2), forbid(3)), ((20, 1, 1), (20, 1, 2), (20, 1, -3)))
-    assert disjoint_needs(either, 20) == ((1, 2),)
-    assert disjoint_needs(either, 10) == ()
+    best = optimise(either)
+    assert disjoint_needs(either, best, 20) == ((1, (1, 2)),)
+    assert disjoint_needs(either, best, 10) == ()
+
+
+def test_needs_below_a_level_are_those_of_what_is_least_above() -> None:
+    dear = component(2, (forbid(-1, -2),), ((30, 1, 1), (20, 5, 2), (20, 2, 1)))
+    best = optimise(dear)
+    assert disjoint_needs(dear, best, 30) == ()
+    assert disjoint_needs(dear, best, 20) == ((5, (2,)),)
+
+
+def test_weights_that_differ_are_shared_out() -> None:
+    pairs = component(3, (forbid(-1, -2), forbid(-2, -3)), ((20, 1, 1), (20, 2, 2), (20, 1, 3)))
+    found = disjoint_needs(pairs, optimise(pairs), 20)
+    assert sum(need.weight for need in found) == 2
 
 
 # ---- Limits --------------------------------------------------------------------------------------
@@ -275,7 +299,7 @@ def test_before_the_deadline_what_takes_a_while_is_proven() -> None:
     assert optimise(holes(7, True), until).cost == {20: 1}
     with pytest.raises(UnsatisfiableError):
         least(holes(7, False), until)
-    assert len(disjoint_needs(holes(7, True), 20, until)) == 1
+    assert len(disjoint_needs(holes(7, True), optimise(holes(7, True)), 20, until)) == 1
 
 
 @pytest.mark.parametrize("left", [-1.0, 0.0, 0.02])
@@ -312,8 +336,9 @@ def test_behind_the_deadline_what_has_no_answer_yet_is_late(left: float) -> None
     with pytest.raises(LateError) as caught:
         least(holes(12, False), time.monotonic() + left)
     assert caught.value.bound == {}
+    found = optimise(holes(12, True), time.monotonic())
     with pytest.raises(TimeoutError):
-        disjoint_needs(holes(12, True), 20, time.monotonic() + left)
+        disjoint_needs(holes(12, True), found, 20, time.monotonic() + left)
     with pytest.raises(UnsatisfiableError):
         optimise(holes(7, False), time.monotonic() + left)
 

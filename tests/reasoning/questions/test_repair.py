@@ -288,4 +288,4 @@ def test_conflicting_rules_of_packs_are_named(
         assert list(map(bool, quoted)) == [True, True, False, False, True]
     pack.write_text("odd :- not odd.\n")
     assert run_here(["analyse", path, "--rules", str(pack)]) == 2
-    assert ":1:1: error: this rule excludes every answer" in capsys.readouterr().err
+    assert "error: this rule excludes every answer" in " ".join(capsys.readouterr().err.split())

@@ -1,0 +1,137 @@
+"""Why nodes are needed, in words: what each is, which clause would not hold, and for which lines.
+
+The words are those of `rules/account/needs.lp`.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from mars_asp.asp.fragments import joined
+from mars_asp.asp.messages import Said, said, saying
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
+from mars_asp.diagnostic import Span
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.account import Names, names_of, reads, telling, true_atoms
+from mars_asp.reasoning.session import Evidence
+from mars_asp.reasoning.synthesis import Node
+
+#: A node, a part of what is told of it, a clause or cost, an order and a thing.
+NEED = Signature("need", 5)
+#: The nodes that are asked about.
+_ASKED = Signature("asked_node", 1)
+#: The name under which the rules are heard.
+_STAGE = "needs"
+#: So many who are on lines are named, and so many stretches of lines are written out.
+_MOST_NAMED, _MOST_STRETCHES = 2, 4
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """What a node is, and why it is needed: the clause that would not hold, and lines.
+
+    `why` is `None`, and there are no lines, where the specification does not have the node; `cost`
+    says what a transformer applies and what that costs. `rules` are the ids of those that tell it.
+    """
+
+    what: str
+    clause: int
+    why: str | None
+    lines: tuple[Span, ...]
+    cost: str | None = None
+    rules: tuple[str, ...] = ()
+
+
+def reasons(
+    project: Project, evidence: Evidence, nodes: Iterable[Node], asked: Iterable[str]
+) -> Mapping[str, Reason]:
+    """Return why nodes are needed, by the texts of their terms; nothing of what no rule tells.
+
+    `nodes` are those of the specification, `asked` the terms of nodes that it has or may have.
+
+    Raises:
+        MarsError: clingo refuses a rule.
+    """
+    rules = telling(evidence.rulebook, lambda rule: NEED in rule.heads)
+    speaking = [rule for rule in rules if NEED in rule.heads]
+    names = names_of(project, nodes)
+    read = sorted(reads(rules) - {_ASKED})
+    grounding = Grounding((), true_atoms(evidence, read))
+    facts = "".join(f"asked_node({term}).\n" for term in asked)
+    program = "\n".join(rule.text for rule in rules)
+    grounding.derive(f"{facts}{program}\n{joined(saying(_STAGE, speaking))}")
+    found: dict[str, dict[str, list[Said]]] = {}
+    for each in said(grounding.control, _STAGE, speaking):
+        node, part, _, _, _ = arguments(each.head)
+        found.setdefault(text(node), {}).setdefault(text(part), []).append(each)
+    return {node: _reason(parts, names) for node, parts in found.items() if "what" in parts}
+
+
+def _reason(parts: Mapping[str, Sequence[Said]], names: Names) -> Reason:
+    lines: dict[Span, dict[str, None]] = {}
+    ordered = sorted(parts.get("lines", ()), key=lambda each: _order(each, names))
+    for each in ordered:
+        span = names.place(arguments(each.head)[4])
+        lines.setdefault(span, {})[each.filled(each.rule.because, names.written) or ""] = None
+    whats, whys, costs = (parts.get(part, ()) for part in ("what", "why", "cost"))
+
+    def told(each: Said) -> str:
+        return each.filled(each.rule.because, lambda term: _written(term, names, lines)) or ""
+
+    first = min(whats, key=lambda each: each.number)
+    why = min(whys, key=lambda each: each.number) if whys else None
+    clause = as_symbol(arguments((first if why is None else why).head)[2]).number
+    return Reason(
+        told(first),
+        clause,
+        None if why is None else told(why),
+        tuple(sorted(lines)) if why is not None else (),
+        told(costs[0]) if costs else None,
+        tuple(dict.fromkeys(each.rule.id for part in parts.values() for each in part)),
+    )
+
+
+def _order(each: Said, names: Names) -> tuple[object, ...]:
+    *_, order, thing = arguments(each.head)
+    return names.order(order), names.place(thing), each.number
+
+
+def _written(term: TermId, names: Names, lines: Mapping[Span, Iterable[str]]) -> str:
+    """Return a term as a sentence shows it; members(W) are those on the lines."""
+    symbol = as_symbol(term)
+    if not symbol.match("members", 1):
+        return names.written(term)
+    spans_of: dict[str, list[Span]] = {}
+    for span, labels in lines.items():
+        for label in labels:
+            spans_of.setdefault(label, []).append(span)
+    path = names.configuration.path
+    if len(spans_of) == 1 < len(lines):
+        return f"{next(iter(spans_of))} over {len(lines)} lines ({places(lines, path)})"
+    if len(spans_of) <= _MOST_NAMED:
+        told = [f"{label} ({places(spans, path)})" for label, spans in spans_of.items()]
+        return " and ".join(told)
+    return f"{len(spans_of)} {symbol.arguments[0].string} ({places(lines, path)})"
+
+
+def places(spans: Iterable[Span], path: str) -> str:
+    """Return the lines of places, `:3, :5-7`, each with its file where that is not `path`."""
+    numbers = sorted({span[:2] for span in spans})
+    stretches: list[tuple[str, int, int]] = []
+    for file, line in numbers:
+        if stretches and stretches[-1][0] == file and stretches[-1][2] == line - 1:
+            stretches[-1] = (file, stretches[-1][1], line)
+        else:
+            stretches.append((file, line, line))
+    told = []
+    for file, first, last in stretches[:_MOST_STRETCHES]:
+        before = f"{'' if file == path else file}:"
+        far = f"-{last}" if last > first + 1 else f", {before}{last}" if last > first else ""
+        told.append(f"{before}{first}{far}")
+    more = sum(last - first + 1 for _, first, last in stretches[_MOST_STRETCHES:])
+    return f"{', '.join(told)}{f' and {more} more line{_s(more)}' if more else ''}"
+
+
+def _s(number: int) -> str:
+    return "" if number == 1 else "s"

@@ -1,0 +1,205 @@
+"""What breaks without a node: `rules/verify` judges what is left of a specification.
+
+>>> reasoner = Reasoner(load_project("config.mars"), load_rulebook(stages=("resolve", "verify")))
+>>> [broken.violation.message for broken in without("DataSplitter1", reasoner)]
+['`Camera` feeds data to 2 receivers']
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from mars_asp.asp.trace import Explainer
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.text import leaves_of
+from mars_asp.diagnostic import Span, point
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Mount,
+    Relationship,
+    ends_of,
+)
+from mars_asp.reasoning.questions.subject import no_node
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.verification import (
+    Violation,
+    judge_specification,
+    specification_facts,
+)
+
+#: Lines of what is left have places of their own, in no file.
+_LEFT = "<left>"
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A violation of what is left, and the relationships of the configuration that it rests on."""
+
+    violation: Violation
+    relationships: tuple[Relationship, ...]
+
+
+def without(name: str, reasoner: Reasoner) -> tuple[Broken, ...] | None:
+    """Return what is broken in the least specification without a node of it.
+
+    `None` where nothing realises the configuration. The rulebook of `reasoner` holds the stages
+    `resolve` and `verify`.
+
+    Raises:
+        MarsError: there is no such node.
+        TimeoutError: no specification was found in time.
+    """
+    synthesis, project = reasoner.synthesis, reasoner.project
+    if synthesis is None:
+        return None
+    nodes = {node.name: node for node in synthesis.specification.nodes}
+    if name not in nodes:
+        raise no_node(name, list(nodes), project)
+    declared = project.configuration.relationships
+    over = _Ways(synthesis.specification.configuration, nodes).over(declared)
+    left = _Left(synthesis.specification.configuration, name)
+    rulebook = reasoner.rulebook.built_in
+    verification = judge_specification(left.specification, project, rulebook)
+    facts = (*reasoner.facts, *specification_facts(left.specification, project, rulebook))
+    control = verification.grounding.control
+    explainer = Explainer(rulebook, control, GivenFacts(facts, rulebook.declarations))
+    traces = explainer.why(violation.head for violation in verification.violations)
+    of_span = {relationship.span: number for number, relationship in enumerate(declared)}
+    found = []
+    for violation in verification.violations:
+        spans = {leaf.span for leaf in leaves_of(traces[violation.head])}
+        numbers = {of_span[span] for span in spans if span in of_span}
+        numbers.update(*(_over_all(over, line) for line in left.last(spans)))
+        found.append(Broken(violation, tuple(declared[number] for number in sorted(numbers))))
+    return tuple(found)
+
+
+class _Line(NamedTuple):
+    """A line of what is left, and the numbers of those of the specification that it stands for."""
+
+    line: Relationship
+    of: tuple[int, ...]
+
+
+def _over_all(over: Sequence[Set[int]], line: _Line) -> Set[int]:
+    """Return the relationships that lead over all lines for which one stands."""
+    return set[int].intersection(*(set(over[number]) for number in line.of))
+
+
+class _Left:
+    """What is left of a specification without a node: what it fed is fed by what fed it.
+
+    A joined line states what the input states, as that of an arbiter does, and else what the output
+    does. Each line has a place by which it is known again in what rests on it.
+    """
+
+    def __init__(self, whole: Configuration, name: str) -> None:
+        lines = [
+            _Line(replace(line.line, span=point(_LEFT, number, 1)), line.of)
+            for number, line in enumerate(_without(whole.relationships, name), 1)
+        ]
+        self._lines = {line.line.span: line for line in lines}
+        self.specification = replace(
+            whole,
+            modules=tuple(module for module in whole.modules if module.text != name),
+            relationships=tuple(line.line for line in lines),
+            conversions=tuple(c for c in whole.conversions if c.transformer != name),
+            stand_ins=tuple(each for each in whole.stand_ins if each.node != name),
+        )
+
+    def last(self, places: Iterable[Span | None]) -> Sequence[_Line]:
+        """Return the lines at some places, without those that only lead to others of them."""
+        lines = [self._lines[place] for place in places if place in self._lines]
+        feeders = {ends_of(line.line)[1] for line in lines}
+        return [line for line in lines if ends_of(line.line)[0] not in feeders]
+
+
+def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
+    """Yield lines, those to and from a node joined."""
+    wired = [None if isinstance(line, Mount) else ends_of(line) for line in lines]
+    inputs = [number for number, ends in enumerate(wired) if ends is not None and ends[0] == name]
+    for number, (line, ends) in enumerate(zip(lines, wired, strict=True)):
+        if ends is not None and ends[1] == name:
+            for given in inputs:
+                yield _Line(_joined(lines[given], line), (given, number))
+        elif ends is None or ends[0] != name:
+            yield _Line(line, (number,))
+
+
+def _joined(given: Relationship, taken: Relationship) -> Relationship:
+    if isinstance(given, Data) and isinstance(taken, Data):
+        return replace(taken, source=given.source)
+    assert isinstance(given, Control)
+    assert isinstance(taken, Control)
+    return replace(
+        taken,
+        controller=given.controller,
+        priority=taken.priority if given.priority is None else given.priority,
+        hold_ms=taken.hold_ms if given.hold_ms is None else given.hold_ms,
+        allocation=taken.allocation if given.allocation is None else given.allocation,
+    )
+
+
+class _Ways:
+    """The ways through the nodes of a specification, of data and of commands apart."""
+
+    def __init__(self, specification: Configuration, nodes: Mapping[str, Node]) -> None:
+        self._lines = specification.relationships
+        self._nodes = nodes
+        self._stand_in = {node.stands_for: node.name for node in nodes.values()}
+        self._into: dict[tuple[type, str], list[int]] = {}
+        self._out_of: dict[tuple[type, str], list[int]] = {}
+        for number, line in enumerate(self._lines):
+            receiver, feeder = ends_of(line)
+            self._into.setdefault((type(line), receiver), []).append(number)
+            self._out_of.setdefault((type(line), feeder), []).append(number)
+
+    def over(self, declared: Sequence[Relationship]) -> Sequence[Set[int]]:
+        """Return of each line the numbers of the declared relationships that lead over it."""
+        found: list[set[int]] = [set() for _ in self._lines]
+        for number, relationship in enumerate(declared):
+            for line in self._of(relationship):
+                found[line].add(number)
+        return found
+
+    def _of(self, relationship: Relationship) -> Iterator[int]:
+        """Yield the lines on the way of a declared relationship."""
+        if isinstance(relationship, Mount):
+            return
+        kind, (receiver, feeder) = type(relationship), ends_of(relationship)
+        yield from self._back(kind, receiver, feeder)
+        # What a module inherits is commanded through the node that stands for it.
+        stand_in = self._stand_in.get(receiver) if kind is Control else None
+        if stand_in is not None:
+            yield from self._back(kind, stand_in, feeder)
+            yield from self._on(kind, stand_in)
+
+    def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
+        """Yield the lines from a module through nodes to a receiver."""
+        behind: dict[int, int | None] = dict.fromkeys(self._into.get((kind, receiver), ()))
+        waiting = list(behind)
+        while waiting:
+            number = waiting.pop()
+            origin = ends_of(self._lines[number])[1]
+            if origin == feeder:
+                on: int | None = number
+                while on is not None:
+                    yield on
+                    on = behind[on]
+            elif origin in self._nodes and self._nodes[origin].stands_for is None:
+                before = [n for n in self._into.get((kind, origin), ()) if n not in behind]
+                behind.update(dict.fromkeys(before, number))
+                waiting += before
+
+    def _on(self, kind: type, feeder: str) -> Iterator[int]:
+        """Yield the lines from a node, through others, to modules."""
+        waiting = list(self._out_of.get((kind, feeder), ()))
+        while waiting:
+            number = waiting.pop()
+            yield number
+            receiver = ends_of(self._lines[number])[0]
+            if receiver in self._nodes:
+                waiting += self._out_of.get((kind, receiver), ())

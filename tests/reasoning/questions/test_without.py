@@ -1,0 +1,133 @@
+"""Every node of a minimal specification is needed: without it something breaks, at lines told."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.language import parse_text
+from mars_asp.reasoning.project import Project, load_project
+from mars_asp.reasoning.questions.without import Broken, without
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.support.documents import ROOT
+from tests.support.random_configurations import random_configuration, random_control
+
+RULEBOOK = load_rulebook(stages=("resolve", "verify"))
+EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
+CHOICES = [ROOT / "tests" / "accounts" / f"{name}.mars" for name in ("conversions", "runs")]
+LEVEL1 = "examples/level1/config.mars"
+
+#: By a file and a node of its specification, what breaks without the node: the clause, the message
+#: and the lines of the file.
+CASES = [
+    (
+        "examples/figure04-divergence/config.mars",
+        "DataSplitter1",
+        [(1, "`Camera` feeds data to 2 receivers", [3, 4])],
+    ),
+    (LEVEL1, "DataSplitter1", [(1, "`SonarMap` feeds data to 2 receivers", [6, 7])]),
+    (LEVEL1, "DataSplitter2", [(1, "`Runaway` feeds data to 2 receivers", [9, 10])]),
+    (LEVEL1, "ArbitrationNode", [(1, "`MobilePlatform` has 4 controllers", [11, 12, 13, 14])]),
+    (
+        "examples/gripper-arm/config.mars",
+        "InheritanceNode1",
+        [
+            (2, "`Operator` controls `MobilePlatform`, which is not declared", [6]),
+            (
+                5,
+                "no InheritanceNode passes on to `MobilePlatform` exactly the commands for what "
+                "`Gripper` inherits",
+                [4, 5, 6],
+            ),
+        ],
+    ),
+    (
+        "tests/accounts/conversions.mars",
+        "DataSplitter3",
+        [
+            (1, "`Lidar` feeds data to 2 receivers", [6, 7, 8]),
+            (3, "`Log` does not get the service from `Lidar` that it requires", [7]),
+            (3, "`Plan` does not get the service from `Lidar` that it requires", [8]),
+        ],
+    ),
+    (
+        "tests/accounts/runs.mars",
+        "ControlSplitter2",
+        [(1, "`ArbitrationNode3` feeds control to 2 receivers", [4, 5, 7, 8, 10, 11])],
+    ),
+    (
+        "tests/accounts/shared.mars",
+        "ArbitrationNode",
+        [(1, "`ControlSplitter1` has 2 controllers", [3, 4, 5, 6])],
+    ),
+]
+
+
+@pytest.mark.parametrize(("path", "node", "expected"), CASES)
+def test_what_breaks(path: str, node: str, expected: list[tuple[int, str, list[int]]]) -> None:
+    found = without(node, Reasoner(load_project(str(ROOT / path)), RULEBOOK))
+    assert found is not None
+    assert [told(broken) for broken in found] == expected
+
+
+def told(broken: Broken) -> tuple[int, str, list[int]]:
+    lines = [each.span.line for each in broken.relationships]
+    return broken.violation.clause, broken.violation.message, lines
+
+
+def check_each_node(project: Project) -> None:
+    reasoner = Reasoner(project, RULEBOOK)
+    synthesis = reasoner.synthesis
+    for node in () if synthesis is None else synthesis.specification.nodes:
+        found = without(node.name, reasoner)
+        assert found, node
+        # Where no line is told, a node is left that nothing declared asks for.
+        assert any(broken.relationships for broken in found), node
+
+
+@pytest.mark.parametrize("path", [*EXAMPLES, *CHOICES], ids=lambda path: path.name)
+def test_something_breaks_without_a_node(path: Path) -> None:
+    check_each_node(load_project(str(path)))
+
+
+@pytest.mark.parametrize("kind", [random_configuration, random_control])
+def test_something_breaks_without_a_node_of_random_configurations(kind: type) -> None:
+    for seed in range(4):
+        check_each_node(Project(parse_text(kind(seed), "c.mars").configuration, {}, ()))
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "told"),
+    [
+        (["verify", "--without", "DataSplitter2", LEVEL1], 1, "Without DataSplitter2:\n  clause 1"),
+        (["verify", LEVEL1, "--without", "DataSplitter2", "--quiet"], 1, f"{LEVEL1}:10  Forward"),
+        (["verify", LEVEL1, LEVEL1, "--without", "DataSplitter2"], 2, "leave out SPEC"),
+        (["verify", LEVEL1], 2, "SPEC and CONFIG are needed"),
+    ],
+)
+def test_the_command(
+    words: list[str],
+    status: int,
+    told: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(words) == status
+    captured = capsys.readouterr()
+    assert told in captured.out + captured.err
+
+
+def test_json_has_the_keys_of_verify_and_one_more(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["verify", "--without", "DataSplitter2", LEVEL1, "--format", "json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["without"] == "DataSplitter2"
+    assert (found["realises"], found["minimal"], found["warnings"]) == (False, None, [])
+    (violation,) = found["violations"]
+    assert violation["clause"] == 1
+    assert [each["line"] for each in violation["locations"]] == [9, 10]
