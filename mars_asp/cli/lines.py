@@ -10,6 +10,8 @@ from mars_asp.output import visible
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150
+#: Where a new line goes, in words; JSON keeps its keys.
+_WHERE = {"before": "before", "behind": "after"}
 
 
 def remember(path: str, text: str) -> None:
@@ -64,7 +66,7 @@ def line_text(line: LineEdit) -> Iterator[str]:
             yield f"       - {place}: {visible(text)}"
         where = place
     else:
-        where = visible(f"{line.where} {line.path}:{line.line}")
+        where = visible(f"{_WHERE[line.where]} {line.path}:{line.line}")
     for text in [] if line.new is None else line.new.split("\n"):
         yield f"       + {where}: {visible(text)}"
 

@@ -28,7 +28,7 @@ STAGES: Mapping[str, str] = {
         "what a resolution means: its nodes, what each is there for, the lines between them, and "
         "what each states"
     ),
-    "account": "what is told of a consequence or node, and which lines of the user's files say so",
+    "account": "what explains a consequence or node, and which lines of the user's files show it",
     "verify": "whether a specification realises its configuration, clause by clause",
     "cost": "what a specification costs as it is written",
     "run": "what must hold while a specification runs, and what a scenario asks for",

@@ -111,9 +111,9 @@ def test_a_finding_with_one_repair_shows_it(
         "      | ^^^^^^^^^^^^^^^^^^^^^^^^^",
         "    5 | Base is_controlled_by B 1",
         "      | ------------------------- stated again",
-        "    The second line counts for nothing.",
+        "    The second line has no effect.",
         "    help: drop one of the two lines",
-        "    fix: drop the line that says it again",
+        "    fix: drop the repeated line",
     ]
 
 
@@ -132,9 +132,9 @@ def test_fix_applies_what_is_shown_and_keeps_line_ends(
     assert heads(shown.err) == ["choice.mars:3:1: error"]
     assert shown.out == ""
     assert shown.err.endswith(
-        "fixed twice.mars:4:1: duplicate_relationship(Base): drop the line that says it again\n"
+        "fixed twice.mars:4:1: duplicate_relationship(Base): drop the repeated line\n"
         "    - twice.mars:5: Base is_controlled_by B 1\n"
-        "fixed twice.mars:7:1: duplicate_relationship(B): drop the line that says it again\n"
+        "fixed twice.mars:7:1: duplicate_relationship(B): drop the repeated line\n"
         "    - twice.mars:8: B uses_data_from C\n"
         "1 error in 2 files; 2 fixed\n"
     )

@@ -228,7 +228,7 @@ def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
                     advice = f"name one of {', '.join(names)}" if names else advice
                     yield _problem(f"`{match[0]}` names no argument", each.span, advice)
                 elif not set(names) & set(arguments[each.name]):
-                    message = f"`{match[1]}` has no argument that `{each.name}` has, too"
+                    message = f"`{match[1]}` has no argument that `{each.name}` also has"
                     advice = "call the argument by which its fact is found the same"
                     yield _problem(message, each.span, advice)
 

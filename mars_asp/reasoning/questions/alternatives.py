@@ -83,7 +83,7 @@ def alternatives(
     that are less there, so mere additions are left out.
 
     Raises:
-        MarsError: the subject is no node of the specification.
+        MarsError: the subject is not a node of the specification.
         TimeoutError: the time did not suffice.
     """
     deadline = reasoner.budget.deadline()
@@ -180,7 +180,7 @@ class _Search:
         near = nearest(subject, known)
         place = point(self.project.configuration.path, 1, 1)
         help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(known) or 'none'}"
-        message = f"`{subject}` is no node of the specification"
+        message = f"`{subject}` is not a node of the specification"
         return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
 
 
