@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--as",
         dest="kind",
         choices=FORMATS,
-        help="what to write, where the suffix of OUT does not show it",
+        help="what to write, if not by the suffix of OUT",
     )
     parser.epilog = (
         "A configuration is drawn as it is written. To see the nodes that resolve it, draw its "

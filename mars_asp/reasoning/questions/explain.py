@@ -231,7 +231,7 @@ def _nothing_of(
         return unconcerned(subject, project)
     if synthesis is None:
         message = (
-            f"no node resolves what concerns `{subject}`, because no specification realises it"
+            f"no node resolves what concerns `{subject}`: no specification realises it"
         )
         help_text = "`mars-asp check` shows what prevents it"
     else:

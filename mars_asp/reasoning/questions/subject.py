@@ -57,7 +57,7 @@ def unconcerned(subject: str, project: Project) -> MarsError:
     help_text = "it takes part in no consequence"
     if project.configuration.kind == "specification":
         help_text += (
-            "; a specification resolves them, so ask about the configuration that it realises"
+            "; a specification resolves them, so ask about the configuration"
         )
     return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
 

@@ -241,7 +241,7 @@ def test_nodes_of_a_specification_are_explained_by_its_configuration(tmp_path: P
     made.write_text(run(f"mars-asp synthesise {LEVEL0}"))
     done = mars("explain", str(made), "DataSplitter1")
     assert done.returncode == 2
-    assert "ask the configuration that it realises" in done.stderr
+    assert "ask about the configuration" in done.stderr
 
 
 def test_names_of_modules_need_no_quotes_in_an_atom() -> None:
