@@ -9,6 +9,6 @@ def cruise(ranges: Sequence[float]) -> tuple[str, float]:
 
 
 def avoid(ranges: Sequence[float]) -> tuple[str, float] | None:
-    """Turn at 60 degrees/s while anything ahead is nearer than 700 mm; otherwise command nothing."""
+    """Turn at 60 degrees/s while something ahead is nearer than 700 mm; else command nothing."""
     ahead = min(ranges[0], ranges[1], ranges[-1])
     return ("Rotn_Y", 60) if ahead < 700 else None

@@ -10,8 +10,6 @@ from mars_asp.output import visible
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150
-#: Where a new line goes, in words; JSON keeps its keys.
-_WHERE = {"before": "before", "behind": "after"}
 
 
 def remember(path: str, text: str) -> None:
@@ -66,7 +64,9 @@ def line_text(line: LineEdit) -> Iterator[str]:
             yield f"       - {place}: {visible(text)}"
         where = place
     else:
-        where = visible(f"{_WHERE[line.where]} {line.path}:{line.line}")
+        # JSON keeps `behind`, the word of its contract.
+        word = "after" if line.where == "behind" else line.where
+        where = visible(f"{word} {line.path}:{line.line}")
     for text in [] if line.new is None else line.new.split("\n"):
         yield f"       + {where}: {visible(text)}"
 

@@ -230,9 +230,7 @@ def _nothing_of(
     if not concerned:
         return unconcerned(subject, project)
     if synthesis is None:
-        message = (
-            f"no node resolves what concerns `{subject}`: no specification realises it"
-        )
+        message = f"no node resolves what concerns `{subject}`: no specification realises it"
         help_text = "`mars-asp check` shows what prevents it"
     else:
         message = f"no node resolves what concerns `{subject}`"

@@ -56,9 +56,7 @@ def unconcerned(subject: str, project: Project) -> MarsError:
     """Return the error that a module takes part in nothing that could be explained."""
     help_text = "it takes part in no consequence"
     if project.configuration.kind == "specification":
-        help_text += (
-            "; a specification resolves them, so ask about the configuration"
-        )
+        help_text += "; a specification resolves them, so ask about the configuration"
     return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
 
 
