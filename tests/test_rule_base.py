@@ -104,11 +104,9 @@ def test_rules_of_a_pack_are_listed_with_those_of_the_base(
 
 
 @pytest.mark.parametrize("action", ["show", "lint"])
-def test_a_stage_that_says_nothing_is_refused(
-    action: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_stage_without_effect_is_refused(action: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["rules", action, "data/link", "--stage", "can"]) == 2
-    assert f"--stage says nothing beside `{action}`" in capsys.readouterr().err
+    assert f"--stage has no effect on `{action}`" in capsys.readouterr().err
 
 
 def test_the_document_has_each_file_and_each_rule_that_speaks(

@@ -66,7 +66,7 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
     "Exchange it": {
         "import": Verb("read a robot from `urdf`", "import urdf robot.urdf -o robot.mars"),
         "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
-        "facts": Verb("print the facts, for clingo itself", "facts config.mars"),
+        "facts": Verb("print the facts as input of clingo", "facts config.mars"),
     },
     "Work on rules": {
         "rules": Verb("list, show or check the rules", "rules show data/divergence"),

@@ -25,10 +25,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         required=True,
-        help=f"where to write it; its suffix says what: .{', .'.join(FORMATS)}",
+        help=f"where to write it; its suffix chooses the form: .{', .'.join(FORMATS)}",
     )
     parser.add_argument(
-        "--as", dest="kind", choices=FORMATS, help="what to write, where OUT does not say it"
+        "--as",
+        dest="kind",
+        choices=FORMATS,
+        help="what to write, if not by the suffix of OUT",
     )
     parser.epilog = (
         "A configuration is drawn as it is written. To see the nodes that resolve it, draw its "
@@ -41,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     kind = arguments.kind or _kind_of(arguments.output)
     if kind not in FORMATS:
         print(
-            f"mars-asp draw: `{visible(arguments.output)}` does not say what to write; "
+            f"mars-asp draw: `{visible(arguments.output)}` does not show what to write; "
             f"end it in .{', .'.join(FORMATS)}, or add --as",
             file=sys.stderr,
         )
@@ -94,5 +97,5 @@ def _too_large(picture: "Picture", span: "Span") -> Diagnostic:
         "error",
         f"{len(picture.boxes)} boxes with {len(picture.lines)} lines make too large a picture",
         span,
-        help="write `.dot`, for programs that can show it, or draw parts",
+        help="write `.dot`, which other programs can show, or draw parts",
     )

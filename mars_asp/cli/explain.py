@@ -81,7 +81,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only",
         choices=("consequences", "nodes"),
-        help="these alone of everything or of a module; for consequences nothing is resolved",
+        help="only these, of everything or of a module; consequences alone need no resolution",
     )
     parser.add_argument("--about", metavar="NAME", help="the same as SUBJECT")
     parser.add_argument(
@@ -91,7 +91,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=_depth,
         help=f"how deep (default {DEPTH}, of what is absent {ABSENCE_DEPTH})",
     )
-    parser.add_argument("--places", action="store_true", help="say where each rule is written")
+    parser.add_argument("--places", action="store_true", help="add the file and line of each rule")
     parser.add_argument(
         "-o",
         "--output",
@@ -158,7 +158,7 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
     """Return what arguments leave open or would be ignored."""
     has_subject = arguments.subject is not None
     if has_subject and arguments.about is not None:
-        return "SUBJECT and --about say the same: give one of them"
+        return "SUBJECT and --about mean the same: give one of them"
     if arguments.why_not is not None and (has_subject or arguments.about is not None):
         subject = "SUBJECT" if has_subject else "--about"
         return f"--why-not asks about its ATOM alone: leave out {subject}, or --why-not"
@@ -180,9 +180,9 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
                 return f"--{named} prints no trace line by line: take `--format json`"
     for option in ("repair", "alternatives"):
         if getattr(arguments, option) and arguments.only is not None:
-            return f"--{option} prints no trace, so --only says nothing: leave it out"
+            return f"--{option} prints no trace, so --only has no effect: leave it out"
         if getattr(arguments, option) and hasattr(arguments, "depth"):
-            return f"--{option} prints no trace, so --depth says nothing: leave it out"
+            return f"--{option} prints no trace, so --depth has no effect: leave it out"
     return None
 
 
@@ -241,7 +241,7 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
     path = answer.analysis.configuration.path
     if answer.obstacles:
         command = f"mars-asp explain {visible(path)}{packs} --repair"
-        yield [f"{BELOW}What would mend that:", f"{BELOW}{BELOW}{command}"]
+        yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{command}"]
     if answer.see is not None:
         yield [f"{BELOW}Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
 
@@ -267,7 +267,9 @@ def _price(extra: Mapping[int, int]) -> str:
 def _count(text: str) -> int:
     if text.isdigit() and 0 < int(text) <= MOST_ALTERNATIVES:
         return int(text)
-    raise argparse.ArgumentTypeError(f"`{text}` is no number from 1 to {MOST_ALTERNATIVES}")
+    raise argparse.ArgumentTypeError(
+        f"expected a number from 1 to {MOST_ALTERNATIVES}, found `{text}`"
+    )
 
 
 def _depth(text: str) -> int | None:
@@ -275,7 +277,7 @@ def _depth(text: str) -> int | None:
         return None
     if text.isdigit() and 0 < int(text) < 10**6:
         return int(text)
-    raise argparse.ArgumentTypeError(f"`{text}` is no depth: write a number from 1, or `all`")
+    raise argparse.ArgumentTypeError(f"a depth is a number from 1 or `all`, found `{text}`")
 
 
 def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
@@ -287,7 +289,7 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     if answer.synthesis is not None and answer.subject is None:
         yield _summary(answer)
     elif answer.subject is None and arguments.only is None:
-        yield "no specification realises this configuration: `mars-asp check` says why not"
+        yield "no specification realises this configuration: `mars-asp check` shows why"
 
 
 def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) -> Iterator[str]:

@@ -32,7 +32,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Lay out each file; 1 where `--check` finds one to change, 2 where one has errors."""
     if STANDARD_INPUT in arguments.files and len(arguments.files) > 1:
-        print("mars-asp fmt: `-` stands alone, for its text goes to the output", file=sys.stderr)
+        print(
+            "mars-asp fmt: `-` must be the only file, because its text goes to standard output",
+            file=sys.stderr,
+        )
         return 2
     status = 0
     listed: list[dict[str, object]] = []

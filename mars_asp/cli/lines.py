@@ -72,7 +72,9 @@ def line_text(line: LineEdit) -> Iterator[str]:
             yield f"       - {place}: {visible(text)}"
         where = place
     else:
-        where = visible(f"{line.where} {line.path}:{line.line}")
+        # JSON keeps `behind`, the word of its contract.
+        word = "after" if line.where == "behind" else line.where
+        where = visible(f"{word} {line.path}:{line.line}")
     for text in [] if line.new is None else line.new.split("\n"):
         yield f"       + {where}: {visible(text)}"
 

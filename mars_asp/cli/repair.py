@@ -72,7 +72,7 @@ def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
         lines = [f"       the {len(lines)} lines of {first}"]
     yield from lines
     if mend.others:
-        yield f"       mends {mend.others} other finding{'s' * (mend.others > 1)}, too"
+        yield f"       also fixes {mend.others} other finding{'s' * (mend.others > 1)}"
     for warning in mend.warnings:
         yield f"       then warns: {visible(warning.message)}"
     for remark in mend.remarks:
@@ -81,7 +81,7 @@ def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
         yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
     elif mend.spent is not None:
         costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
-        yield f"       then realised; cost: {costs}"
+        yield f"       then a specification exists; cost: {costs}"
 
 
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:

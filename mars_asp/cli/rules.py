@@ -153,7 +153,7 @@ def _misused(action: str, what: str | None, stage: str | None) -> str | None:
     if action == "show" and not what:
         return "`show` needs the ID of a rule, a predicate or a file; `list` names rules"
     if stage and action in ("show", "lint"):
-        return f"--stage says nothing beside `{action}`"
+        return f"--stage has no effect on `{action}`"
     return None
 
 
@@ -257,8 +257,8 @@ def _document(rule: Rule, heading: str) -> str:
 
 
 def _predicate_document(declaration: Declaration) -> str:
-    said = [f"says: {sentence}" for sentence in declaration.says]
-    said += [f"unless: {sentence}" for sentence in declaration.unless]
+    sentences = {"says": declaration.says, "unless": declaration.unless}
+    said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
     said += [f"from: {declaration.origin}"] if declaration.origin else []
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]

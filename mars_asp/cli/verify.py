@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments)
     _report_own(parsed.warnings, project.diagnostics, arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
-        print("mars-asp verify: SPEC stands first, then its CONFIG", file=sys.stderr)
+        print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
         return 2
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
     verification = judge_specification(specification, project, rulebook)

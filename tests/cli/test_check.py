@@ -111,7 +111,7 @@ def test_a_finding_with_one_repair_shows_it(
         "      | ^^^^^^^^^^^^^^^^^^^^^^^^^",
         "    5 | Base is_controlled_by B 1",
         "      | ------------------------- stated again",
-        "    The second line counts for nothing.",
+        "    The second line has no effect.",
         "    help: drop one of the two lines",
         "    fix: drop the repeated line",
     ]

@@ -62,7 +62,7 @@ def _test(attempt: Attempt) -> str:
     if attempt.fails is None:
         return "it may be chosen, and is not"
     if attempt.value is not None:
-        return f"`{attempt.fails}` fails, for it comes to {attempt.value}"
+        return f"`{attempt.fails}` fails: its value is {attempt.value}"
     names = dict.fromkeys(_VARIABLE.findall(attempt.fails))
     values = [f"{n} = {shown(attempt.bindings[n])}" for n in names if n in attempt.bindings]
     return f"`{attempt.fails}` fails{' for ' if values else ''}{', '.join(values)}"

@@ -247,7 +247,7 @@ class _Teller:
             case Absent() | Missing():
                 return step.sentence if self._folded else step.message
             case Unexplained(atom, reason):
-                return f"{atom}: not traced, for {reason}"
+                return f"{atom}: not traced, because {reason}"
             case _:
                 return None
 

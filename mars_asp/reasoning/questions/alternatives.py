@@ -109,7 +109,7 @@ def alternatives(
     that are less there, so mere additions are left out.
 
     Raises:
-        MarsError: the subject is no node of the specification.
+        MarsError: the subject is not a node of the specification.
         TimeoutError: the time did not suffice.
     """
     deadline = reasoner.budget.deadline()

@@ -218,7 +218,7 @@ def _check_module(subject: str, project: Project, only: Sort) -> None:
     names = [name.text for name in project.configuration.modules]
     if subject not in names:
         near = nearest(subject, names)
-        message = f"`{subject}` is no module, and only a module has both consequences and nodes"
+        message = f"`{subject}` is not a module, and only a module has both consequences and nodes"
         help_text = f"did you mean `{near}`?" if near else f"leave out `--only {only}`"
         raise wrong_subject(project, message, help_text)
 
@@ -230,8 +230,8 @@ def _nothing_of(
     if not concerned:
         return unconcerned(subject, project)
     if synthesis is None:
-        message = f"no node resolves what concerns `{subject}`, for no specification realises it"
-        help_text = "`mars-asp check` says what stands against it"
+        message = f"no node resolves what concerns `{subject}`: no specification realises it"
+        help_text = "`mars-asp check` shows what prevents it"
     else:
         message = f"no node resolves what concerns `{subject}`"
         help_text = "leave out `--only nodes` to see what that is"
@@ -320,5 +320,5 @@ def _asked_atom(
 
 
 def _unrealised(subject: str, project: Project) -> MarsError:
-    message = f"there is no `{subject}`, for no specification realises this configuration"
-    return wrong_subject(project, message, "`mars-asp check` says what stands against it")
+    message = f"there is no `{subject}`, because no specification realises this configuration"
+    return wrong_subject(project, message, "`mars-asp check` shows what prevents it")

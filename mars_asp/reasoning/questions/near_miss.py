@@ -35,15 +35,15 @@ _LINES: Mapping[str, tuple[str, str, tuple[int, int]]] = {
 #: What is said where nothing of a given predicate fits, of the name in a place of its arguments.
 _LACKS: Mapping[str, tuple[int, str]] = {
     "module": (0, "`@modules` does not name {}"),
-    "described": (0, "nothing describes {}"),
+    "described": (0, "no annotation describes {}"),
     "class": (0, "no annotation makes {} what it would have to be"),
-    "delivers": (1, "no annotation says that {} delivers data"),
-    "output": (1, "no annotation says which representation {} delivers"),
-    "input": (1, "no annotation says which representation {} accepts"),
-    "commands": (1, "no annotation says which functions {} commands"),
+    "delivers": (1, "no annotation makes {} a data source"),
+    "output": (1, "no annotation states which representation {} delivers"),
+    "input": (1, "no annotation states which representation {} accepts"),
+    "commands": (1, "no annotation states which functions {} commands"),
     "native": (1, "no annotation gives {} such a function"),
     "converts": (1, "no annotation makes {} such a converter"),
-    "node": (0, "{} is no node of a specification"),
+    "node": (0, "{} is not a node of a specification"),
 }
 #: The same, of predicates that tell more of a line or an annotation.
 _DETAILS: Mapping[str, str] = {
@@ -52,12 +52,12 @@ _DETAILS: Mapping[str, str] = {
     "priority": "no line states such a priority",
     "stated_priority": "no line states a priority as a number",
     "hold": "no line states such a `hold`",
-    "allocation": "no line says who carries out what is inherited",
+    "allocation": "no line states which module carries out what is inherited",
     "offered_mode": "no annotation offers such a delivery mode",
     "offered_rate": "no annotation offers such a frequency",
     "unknown_input": "no annotation leaves it open what an input takes",
-    "closed_walk": "no such relationships lead round in a circle",
-    "entangled": "no such relationships lead round in a circle",
+    "closed_walk": "no such relationships form a cycle",
+    "entangled": "no such relationships form a cycle",
     "resembles": "no name is spelt nearly like that",
 }
 
@@ -149,7 +149,7 @@ def _of_absent(atom: str, kept: Set[str]) -> _Lack:
         kind = found.arguments[0]
         return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
     detail = None if found is None else _DETAILS.get(found.name)
-    return _Lack(detail or "no line of the configuration or its annotations says so")
+    return _Lack(detail or "no line of the configuration or its annotations states it")
 
 
 def _of_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
@@ -179,8 +179,8 @@ def _excluded(trace: Trace) -> _Lack:
     for number in numbers:
         drop = clingo.Function("drop", [number])
         change = drop if change is None else clingo.Function("both", [change, drop])
-    stand = f"{len(spans)} lines stand" if len(spans) > 1 else "this line stands"
-    because = f"{stand} against it" if spans else "something that holds stands against it"
+    prevent = f"these {len(spans)} lines prevent" if len(spans) > 1 else "this line prevents"
+    because = f"{prevent} it" if spans else "something that holds prevents it"
     return _Lack(
         because,
         spans[:MOST_LINES],

@@ -176,7 +176,7 @@ def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
         near = f"{kind}({module})" if module else None
     raise wrong_subject(
         project,
-        f"`{subject}` is no module and no kind of consequence",
+        f"`{subject}` is neither a module nor a kind of consequence",
         f"did you mean `{near}`?" if near else "write a module, a KIND or `KIND(NAME)`",
     )
 

@@ -37,9 +37,9 @@ def absent_subject(
     is_kind = kind in consequence_kinds(rulebook)
     if not is_kind and kind not in NODE_NAMES.values():
         near = nearest(subject, known)
-        message = f"`{subject}` is no module, node, consequence or true atom of this configuration"
+        message = f"this configuration has no module, node, consequence or true atom `{subject}`"
         help_text = (
-            f"did you mean `{near}`?" if near else "`--why-not ATOM` says what an atom lacks"
+            f"did you mean `{near}`?" if near else "`--why-not ATOM` shows what an atom lacks"
         )
         return wrong_subject(project, message, help_text)
     if about and about not in names:
@@ -49,9 +49,9 @@ def absent_subject(
     asked = f"`--why-not '{kind}({about or 'NAME'})'`"
     if is_kind:
         message = f"there is no `{subject}` in this configuration"
-        return wrong_subject(project, message, f"{asked} says why")
+        return wrong_subject(project, message, f"{asked} shows why")
     message = f"`{subject}` is not the name of a node"
-    return wrong_subject(project, message, f"{asked} says why there is one or none")
+    return wrong_subject(project, message, f"{asked} shows why there is one or none")
 
 
 def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
@@ -67,7 +67,7 @@ def unconcerned(subject: str, project: Project) -> MarsError:
     """Return the error that a module takes part in nothing that could be explained."""
     help_text = "it takes part in no consequence"
     if project.configuration.kind == "specification":
-        help_text += ", for a specification resolves them: ask the configuration that it realises"
+        help_text += "; a specification resolves them, so ask about the configuration"
     return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
 
 

@@ -579,7 +579,7 @@ class _Vocabulary:
         found = pattern_in(subject)
         if found is None:
             raise self._wrong(
-                f"`{subject}` is no atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
+                f"`{subject}` is not an atom", "write `KIND(NAME)`, `DataSplitter(NAME)` or an atom"
             )
         kind = signature_of(found).unsigned
         if kind not in self._predicates:
