@@ -79,7 +79,7 @@ def _head(found: Alternatives) -> str:
     nodes, needs = found.nodes, len(found.needs)
     if not nodes:
         return "No node is needed."
-    are = f"{counted(nodes, 'node')} {'is' if found.levels else 'of this part is'}"
+    are = f"{'' if found.levels else 'In this part '}{counted(nodes, 'node')} is"
     if not found.synthesis.resolution.proven:
         common = " that have no node in common" if needs > 1 else ""
         return f"{are} the best found; there are {counted(needs, 'need')}{common}:"

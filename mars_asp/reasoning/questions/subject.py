@@ -58,8 +58,10 @@ def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
     """Return the error that a name is not one of the nodes of the specification."""
     near = nearest(subject, nodes)
     more = f" and {len(nodes) - _MOST_NAMES} more" if len(nodes) > _MOST_NAMES else ""
-    known = f"its nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "it has no node"
+    known = f"the nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "there are none"
     message = f"`{subject}` is not a node of the specification"
+    if subject in {name.text for name in project.configuration.modules}:
+        message = f"`{subject}` is a module of the configuration, not a node that synthesis adds"
     return wrong_subject(project, message, f"did you mean `{near}`?" if near else known)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.reasoning.project import Project, load_project
 from mars_asp.reasoning.questions.without import Broken, without
@@ -118,6 +119,23 @@ def test_the_command(
     assert run_here(words) == status
     captured = capsys.readouterr()
     assert told in captured.out + captured.err
+
+
+@pytest.mark.parametrize(
+    ("name", "told", "help_text"),
+    [
+        ("DataSpliter2", "is not a node", "did you mean `DataSplitter2`?"),
+        ("x", "is not a node", "the nodes are DataSplitter1, DataSplitter2, ArbitrationNode"),
+        ("Turn", "is a module of the configuration, not a node", "the nodes are"),
+        ("", "is not a node", "the nodes are"),
+    ],
+)
+def test_a_name_that_is_no_node_is_reported(name: str, told: str, help_text: str) -> None:
+    with pytest.raises(MarsError) as caught:
+        without(name, Reasoner(load_project(str(ROOT / LEVEL1)), RULEBOOK))
+    (diagnostic,) = caught.value.diagnostics
+    assert told in diagnostic.message
+    assert help_text in str(diagnostic.help)
 
 
 def test_json_has_the_keys_of_verify_and_one_more(
