@@ -97,7 +97,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="OUT.html",
         type=ending(".html", "-"),
-        help="write a page: the picture, what is found, its traces and the lines behind them; "
+        help="write a page: the picture, what is found, its traces and their lines; "
         "`-` is standard output",
     )
     add_schema(parser)

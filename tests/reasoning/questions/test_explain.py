@@ -51,6 +51,6 @@ def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
         "no specification realises this configuration, so there is no node to explain".split()
     )
     refused = run("mars-asp explain c.mars A --only nodes", tmp_path)
-    assert "no node resolves what concerns `A`, for no specification" in refused
+    assert "no node resolves what concerns `A`: no specification" in refused
     refused = run("mars-asp explain c.mars F --only consequences", tmp_path)
     assert "nothing concerns `F`" in refused
