@@ -51,6 +51,8 @@ def _block_lines(text: str) -> tuple[tuple[int, int], ...]:
     first = 0
     number = 0
     for number, line in enumerate(text.split("\n"), 1):
+        if "@" not in line:
+            continue
         word = line.strip().split(" ")[0].lower()
         if word == "@module_start" and not first:
             first = number

@@ -5,6 +5,7 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from mars_asp.annotations.sources import Source
 from mars_asp.model.declarations import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
@@ -25,8 +26,7 @@ MOST_OTHERS = 500
 MOST_CHARACTERS = 8192
 
 
-@dataclass(frozen=True, slots=True)
-class Directive:
+class Directive(NamedTuple):
     """One annotation: `word` is ours, `written` as it stands.
 
     `offset` is that of the `@`, `end` the one behind the annotation, `until` the one behind its

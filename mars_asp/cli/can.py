@@ -3,8 +3,9 @@
 import argparse
 import sys
 
+from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.document import Document
-from mars_asp.asp.trace.text import DEPTH, traces_text
+from mars_asp.asp.trace.text import traces_text
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_at

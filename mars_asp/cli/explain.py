@@ -6,9 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.trace.document import trace_json
-from mars_asp.asp.trace.text import DEPTH, traces_text
-from mars_asp.asp.trace.tree import Trace
+from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
@@ -17,7 +15,7 @@ from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
-from mars_asp.cli.trace_document import add_schema, write_topics
+from mars_asp.cli.trace_schema import add_schema
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -26,6 +24,7 @@ from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
 if TYPE_CHECKING:
+    from mars_asp.asp.trace.tree import Trace
     from mars_asp.reasoning.questions.why_not import WhyNot
 
 #: The verb's output has one format more than that of others.
@@ -147,6 +146,8 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             write_file(arguments.output, page)
     elif arguments.format != "text":
+        from mars_asp.cli.trace_document import write_topics
+
         write_topics(subject, topics, arguments.format, sys.stdout.write)
     else:
         lines = chain(_told(topics, traced, arguments), closing)
@@ -205,6 +206,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
 
 
 def _why_not_json(answer: "WhyNot") -> dict[str, object]:
+    from mars_asp.asp.trace.document import trace_json
+
     return {
         "subject": answer.subject,
         "present": answer.present,
@@ -309,8 +312,10 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
 
 
 def _lines(
-    topics: Sequence[tuple[str, Trace]], depth: int | None, arguments: argparse.Namespace
+    topics: Sequence[tuple[str, "Trace"]], depth: int | None, arguments: argparse.Namespace
 ) -> Iterator[str]:
+    from mars_asp.asp.trace.text import traces_text
+
     coloured = colours(arguments, sys.stdout)
     for line in traces_text(topics, line_at, depth, columns(sys.stdout), places=arguments.places):
         title = not line.startswith(" ")

@@ -3,10 +3,13 @@
 import linecache
 import os
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Span
-from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from mars_asp.language.text_edits import LineEdit
 
 #: Two lines of a terminal say what a place is about; who wants more has its line and column.
 MOST = 150
@@ -64,7 +67,7 @@ def shortened(line: str, column: int) -> str:
     return f"{before}{bare[start:end]}{' ...' if end < len(bare) else ''}"
 
 
-def line_text(line: LineEdit) -> Iterator[str]:
+def line_text(line: "LineEdit") -> Iterator[str]:
     """Yield the lines that show an edit: what goes, and what comes."""
     place = visible(f"{line.path}:{line.line}")
     if line.old is not None:
@@ -79,7 +82,7 @@ def line_text(line: LineEdit) -> Iterator[str]:
         yield f"       + {where}: {visible(text)}"
 
 
-def line_json(line: LineEdit) -> dict[str, object]:
+def line_json(line: "LineEdit") -> dict[str, object]:
     """Return an edit with the keys of the contract."""
     return {
         "path": line.path,

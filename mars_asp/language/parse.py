@@ -1,28 +1,20 @@
 """`.mars` text to plain values, with every syntax error of a file in one run."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import cache
+from operator import itemgetter
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, cast
-
-import lark
-from lark import Lark, UnexpectedInput
-from lark.grammar import Rule
-from lark.lexer import TerminalDef
+from typing import NamedTuple
 
 from mars_asp.annotations.blocks import Blocks, read_blocks
-from mars_asp.asp.cache import made_of
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.language.expected import describe
 from mars_asp.language.layout import Layout, lay_out
-from mars_asp.language.statements import Builder, Raw, Statements
+from mars_asp.language.lines import Read, read_lines
+from mars_asp.language.statements import Builder, Raw, begin_of
 from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
 from mars_asp.spelling import nearest
 
-#: Lists, dicts, words and numbers.
-_Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
 #: Behind so many wrong statements a file is read no further: who mends them reads no more.
@@ -141,34 +133,51 @@ def parse_text(text: str, path: str) -> Parsed:
 
 
 def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:
-    """Yield statements with the offset that theirs are relative to.
+    """Yield statements with the offset that theirs are relative to, in the order of the file.
 
-    The whole text is parsed at once; only where that fails, each statement by itself, so that
-    one error hides no other.
+    Common lines are read one by one. All others are parsed together; only where that fails, each
+    by itself, so that one error hides no other.
     """
-    try:
-        found = cast("list[Raw]", _parser().parse(layout.grammatical))
-    except UnexpectedInput:
-        pass
-    else:
-        for raw in found:
-            yield 0, raw
+    read, rest = read_lines(layout.grammatical)
+    if rest is None:
+        yield from ((0, raw) for _, _, raw in read)
         return
+    # Lark is loaded where it is needed, which takes as long as to read a small file.
+    from mars_asp.language.grammar import parsed  # noqa: PLC0415
+
+    found = parsed(rest)
+    if isinstance(found, list):
+        both = [(begin, raw) for begin, _, raw in read]
+        both += ((begin_of(raw), raw) for raw in found)
+        both.sort(key=itemgetter(0))
+        yield from ((0, raw) for _, raw in both)
+    else:
+        yield from _one_by_one(layout, read, problems)
+
+
+def _one_by_one(
+    layout: Layout, read: Iterable[Read], problems: list[Diagnostic]
+) -> Iterator[tuple[int, Raw]]:
+    from mars_asp.language.expected import describe  # noqa: PLC0415 -- Lark, as above
+    from mars_asp.language.grammar import parsed  # noqa: PLC0415
+
+    plain = {end: raw for _, end, raw in read}
     base = wrong = 0
     for piece in layout.grammatical.split("\n"):
-        if piece.strip() and wrong == MOST_ERRORS:
-            problems.append(_given_up(layout, base))
-            return
-        if piece.strip():
-            try:
-                found = cast("list[Raw]", _parser().parse(piece + "\n"))
-            except UnexpectedInput as error:
-                problems.append(describe(layout, base, piece, error))
-                wrong += 1
+        end = base + len(piece)
+        if end in plain:
+            yield 0, plain[end]
+        elif piece.strip():
+            if wrong == MOST_ERRORS:
+                problems.append(_given_up(layout, base))
+                return
+            found = parsed(piece + "\n")
+            if isinstance(found, list):
+                yield from ((base, raw) for raw in found)
             else:
-                for raw in found:
-                    yield base, raw
-        base += len(piece) + 1
+                problems.append(describe(layout, base, piece, found))
+                wrong += 1
+        base = end + 1
 
 
 def _given_up(layout: Layout, base: int) -> Diagnostic:
@@ -234,23 +243,6 @@ def _about_nobody(
                     each.span,
                     help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
                 )
-
-
-@cache
-def _parser() -> Lark:
-    grammar = Path(__file__).with_name("grammar.lark")
-    version = f"{lark.__version__} {grammar.read_text(encoding='utf-8')}"
-    tables = made_of("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
-    # Standalone parsers begin so, too; the transformer is no part of the tables.
-    begin: Callable[..., Lark] = Lark._load_from_dict
-    return begin(*tables, transformer=Statements())
-
-
-def _tables(grammar: Path) -> _Tables:
-    """Return the tables of a grammar as Lark's own standalone parsers have them."""
-    made = Lark(grammar.read_text(encoding="utf-8"), parser="lalr", maybe_placeholders=True)
-    tables: _Tables = made.memo_serialize([TerminalDef, Rule])
-    return tables
 
 
 def _unreadable(shown: str, reason: str) -> Diagnostic:

@@ -1,11 +1,8 @@
 """Parsed statements to model values, with the checks that need no more than one statement."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
 from typing import TypeAlias, cast
-
-from lark import Token, Transformer
 
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.language.layout import Layout
@@ -25,37 +22,29 @@ from mars_asp.model.modes import ModeProblem, parse_mode
 from mars_asp.model.ranges import FREQUENCY, HOLD, PERIOD, PRIORITY, VERTEX, NumberProblem, Range
 from mars_asp.model.transformation import read_transformation
 
-#: The name of a statement's rule and what stands in it: tokens, absences, statements within.
-Raw: TypeAlias = tuple[str, list["Token | Raw | None"]]
+#: The name of a statement's rule and what stands in it: words, absences, statements within.
+Raw: TypeAlias = tuple[str, list["Word | Raw | None"]]
 PERIODIC = "NotifyAtFrequency"
 
 
-_RULES = (
-    "header",
-    "modules",
-    "sources",
-    "mount",
-    "transformation",
-    "control",
-    "controller",
-    "data",
-)
+class Word(str):
+    """A word or number of a statement, with the offsets where it begins and ends."""
+
+    __slots__ = ("begin", "end")
+
+    begin: int
+    end: int
+
+    def __new__(cls, text: str, begin: int, end: int) -> "Word":
+        """Return a text at its place."""
+        word = super().__new__(cls, text)
+        word.begin, word.end = begin, end
+        return word
 
 
-class Statements(Transformer[Token, list[Raw]]):
-    """Keeps each statement as its rule's name and its children."""
-
-    def start(self, children: list[Raw]) -> list[Raw]:
-        """Return the statements of a text."""
-        return children
-
-
-def _keep(rule: str) -> Callable[[Statements, list["Token | Raw | None"]], Raw]:
-    return lambda _, children: (rule, children)
-
-
-for _rule in _RULES:
-    setattr(Statements, _rule, _keep(_rule))
+def begin_of(raw: Raw) -> int:
+    """Return the offset of the first word of a statement."""
+    return min(child.begin for child in raw[1] if isinstance(child, Word))
 
 
 class Builder:
@@ -66,7 +55,7 @@ class Builder:
         self.layout = layout
         self.problems: list[Diagnostic] = []
         self._base = 0
-        self._header: tuple[Token, Token | None] | None = None
+        self._header: tuple[Word, Word | None] | None = None
         self._period: int | None = None
         self._header_span = layout.span(0, 0)
         self._modules: dict[str, Name] | None = None
@@ -91,7 +80,7 @@ class Builder:
             return Configuration(self.layout.path, self._header_span)
         kind, architecture = self._header
         if self._modules is None and complete:
-            self._note_token(
+            self._note_word(
                 kind, f"`{kind}` without `@modules`", "name its modules: `@modules A, B`"
             )
         stated: Architecture = "hierarchical" if architecture == "hierarchical" else "flat"
@@ -107,41 +96,41 @@ class Builder:
             tuple(self._relationships),
         )
 
-    def _add_header(self, children: list[Token | None]) -> None:
+    def _add_header(self, children: list[Word | None]) -> None:
         kind, architecture, period = children
         assert kind is not None
         if self._header is not None:
-            self._note_token(kind, f"`{kind}` occurs twice in the file", "keep one of the two")
+            self._note_word(kind, f"`{kind}` occurs twice in the file", "keep one of the two")
             return
         self._header = (kind, architecture)
         self._period = self._whole(period, PERIOD)
         self._header_span = self._span(kind, kind)
 
-    def _add_modules(self, children: list[Token]) -> None:
+    def _add_modules(self, children: list[Word]) -> None:
         if self._modules is not None:
-            self._note_token(
+            self._note_word(
                 children[0], "`@modules` occurs twice in the file", "name all modules in one list"
             )
         self._modules = self._modules or {}
-        for token in children:
-            if token in self._modules:
-                self._note_token(token, f"`{token}` is named twice in `@modules`", "name it once")
+        for word in children:
+            if word in self._modules:
+                self._note_word(word, f"`{word}` is named twice in `@modules`", "name it once")
             else:
-                self._modules[str(token)] = Name(str(token), self._span(token, token))
+                self._modules[str(word)] = Name(str(word), self._span(word, word))
 
-    def _add_sources(self, children: list[Token]) -> None:
-        for token in children:
-            self._sources.append(Name(token.strip(), self._span(token, token)))
+    def _add_sources(self, children: list[Word]) -> None:
+        for word in children:
+            self._sources.append(Name(word.strip(), self._span(word, word)))
 
-    def _add_mount(self, children: list["Token | Raw | None"]) -> None:
+    def _add_mount(self, children: list["Word | Raw | None"]) -> None:
         mounting, vertex, mounted, on, transformation = children
-        assert isinstance(mounting, Token)
-        assert isinstance(mounted, Token)
+        assert isinstance(mounting, Word)
+        assert isinstance(mounted, Word)
         last, value = mounted, None
         if isinstance(transformation, tuple):
-            slots = [token for token in transformation[1] if isinstance(token, Token)]
+            slots = [word for word in transformation[1] if isinstance(word, Word)]
             last, value = slots[-1], self._transformation(slots)
-        elif isinstance(on, Token):
+        elif isinstance(on, Word):
             last = on
         self._relationships.append(
             Mount(
@@ -154,30 +143,30 @@ class Builder:
             )
         )
 
-    def _transformation(self, slots: list[Token]) -> Transformation | None:
+    def _transformation(self, slots: list[Word]) -> Transformation | None:
         found = read_transformation([str(slot) for slot in slots])
         if isinstance(found, Transformation):
             text = self.layout.grammatical
-            begin = text.rindex("(", 0, self._base + (slots[0].start_pos or 0))
-            end = text.index(")", self._base + (slots[-1].end_pos or 0)) + 1
+            begin = text.rindex("(", 0, self._base + slots[0].begin)
+            end = text.index(")", self._base + slots[-1].end) + 1
             return replace(found, text=text[begin:end])
         for problem in found:
-            self._note_token(slots[problem.slot], problem.message, problem.help)
+            self._note_word(slots[problem.slot], problem.message, problem.help)
         return None
 
-    def _add_control(self, children: list["Token | Raw"]) -> None:
+    def _add_control(self, children: list["Word | Raw"]) -> None:
         controlled, *controllers = children
-        assert isinstance(controlled, Token)
+        assert isinstance(controlled, Word)
         for order, controller in enumerate(controllers):
             assert isinstance(controller, tuple)
             name, priority, hold, allocation = controller[1]
-            assert isinstance(name, Token)
-            last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Token))
+            assert isinstance(name, Word)
+            last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Word))
             begin = controlled if len(controllers) == 1 else name
             rank = self._whole(priority, PRIORITY)
             if len(controllers) > 1:
-                if isinstance(priority, Token):
-                    self._note_token(
+                if isinstance(priority, Word):
+                    self._note_word(
                         priority,
                         "a priority in a list of controllers",
                         "the list already ranks them from 0; write one line for each controller",
@@ -195,7 +184,7 @@ class Builder:
                 )
             )
 
-    def _add_data(self, children: list[Token | None]) -> None:
+    def _add_data(self, children: list[Word | None]) -> None:
         client, source, written, number = children
         assert client is not None
         assert source is not None
@@ -210,42 +199,39 @@ class Builder:
         if number is not None and written is None:
             mode = Mode(PERIODIC, text=PERIODIC)
         if number is not None and mode is not None and mode.name != PERIODIC:
-            self._note_token(
+            self._note_word(
                 number,
                 f"a frequency after `{mode.text}`",
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )
-        last = next(token for token in (number, written, source) if token is not None)
+        last = next(word for word in (number, written, source) if word is not None)
         span = self._span(client, last)
         self._relationships.append(Data(str(client), str(source), span, mode, hz))
 
-    def _number(self, token: "Token | Raw | None", wanted: Range) -> Decimal | None:
-        """Return the number that a token writes; note what is wrong with it."""
-        if not isinstance(token, Token):
+    def _number(self, word: "Word | Raw | None", wanted: Range) -> Decimal | None:
+        """Return the number that a word writes; note what is wrong with it."""
+        if not isinstance(word, Word):
             return None
-        found = wanted.read(str(token))
+        found = wanted.read(str(word))
         if isinstance(found, NumberProblem):
-            self._note_token(token, found.message, found.help)
+            self._note_word(word, found.message, found.help)
             return None
         return found
 
-    def _whole(self, token: "Token | Raw | None", wanted: Range) -> int | None:
-        found = self._number(token, wanted)
+    def _whole(self, word: "Word | Raw | None", wanted: Range) -> int | None:
+        found = self._number(word, wanted)
         return None if found is None else int(found)
 
-    def _span(self, first: Token, last: Token) -> Span:
-        begin, end = first.start_pos, last.end_pos
-        assert begin is not None
-        assert end is not None
-        return self.layout.span(self._base + begin, self._base + end)
+    def _span(self, first: Word, last: Word) -> Span:
+        return self.layout.span(self._base + first.begin, self._base + last.end)
 
-    def _note_token(self, token: Token, message: str, help_text: str) -> None:
-        begin, end = token.start_pos or 0, token.end_pos or 0
+    def _note_word(self, word: Word, message: str, help_text: str) -> None:
+        begin, end = word.begin, word.end
         self._note(self._base + begin, self._base + end, message, help_text)
 
-    def _note_offset(self, token: Token, problem: ModeProblem) -> None:
-        begin = self._base + (token.start_pos or 0) + problem.offset
-        self._note(begin, self._base + (token.end_pos or 0), problem.message, problem.help)
+    def _note_offset(self, word: Word, problem: ModeProblem) -> None:
+        begin = self._base + word.begin + problem.offset
+        self._note(begin, self._base + word.end, problem.message, problem.help)
 
     def _note(self, begin: int, end: int, message: str, help_text: str) -> None:
         span = self.layout.span(begin, end)

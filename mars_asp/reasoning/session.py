@@ -7,12 +7,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Resolution
-from mars_asp.asp.trace import Explainer
-from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
@@ -20,6 +19,9 @@ from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis import Derived, Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 from mars_asp.reasoning.verification import Violation, verify
+
+if TYPE_CHECKING:
+    from mars_asp.asp.trace import Explainer
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,12 @@ class Evidence:
     derived: Derived | None = None
 
     @cached_property
-    def explainer(self) -> Explainer:
+    def explainer(self) -> "Explainer":
         """Return what explains what is derived and chosen; no more answers can be asked for."""
+        # Answers without traces do not wait for the tracer to be loaded.
+        from mars_asp.asp.trace import Explainer  # noqa: PLC0415
+        from mars_asp.asp.trace.given import GivenFacts  # noqa: PLC0415
+
         opened = {} if self.resolution is None else self.resolution.answer.true
         given = GivenFacts(self.facts, self.rulebook.declarations)
         return Explainer(self.rulebook, self.analysis.grounding.control, given, opened)

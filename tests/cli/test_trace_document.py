@@ -9,7 +9,8 @@ import jsonschema_rs
 import pytest
 
 from mars_asp.cli import run_command
-from mars_asp.cli.trace_document import schema_text, write_topics
+from mars_asp.cli.trace_document import write_topics
+from mars_asp.cli.trace_schema import schema_text
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import Explanation, explain
 from mars_asp.reasoning.rules import load_rulebook

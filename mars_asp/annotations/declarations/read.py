@@ -26,7 +26,7 @@ _CONDITION = re.compile(r"(?m)^[ \t]*(#)[ \t]*(?:if|elif|else)")
 
 
 # Configurations of many equal robots declare the same over and over.
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=4096)
 def read_declaration(language: str, text: str, code: str) -> Declaration | NoFunction | None:
     """Read the declaration that begins in a stretch of a source; `None` where nothing stands there.
 

@@ -9,6 +9,7 @@ import clingo
 
 from mars_asp.asp.messages import shown
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
+from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
@@ -25,8 +26,6 @@ from mars_asp.diagnostic import Span
 
 #: Where nobody knows how wide the lines can be.
 WIDTH = 80
-#: Deep enough for a reason, short enough to read.
-DEPTH = 4
 #: What `textwrap` counts as white space.
 _SPACE = re.compile(r"[\t\n\x0b\x0c\r]")
 #: Among so many steps below a premise it is looked for what need not be said beside it.

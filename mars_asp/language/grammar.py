@@ -1,0 +1,76 @@
+"""Statements by the grammar, as Lark reads it."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias, cast
+
+import lark
+from lark import Lark, Token, Transformer, UnexpectedInput
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
+
+from mars_asp.asp.cache import made_of
+from mars_asp.language.statements import Raw, Word
+
+#: Lists, dicts, words and numbers.
+_Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+_RULES = (
+    "header",
+    "modules",
+    "sources",
+    "mount",
+    "transformation",
+    "control",
+    "controller",
+    "data",
+)
+
+
+def parsed(text: str) -> list[Raw] | UnexpectedInput:
+    """Return the statements of a text, or what is wrong with the first that is none."""
+    try:
+        return cast("list[Raw]", _parser().parse(text))
+    except UnexpectedInput as error:
+        return error
+
+
+class _Statements(Transformer[Token, list[Raw]]):
+    """Keeps each statement as its rule's name and its children."""
+
+    def start(self, children: list[Raw]) -> list[Raw]:
+        """Return the statements of a text."""
+        return children
+
+
+def _keep(rule: str) -> Callable[[_Statements, list[Token | Raw | None]], Raw]:
+    return lambda _, children: (rule, [_word(child) for child in children])
+
+
+def _word(child: Token | Raw | None) -> Word | Raw | None:
+    if not isinstance(child, Token):
+        return child
+    assert child.start_pos is not None
+    assert child.end_pos is not None
+    return Word(child, child.start_pos, child.end_pos)
+
+
+for _rule in _RULES:
+    setattr(_Statements, _rule, _keep(_rule))
+
+
+@cache
+def _parser() -> Lark:
+    grammar = Path(__file__).with_name("grammar.lark")
+    version = f"{lark.__version__} {grammar.read_text(encoding='utf-8')}"
+    tables = made_of("grammar", (Path(__file__),), [version], lambda _: _tables(grammar))[version]
+    # Standalone parsers begin so, too; the transformer is no part of the tables.
+    begin: Callable[..., Lark] = Lark._load_from_dict
+    return begin(*tables, transformer=_Statements())
+
+
+def _tables(grammar: Path) -> _Tables:
+    """Return the tables of a grammar as Lark's own standalone parsers have them."""
+    made = Lark(grammar.read_text(encoding="utf-8"), parser="lalr", maybe_placeholders=True)
+    tables: _Tables = made.memo_serialize([TerminalDef, Rule])
+    return tables

@@ -1,0 +1,75 @@
+"""Statements that stand in one line and look as most do, without the grammar.
+
+What is read here the grammar reads in the same way, which a test holds; all else is left to it.
+"""
+
+import re
+from itertools import accumulate
+from typing import TypeAlias
+
+from mars_asp.language.statements import Raw, Word
+
+#: Where a line's statement begins and ends, and the statement.
+Read: TypeAlias = tuple[int, int, Raw]
+_BLANK = r"[^\S\n]"
+_NAME = r"[A-Za-z_]\w*+"
+_NUMBER = r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?"
+_GAP = f"{_BLANK}++"
+#: The groups of each alternative are the children of the grammar's rule.
+_LINE = re.compile(
+    rf"""^{_BLANK}*+(?:
+      ({_NAME}){_GAP}uses_data_from{_GAP}({_NAME})
+        (?:{_GAP}({_NAME}))?(?:{_GAP}({_NUMBER}))?
+    | ({_NAME}){_GAP}is_controlled_by{_GAP}({_NAME})
+        (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}))?
+        (?:{_GAP}allocation{_GAP}(root|split))?
+    | ({_NAME})(?:{_GAP}({_NUMBER}))?{_GAP}is_mounted_on{_GAP}({_NAME})
+        (?:{_GAP}({_NUMBER}))?
+    | (@configuration|@specification)
+        (?:{_GAP}(flat|hierarchical))?(?:{_GAP}period{_GAP}({_NUMBER}))?
+    | @modules{_GAP}({_NAME}(?:{_BLANK}*+,{_BLANK}*+{_NAME})*+)
+    ){_BLANK}*+$""",
+    re.MULTILINE | re.VERBOSE,
+)
+_RULES = (("data", 4), ("control", 5), ("mount", 4), ("header", 3), ("modules", 1))
+#: By the last group that matched, the rule and its groups.
+_BY_GROUP = {
+    first + number: (rule, range(first, first + count))
+    for (rule, count), first in zip(
+        _RULES, accumulate((count for _, count in _RULES), initial=1), strict=False
+    )
+    for number in range(count)
+}
+_NAMES = re.compile(_NAME)
+
+
+def read_lines(text: str) -> tuple[list[Read], str | None]:
+    """Return the statements that can be read, and the text with blanks for them.
+
+    Offsets are those of the text, which is `None` where nothing is left of it.
+    """
+    read = [_read(match) for match in _LINE.finditer(text)]
+    at = 0
+    pieces: list[str] = []
+    for begin, end, _ in read:
+        pieces += (text[at:begin], " " * (end - begin))
+        at = end
+    pieces.append(text[at:])
+    return read, "".join(pieces) if any(piece.strip() for piece in pieces[::2]) else None
+
+
+def _read(match: re.Match[str]) -> Read:
+    assert match.lastindex is not None
+    rule, groups = _BY_GROUP[match.lastindex]
+    begin, end = match.span()
+    if rule == "modules":
+        names = _NAMES.finditer(match.string, *match.span(match.lastindex))
+        return begin, end, (rule, [Word(name[0], *name.span()) for name in names])
+    words: list[Word | Raw | None] = [
+        None if match[group] is None else Word(match[group], *match.span(group)) for group in groups
+    ]
+    if rule == "control":
+        return begin, end, (rule, [words[0], ("controller", words[1:])])
+    if rule == "mount":
+        words.append(None)
+    return begin, end, (rule, words)
