@@ -44,7 +44,7 @@ FILES = {
         "declaration tokens c_types c_parameters c java rust go matlab python read"
     ),
     "language": (
-        "layout text_edits expected relocate statements tokens parse statement_edits print format"
+        "layout text_edits expected relocate statements lines grammar tokens parse statement_edits print format"
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
@@ -57,8 +57,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "account needs subject alternatives annotation_edits changes evidence vicinity blame edits "
-        "explain diff near_miss repair fix why_not without"
+        "account needs subject alternatives annotation_edits changes evidence preceding vicinity "
+        "blame edits explain diff near_miss repair fix why_not without"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",

@@ -41,10 +41,15 @@ class Portion(NamedTuple):
 
 
 class Apart(NamedTuple):
-    """A resolution, and the portions of it that decide something, each without the others."""
+    """A resolution, and the portions of it that decide something, each without the others.
+
+    The base keeps parts apart, too, where every part has all facts of the given predicates that
+    are needed `everywhere`.
+    """
 
     whole: Portion
     deciding: tuple[Portion, ...]
+    everywhere: frozenset[Signature]
 
 
 def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
@@ -84,7 +89,8 @@ def _apart(base: str, resolution: str, given: Positions) -> Apart | None:
         _portion(_text(each, resolving.projected), each, of_parts)
         for each in _deciding(resolving, derived)
     )
-    return Apart(_portion(resolution, resolving.statements, of_parts), tuple(deciding))
+    whole = _portion(resolution, resolving.statements, of_parts)
+    return Apart(whole, tuple(deciding), _everywhere(derivations.statements, own))
 
 
 def _derived(each: Iterable[Statement]) -> frozenset[Signature]:
@@ -130,6 +136,22 @@ def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
             level = statement.cost.level
             places[level] = places.get(level, found) & found
     return all(places.values())
+
+
+def _everywhere(base: Sequence[Statement], own: Shapes) -> frozenset[Signature]:
+    """Return what is read, however indirectly, by statements that are about several parts.
+
+    With all facts of that each of them has the instances that it has for the whole. All others are
+    about one part, so what they derive of it needs no facts of another.
+    """
+    derived = _derived(base)
+    read: frozenset[Signature] = frozenset()
+    new = [each for each in base if not _is_apart(each, own, derived)]
+    while new:
+        more = frozenset().union(*(each.reads for each in new)) - read
+        read |= more
+        new = [each for each in base if each.derives & more]
+    return read - derived
 
 
 # ---- What decides --------------------------------------------------------------------------------

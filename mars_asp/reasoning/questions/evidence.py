@@ -19,16 +19,13 @@ from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import vocabulary
-from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
+from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds
 from mars_asp.reasoning.project import project_facts, project_lookup
 from mars_asp.reasoning.questions.account import ACCOUNT, CONCERNS, speakers
-from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.session import Evidence, Reasoner
-from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, introduced_with
 
 #: A rule and its outlines.
 _Outlined: TypeAlias = tuple[Rule, tuple[Outline, ...]]
@@ -51,31 +48,6 @@ def sliced_evidence(reasoner: Reasoner, subject: str) -> Evidence | None:
         return None
     analysis = analyse(part.facts, part.rulebook, project.configuration.span, subject)
     return Evidence(part.rulebook, part.facts, analysis)
-
-
-def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
-    """Return what a node needs, of what precedes it in the file; `None` where that is not told.
-
-    Raises:
-        MarsError: clingo refuses the rules, or costs are too large to be added up.
-    """
-    project = reasoner.project
-    named = {each.text for each in project.configuration.modules}
-    if node_kind(name) is None or name in named:
-        return None
-    part = slice_for_resolution(
-        reasoner.rulebook, lambda names: project_facts(project, wanted=names)
-    )
-    if part is None:
-        return None
-    analysis = analyse(part.facts, part.rulebook, project.configuration.span)
-    found = introduced_with(name, project, analysis, part.rulebook, reasoner.budget)
-    if found is None:
-        return None
-    introduced, resolution, derived = found
-    # Nothing is resolved on the grounding of the analysis, so all that is decided can be stated.
-    analysis.grounding.state(resolution.answer.grounding.decided_predicates())
-    return Evidence(part.rulebook, part.facts, analysis, resolution, introduced, derived)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,63 +107,6 @@ def slice_for(
     return Slice(
         Rulebook(sliced, (("base", text),), documented=rulebook.built_in.documented), needed
     )
-
-
-def slice_for_resolution(
-    rulebook: Rulebook, facts_of: Callable[[Set[str]], Iterable[Fact]]
-) -> Slice | None:
-    """Return what the resolution needs; `None` with rule packs, which could leave no answer.
-
-    That is what its rules read and those that tell of nodes, and what no specification can resolve,
-    which is not theirs to say.
-    """
-    if rulebook.packs:
-        return None
-    base = [rule for rule in rulebook.rules if rule.stage == "base"]
-    stages = ("resolve", FOLLOWING["resolve"])
-    resolving = tuple(rule for rule in rulebook.rules if rule.stage in stages)
-    telling = speakers(rulebook, NODE_NAMES)
-    read = {UNRESOLVABLE}.union(*(rule.reads for rule in (*resolving, *telling)))
-    behind: dict[str, Rule] = {}
-    new = resolving
-    while new:
-        kinds = _kinds_read((*behind.values(), *resolving, *telling))
-        new = tuple(
-            rule
-            for rule in base
-            if rule.text not in behind
-            and not read.isdisjoint(rule.heads)
-            and (kinds is None or _is_read(rule, kinds))
-        )
-        behind.update((rule.text, rule) for rule in new)
-        read = read.union(*(rule.reads for rule in new))
-    rules = tuple(rule for rule in base if rule.text in behind)
-    texts = (
-        ("base", "\n".join(rule.text for rule in rules)),
-        *((stage, rulebook.text(stage)) for stage in stages),
-    )
-    facts = tuple(facts_of({each.name for each in read}))
-    documented = rulebook.documented
-    return Slice(Rulebook((*rules, *resolving, *telling), texts, documented=documented), facts)
-
-
-def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
-    """Return the kinds of consequence that rules read by name; `None` where they read any."""
-    texts = [rule.text for rule in rules if CONSEQUENCE in rule.reads]
-    kinds = {
-        literal.terms[0].constant
-        for variants in statements_of(texts).values()
-        for statement in variants
-        for literal in statement.read
-        if literal.signature == CONSEQUENCE
-    }
-    return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
-
-
-def _is_read(rule: Rule, kinds: Set[str]) -> bool:
-    """Say whether a rule derives anything besides consequences of other kinds."""
-    named = kinds_of(rule)
-    return named is None or not named or not named.isdisjoint(kinds)
 
 
 def _statements(rules: Iterable[Rule]) -> list[Statement]:

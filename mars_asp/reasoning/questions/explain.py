@@ -27,7 +27,8 @@ from mars_asp.reasoning.questions.account import (
     key_of,
     told_of,
 )
-from mars_asp.reasoning.questions.evidence import preceding_evidence, sliced_evidence
+from mars_asp.reasoning.questions.evidence import sliced_evidence
+from mars_asp.reasoning.questions.preceding import preceding_evidence
 from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Introduced, Node

@@ -4,8 +4,9 @@ Modules belong to one island when facts connect them. A stretch is a run of rela
 whole islands only, so what is named in it has no number that depends on later stretches.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature
@@ -23,12 +24,40 @@ _MOST = 16
 
 @dataclass(frozen=True)
 class Stretches:
-    """The relationships of each stretch, in their order, and a grounding of all consequences."""
+    """The relationships of each stretch, in their order, and what is in it."""
 
     relationships: tuple[Sequence[Relationship], ...]
-    _grounding: Grounding
     #: By the name or identifier of what is in a stretch, the number of the stretch from 0.
-    _number_of: Mapping[TermId, int]
+    _number_of: Mapping[int | str, int]
+    _connected: Mapping[Signature, tuple[int, ...]]
+
+    def facts(
+        self, number: int, facts: Iterable[Fact], everywhere: Set[Signature]
+    ) -> Iterator[Fact]:
+        """Yield the facts about one stretch, and those that are about none or `everywhere`."""
+        for fact in facts:
+            told = fact.atom.arguments
+            signature = Signature(fact.atom.name, len(told))
+            connected = self._connected.get(signature)
+            if not connected or signature in everywhere:
+                yield fact
+            elif isinstance(part := told[connected[0]], Atom) or part not in self._number_of:
+                continue
+            elif self._number_of[part] == number:
+                yield fact
+
+    @cached_property
+    def by_term(self) -> Mapping[TermId, int]:
+        """Return the numbers of stretches by the terms of what is in them."""
+        return {as_term(symbol_of(name)): number for name, number in self._number_of.items()}
+
+
+@dataclass(frozen=True)
+class Divided:
+    """The consequences in a grounding, by the stretches that they are about."""
+
+    stretches: Stretches
+    grounding: Grounding
     _found: dict[Signature, tuple[list[TermId], ...]] = field(default_factory=dict)
 
     def ground(self, number: int, portion: Portion) -> Grounding:
@@ -39,13 +68,13 @@ class Stretches:
                 self._found[signature] = self._apart(signature, at)
             stated[signature] = self._found[signature][number]
         for signature in portion.of_all:
-            stated[signature] = atoms(self._grounding.control, *signature)
+            stated[signature] = atoms(self.grounding.control, *signature)
         return Grounding((), stated)
 
     def _apart(self, signature: Signature, at: int) -> tuple[list[TermId], ...]:
-        found: tuple[list[TermId], ...] = tuple([] for _ in self.relationships)
-        number_of = self._number_of
-        for atom in atoms(self._grounding.control, *signature):
+        number_of = self.stretches.by_term
+        found: tuple[list[TermId], ...] = tuple([] for _ in self.stretches.relationships)
+        for atom in atoms(self.grounding.control, *signature):
             number = number_of.get(arguments(atom)[at])
             if number is not None:
                 found[number].append(atom)
@@ -53,14 +82,11 @@ class Stretches:
 
 
 def stretches(
-    relationships: Sequence[Relationship],
-    facts: Iterable[Fact],
-    grounding: Grounding,
-    vocabulary: Vocabulary,
+    relationships: Sequence[Relationship], facts: Iterable[Fact], vocabulary: Vocabulary
 ) -> Stretches:
     """Cut relationships into stretches; one alone has them all where no cut can be made.
 
-    `facts` are those of the configuration, `grounding` has their consequences.
+    `facts` are those of the configuration.
     """
     parts: DisjointSets[int | str] = DisjointSets()
     for fact in facts:
@@ -74,11 +100,11 @@ def stretches(
     each = (number for number, stretch in enumerate(cut) for _ in stretch)
     number_of_root = dict(zip(roots, each, strict=True))
     number_of = {
-        as_term(symbol_of(member)): number_of_root[root]
+        member: number_of_root[root]
         for member in parts.parent
         if (root := parts.find(member)) in number_of_root
     }
-    return Stretches(cut, grounding, number_of)
+    return Stretches(cut, number_of, vocabulary.connected)
 
 
 def _ends(roots: Sequence[int | str]) -> Iterator[int]:

@@ -6,28 +6,20 @@ from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.asp.solve.components import Component
 from mars_asp.asp.solve.grounding import Resolution
-from mars_asp.asp.solve.optimum import MOST_COST, Optimum, TooCostlyError
+from mars_asp.asp.solve.optimum import MOST_COST, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.budget import ENDLESS, Budget
-from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import CONVERSION
 from mars_asp.reasoning.synthesis import (
     Derived,
-    Draft,
-    Introduced,
     Specification,
-    introduce,
     specify,
 )
-from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
-from mars_asp.reasoning.synthesis.stretches import stretches
+from mars_asp.reasoning.synthesis.derived import STAGE
 
 #: What the rules derive of each relationship that stands against every specification.
 UNRESOLVABLE = Signature("unresolvable", 1)
@@ -87,69 +79,6 @@ def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resoluti
     with costs_of(analysis.facts):
         resolution = grounding.resolve(resolving, budget.deadline(), budget.progress)
     return None if is_unresolvable(analysis) else resolution
-
-
-def introduced_with(
-    name: str,
-    project: Project,
-    analysis: Analysis,
-    rulebook: Rulebook,
-    budget: Budget = ENDLESS,
-) -> tuple[Introduced, Resolution, Derived] | None:
-    """Return the nodes of the stretch of a configuration that has a node, and its resolution.
-
-    They are those of the least specification that are decided together with nodes of the kind that
-    is asked for; of those before, only how many there are is found out. `None` where there is no
-    such node, where it is not sure that there is one least specification, or where rules may bring
-    modules together that nothing connects.
-
-    Raises:
-        MarsError: clingo refuses the rules, or costs are too large to be added up.
-    """
-    kind, resolving = node_kind(name), rulebook.text("resolve")
-    predicate = None if kind is None else decided_by(rulebook, kind)
-    if kind is None or predicate is None or rulebook.packs or is_unresolvable(analysis):
-        return None
-    given = vocabulary(rulebook)
-    # What follows from an answer is read of one stretch, too.
-    specifying = f"{resolving}\n{rulebook.text(STAGE)}"
-    apart = kept_apart(rulebook.text("base"), specifying, given.connected)
-    if apart is None:
-        return None
-    deadline = budget.deadline()
-    counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    # Kinds that are decided together are counted together, so they all have their names.
-    counted = {
-        each: decides
-        for each in NODE_NAMES
-        if (decides := decided_by(rulebook, each)) in counting.derived
-    }
-    cut = stretches(project.configuration.relationships, analysis.facts, analysis.grounding, given)
-    draft = Draft(project)
-    known: dict[Component, Optimum] = {}
-    last = len(cut.relationships) - 1
-    for number, relationships in enumerate(cut.relationships):
-        if number < last:
-            grounding = cut.ground(number, counting)
-            with costs_of(analysis.facts):
-                resolution = grounding.resolve(counting.text, deadline, known=known)
-            if resolution.count is None:
-                return None
-            counts = {
-                str(each): resolution.answer.count(decides) for each, decides in counted.items()
-            }
-            if draft.pass_over(counts, name):
-                continue
-        grounding = cut.ground(number, apart.whole)
-        with costs_of(analysis.facts):
-            resolution = grounding.resolve(resolving, deadline, known=known)
-        derived = Derived(rulebook, resolution.answer)
-        introduced = introduce(draft, derived, relationships)
-        nodes = tuple(node for node in introduced.nodes if node.kind in counted)
-        if not resolution.proven or all(node.name != name for node in nodes):
-            return None
-        return Introduced(nodes, introduced.resolves), resolution, derived
-    return None
 
 
 @contextmanager

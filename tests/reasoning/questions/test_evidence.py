@@ -16,8 +16,9 @@ from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
-from mars_asp.reasoning.questions.evidence import Slice, slice_for, slice_for_resolution
+from mars_asp.reasoning.questions.evidence import Slice, slice_for
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.preceding import for_resolution, names_read
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Evidence, Reasoner
 from tests.support.documents import ROOT
@@ -64,18 +65,17 @@ def test_a_slice_is_smaller_and_what_is_chosen_has_none() -> None:
 
 def test_the_resolution_needs_no_more_consequences_than_it_names() -> None:
     project = load_project(str(ROOT / "examples" / "level0" / "config.mars"))
-    part = slice_for_resolution(RULEBOOK, lambda names: project_facts(project, wanted=names))
-    assert part is not None
-    kinds = {kind for rule in part.rulebook.rules for kind in kinds_of(rule) or ()}
+    part = for_resolution(RULEBOOK)
+    kinds = {kind for rule in part.rules for kind in kinds_of(rule) or ()}
     assert kinds == {"simple_inheritance", "similar_inheritance", "emergent_functionality"}
-    assert len(part.facts) < len(project_facts(project)) * 0.7
+    facts = project_facts(project, wanted=names_read(part))
+    assert len(facts) < len(project_facts(project)) * 0.7
     # A rule that reads consequences of any kind needs all of them.
     reader = RULEBOOK.by_id["resolve/data/splitter-copies"]
     text = "splitter(S, origin) :- consequence(K, _, S, _), data_kind(K)."
     rules = (*RULEBOOK.rules, replace(reader, text=text))
-    part = slice_for_resolution(replace(RULEBOOK, rules=rules), lambda _: ())
-    assert part is not None
-    assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rulebook.rules)
+    part = for_resolution(replace(RULEBOOK, rules=rules))
+    assert any("data_divergence" in (kinds_of(rule) or ()) for rule in part.rules)
 
 
 #: What the configurations of the project leave out.

@@ -8,16 +8,15 @@ import pytest
 
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
-from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.language import parse_text
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.preceding import preceding_evidence
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.stretches import stretches
-from mars_asp.reasoning.synthesis.synthesise import introduced_with
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()
@@ -69,13 +68,15 @@ def test_a_node_is_explained_as_among_all_others(first: int) -> None:
     if whole.synthesis is None:
         return
     nodes = whole.synthesis.specification.nodes
-    traces = [trace_json(topic.trace) for topic in whole.topics[-len(nodes) :]]
-    titles = [topic.title for topic in whole.topics[-len(nodes) :]]
+    told = whole.topics[-len(nodes) :]
+    traces = [trace_json(topic.trace) for topic in told]
+    titles = [topic.title for topic in told]
     for number in random.Random(first).sample(range(len(nodes)), min(3, len(nodes))):
         part = explain(Reasoner(project, RULEBOOK), nodes[number].name)
         assert part.synthesis is None, "the whole was resolved"
         assert [topic.title for topic in part.topics] == [titles[number]]
         assert trace_json(part.topics[0].trace) == traces[number]
+        assert part.topics[0].account == told[number].account
 
 
 def test_nodes_before_are_counted_with_the_names_that_modules_have() -> None:
@@ -100,7 +101,7 @@ def test_stretches_hold_whole_parts() -> None:
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
     facts = project_facts(project)
-    cut = stretches(project.configuration.relationships, facts, Grounding(()), vocabulary(RULEBOOK))
+    cut = stretches(project.configuration.relationships, facts, vocabulary(RULEBOOK))
     assert [len(each) for each in cut.relationships] == [3, 1]
 
 
@@ -116,5 +117,4 @@ def test_nothing_is_found_apart_where_nothing_realises_the_whole() -> None:
     project = read(text)
     whole = explain(Reasoner(project, RULEBOOK))
     assert whole.synthesis is None
-    found = introduced_with("DataSplitter1", project, whole.analysis, RULEBOOK)
-    assert found is None
+    assert preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter1") is None
