@@ -119,7 +119,9 @@ def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
         for body in bodies
         if (after := statement.text.replace("R' < R", body)) != statement.text
     ]
-    verdicts = {v.mutant: v.killer for v in judge_rules(files, mutants, jobs=1, stronger=False)}
+    cases = ROOT / "tests" / "rules" / "data"
+    judged = judge_rules(files, mutants, jobs=1, cases=cases, stronger=False)
+    verdicts = {verdict.mutant: verdict.killer for verdict in judged}
     assert [verdicts[mutant] is not None for mutant in mutants] == [True, True, True, False, False]
 
 

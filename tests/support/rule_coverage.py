@@ -66,6 +66,19 @@ def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     )
 
 
+def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[list[Path]]:
+    """Return the cases that fire each of some rules."""
+    probes = [next(_probes(number, rule))[1] for number, rule in enumerate(rules)]
+    found: list[list[Path]] = [[] for _ in rules]
+    for path in cases:
+        stages = ("base", *stages_of(path))
+        told = (probe for rule, probe in zip(rules, probes, strict=True) if rule.stage in stages)
+        texts = (rulebook.text(stage) for stage in stages)
+        for _, number in _held("\n".join([read_case(path)[0], *texts, *told])):
+            found[number].append(path)
+    return found
+
+
 def _probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
     body = list(rule.ast.body)
     yield "_fired", f"_fired({number}) :- {'; '.join(map(str, body)) or '#true'}."
