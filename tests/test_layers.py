@@ -44,7 +44,8 @@ FILES = {
         "declaration tokens c_types c_parameters c java rust go matlab python read"
     ),
     "language": (
-        "layout text_edits expected relocate statements lines grammar tokens parse statement_edits print format"
+        "layout text_edits expected relocate statements lines grammar tokens parse "
+        "statement_edits print format"
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
