@@ -75,8 +75,14 @@ def said(control: clingo.Control, stage: str, rules: Sequence[Rule]) -> Iterator
 def heard(atom: TermId, rules: Sequence[Rule]) -> Said:
     """Return what an atom keeps of what one of some rules says."""
     place, head, values = arguments(atom)
-    number = as_symbol(place).number
+    number = _number(place)
     return Said(number, rules[number], head, values)
+
+
+# Few rules speak very often.
+@lru_cache(maxsize=1024)
+def _number(term: TermId) -> int:
+    return as_symbol(term).number
 
 
 class Labelled(NamedTuple):

@@ -7,6 +7,7 @@ is written as users write it.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
+from functools import cache
 from typing import TypeAlias
 
 import clingo
@@ -17,10 +18,10 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
-from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, text
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Span
 from mars_asp.model.described import described_modules
-from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.session import Evidence
@@ -35,14 +36,12 @@ ACCOUNT = Signature("account", 6)
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
 #: Which things a consequence concerns, by kind, subject and case.
 CONCERNS = Signature("concerns", 4)
-#: What is told of: the texts of its kind, subject and case.
-Key: TypeAlias = tuple[str, str, str]
 #: The atoms of predicates, as far as they are true.
 Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 #: The name under which rules that decide are heard.
 _DECIDING = "deciding"
 #: What a node has for the case of a consequence.
-_NODE = "node"
+_NODE = clingo.Function("node")
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,10 +200,10 @@ def reads(rules: Iterable[Rule]) -> frozenset[Signature]:
 
 @dataclass(frozen=True)
 class Told:
-    """What is told: accounts by what they are of, and by the texts of atoms the rule of each."""
+    """What is told: accounts by what they are of, and by atoms the rule of each."""
 
     accounts: Mapping[Key, Account]
-    rules: Mapping[str, str]
+    rules: Mapping[TermId, str]
 
 
 def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names: Names) -> Told:
@@ -224,14 +223,14 @@ def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names
     sayings = (*saying(STAGE, telling), *saying(_DECIDING, deciding))
     grounding.derive(f"{program}\n{joined(sayings)}")
     found: dict[Key, dict[str, list[Said]]] = {}
+    word = cache(text)
     for each in said(grounding.control, STAGE, telling):
         kind, subject, case, part, _, _ = arguments(each.head)
-        parts = found.setdefault((text(kind), text(subject), text(case)), {})
-        parts.setdefault(text(part), []).append(each)
-    forced: dict[str, int] = {}
+        parts = found.setdefault((kind, subject, case), {})
+        parts.setdefault(word(part), []).append(each)
+    forced: dict[TermId, int] = {}
     for each in said(grounding.control, _DECIDING, deciding):
-        atom = text(each.head)
-        forced[atom] = min(each.number, forced.get(atom, each.number))
+        forced[each.head] = min(each.number, forced.get(each.head, each.number))
     accounts = {key: _account(parts, names) for key, parts in found.items()}
     return Told(accounts, {atom: deciding[number].id for atom, number in forced.items()})
 
@@ -281,9 +280,13 @@ def _are_few(told: Sequence[Said]) -> bool:
 def key_of(thing: Consequence | Node) -> Key:
     """Return by what an account is found of a consequence or node."""
     if isinstance(thing, Node):
-        return thing.kind, thing.term, _NODE
-    kind, _, subject, case = thing.atom.arguments
-    return str(kind), str(subject), str(case)
+        return as_term(clingo.Function(thing.kind)), _term_of(thing), as_term(_NODE)
+    kind, _, subject, case = arguments(as_term(thing.atom))
+    return kind, subject, case
+
+
+def _term_of(node: Node) -> TermId:
+    return as_term(clingo.parse_term(node.term))
 
 
 def told_of(
@@ -291,8 +294,8 @@ def told_of(
     evidence: Evidence,
     nodes: Iterable[Node],
     things: Sequence[Consequence | Node],
-) -> Mapping[Key, tuple[Account, str | None]]:
-    """Return the accounts of consequences and nodes, and the rule that gives each.
+) -> list[tuple[Account, str | None]]:
+    """Return the accounts of consequences and nodes in their order, and the rule that gives each.
 
     `nodes` are all that have names.
 
@@ -303,13 +306,13 @@ def told_of(
         MarsError: clingo refuses a rule.
     """
     if not things:
-        return {}
+        return []
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = names_of(project, nodes)
     found = told(rules, deciding, lambda read: true_atoms(evidence, read), names)
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
-    return {key_of(thing): _told(thing, found, names, concerned) for thing in things}
+    return [_told(thing, found, names, concerned) for thing in things]
 
 
 def _told(
@@ -318,12 +321,15 @@ def _told(
     names: Names,
     concerned: Mapping[Key, Sequence[TermId]] | None,
 ) -> tuple[Account, str | None]:
-    account = found.accounts.get(key_of(thing), Account(None, (), ()))
+    key = key_of(thing)
+    account = found.accounts.get(key, Account(None, (), ()))
     if isinstance(thing, Node):
-        return account, found.rules.get(thing.term)
+        return account, found.rules.get(_term_of(thing))
+    if account.answer and account.cites:
+        return account, thing.rule.id
     spans: Iterable[Span] = thing.spans
     if concerned is not None:
-        things = concerned.get(key_of(thing), ())
+        things = concerned.get(key, ())
         spans = sorted(set(map(names.place, things))) or [names.configuration]
     cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
@@ -334,7 +340,7 @@ def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
     found: dict[Key, list[TermId]] = {}
     for atom in atoms(evidence.analysis.grounding.control, *CONCERNS):
         kind, subject, case, thing = arguments(atom)
-        found.setdefault((text(kind), text(subject), text(case)), []).append(thing)
+        found.setdefault((kind, subject, case), []).append(thing)
     return found
 
 

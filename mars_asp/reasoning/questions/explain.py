@@ -6,7 +6,7 @@
 """
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -22,9 +22,7 @@ from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import (
     Account,
-    Key,
     UnnamedNodeError,
-    key_of,
     told_of,
 )
 from mars_asp.reasoning.questions.evidence import sliced_evidence
@@ -183,8 +181,10 @@ def _topics(
     atoms = dict.fromkeys(each.atom for each in asked if traced or each.of is None)
     if atoms:
         traces = evidence.explainer.why(atoms, every)
+    # An atom of another kind is none of the things, and has no account.
+    accounts = iter(told)
     return tuple(
-        _topic(each, told, traces.get(each.atom) or _untraced(each.atom)) for each in asked
+        _topic(each, accounts, traces.get(each.atom) or _untraced(each.atom)) for each in asked
     )
 
 
@@ -192,14 +192,14 @@ def _untraced(atom: clingo.Symbol) -> Trace:
     return Unexplained(str(atom), "no trace was asked for")
 
 
-def _topic(asked: _Asked, told: Mapping[Key, tuple[Account, str | None]], trace: Trace) -> Topic:
+def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace: Trace) -> Topic:
     match asked.of:
         case Consequence() as found:
-            account, rule = told[key_of(found)]
+            account, rule = next(accounts)
             name, severity = f"{found.kind}({found.subject})", found.severity
             return Topic(asked.title, name, "consequence", severity, rule, (), account, trace)
         case Node() as node:
-            account, rule = told[key_of(node)]
+            account, rule = next(accounts)
             return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
         case None:
             return Topic(asked.title, asked.title, "atom", None, None, (), None, trace)
