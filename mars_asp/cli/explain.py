@@ -302,10 +302,11 @@ def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) 
         told = [(topic.title, topic.trace) for topic in topics]
         yield from _lines(told, getattr(arguments, "depth", DEPTH), arguments)
         return
+    width = columns(sys.stdout)
     for topic in topics:
         if topic.account is not None:
             yield ""
-            first, *others = account_lines(topic, topic.account, columns(sys.stdout))
+            first, *others = account_lines(topic, topic.account, width)
             yield paint(first, "strong", coloured)
             yield from others
     yield ""

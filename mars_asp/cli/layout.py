@@ -49,6 +49,9 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
     What is written between backticks is a word, unless it is long. The first line begins with
     `first`, each further one with `further`.
     """
+    # Most sentences need one line.
+    if len(first) + len(text) <= width and text.isascii() and " ".join(text.split()) == text:
+        return [first + text]
     lines: list[str] = []
     line, taken = first, cells(first)
     is_empty = True
