@@ -72,6 +72,8 @@ def slice_for(
     `lookup_of` those that are looked for.
     """
     name, first = _asked(subject, rulebook)
+    if not name:
+        return None
     rules = [rule for rule in rulebook.rules if rule.stage == "base"]
     # What is told of a consequence, and what it concerns, is asked with it.
     telling = speakers(rulebook, [first]) if name == CONSEQUENCE.name else ()

@@ -4,7 +4,7 @@ A node's number says how many of its kind are named before it. So the stretches 
 its own are grounded with the rules alone that decide how many there are; its own with all.
 """
 
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.asp.rules.rule import Rule
@@ -26,7 +26,7 @@ from mars_asp.reasoning.rules import FOLLOWING
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Derived, Draft, Introduced, introduce
 from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
-from mars_asp.reasoning.synthesis.stretches import Divided, stretches
+from mars_asp.reasoning.synthesis.stretches import Divided, Stretches, stretches
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of, is_unresolvable
 
 _STAGES = ("resolve", FOLLOWING["resolve"])
@@ -76,49 +76,69 @@ class _Question(NamedTuple):
 def _own_stretch(
     name: str, reasoner: Reasoner, question: _Question
 ) -> tuple[Analysis, Introduced, Resolution, Derived] | None:
-    """Count the nodes before a node, and resolve the stretch that it stands in."""
+    """Resolve the stretch that a node stands in."""
     project, deadline = reasoner.project, reasoner.budget.deadline()
     rulebook, apart, counting, facts = question
-    span = project.configuration.span
-    counted_by = for_counting(rulebook, counting)
-    read = names_read(counted_by).union(each.name for each in reads(counting))
-    every = analyse((fact for fact in facts if fact.atom.name in read), counted_by, span)
-    if is_unresolvable(every):
-        return None
     # Kinds that are decided together are counted together, so they all have their names.
     counted = {
-        each: decides
+        str(each): decides
         for each in NODE_NAMES
         if (decides := decided_by(rulebook, each)) in counting.derived
     }
     cut = stretches(project.configuration.relationships, facts, vocabulary(rulebook))
-    before = Divided(cut, every.grounding)
     draft = Draft(project)
     known: dict[Component, Optimum] = {}
-    last = len(cut.relationships) - 1
-    for number, relationships in enumerate(cut.relationships):
-        if number < last:
-            grounding = before.ground(number, counting)
-            with costs_of(facts):
-                resolution = grounding.resolve(counting.text, deadline, known=known)
-            if resolution.count is None:
-                return None
-            counts = {
-                str(each): resolution.answer.count(decides) for each, decides in counted.items()
-            }
-            if draft.pass_over(counts, name):
-                continue
-        analysis = analyse(cut.facts(number, facts, apart.everywhere), rulebook, span)
-        grounding = Divided(cut, analysis.grounding).ground(number, apart.whole)
-        with costs_of(facts):
-            resolution = grounding.resolve(rulebook.text("resolve"), deadline, known=known)
-        derived = Derived(rulebook, resolution.answer)
-        introduced = introduce(draft, derived, relationships)
-        nodes = tuple(node for node in introduced.nodes if node.kind in counted)
-        if not resolution.proven or all(node.name != name for node in nodes):
+    number, own = 0, facts
+    if len(cut.relationships) > 1:
+        passed = _passed_over(name, question, cut, draft, counted, deadline, known)
+        if passed is None:
             return None
-        return analysis, Introduced(nodes, introduced.resolves), resolution, derived
-    return None
+        number, own = passed, tuple(cut.facts(passed, facts, apart.everywhere))
+    analysis = analyse(own, rulebook, project.configuration.span)
+    if is_unresolvable(analysis):
+        return None
+    grounding = Divided(cut, analysis.grounding).ground(number, apart.whole)
+    with costs_of(facts):
+        resolution = grounding.resolve(rulebook.text("resolve"), deadline, known=known)
+    derived = Derived(rulebook, resolution.answer)
+    introduced = introduce(draft, derived, cut.relationships[number])
+    nodes = tuple(node for node in introduced.nodes if node.kind in counted)
+    if not resolution.proven or all(node.name != name for node in nodes):
+        return None
+    return analysis, Introduced(nodes, introduced.resolves), resolution, derived
+
+
+def _passed_over(
+    name: str,
+    question: _Question,
+    cut: Stretches,
+    draft: Draft,
+    counted: Mapping[str, Signature],
+    deadline: float | None,
+    known: dict[Component, Optimum],
+) -> int | None:
+    """Let a draft pass over the stretches before that of a node; return the number of its own.
+
+    `None` where nothing realises the whole, or a stretch was not decided in time.
+    """
+    rulebook, _, counting, facts = question
+    counted_by = for_counting(rulebook, counting)
+    read = names_read(counted_by).union(each.name for each in reads(counting))
+    told = (fact for fact in facts if fact.atom.name in read)
+    every = analyse(told, counted_by, draft.span)
+    if is_unresolvable(every):
+        return None
+    before = Divided(cut, every.grounding)
+    for number in range(len(cut.relationships) - 1):
+        grounding = before.ground(number, counting)
+        with costs_of(facts):
+            resolution = grounding.resolve(counting.text, deadline, known=known)
+        if resolution.count is None:
+            return None
+        counts = {each: resolution.answer.count(decides) for each, decides in counted.items()}
+        if not draft.pass_over(counts, name):
+            return number
+    return len(cut.relationships) - 1
 
 
 def for_resolution(rulebook: Rulebook) -> Rulebook:
