@@ -1,6 +1,8 @@
-"""What an explanation costs: whole processes, as ratios to `analyse` and to xclingo 2.
+"""What an explanation costs: whole processes, beside others in the same run, and xclingo 2.
 
-`python benchmarks/explain.py [MODULES [MODULES_FOR_XCLINGO]]`: robots of ten modules each. xclingo
+`python benchmarks/explain.py [MODULES [MODULES_FOR_XCLINGO]]`: robots of ten modules each. Whole
+explanations are ratios to the verb that they contain, single questions seconds beyond reading the
+file, also for clients of half as many modules that share 300 converters. xclingo
 2 is asked for one consequence over the rules and facts that it needs alone; what mars-asp takes for
 the same consequence, from the file on and with all facts, stands beside it. It asks for another
 clingo than ours, so it is installed by `pip install --no-deps xclingo`.
@@ -12,10 +14,12 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from clingo import ast
 from growth import robot_lines, used
+from library import library_lines
 
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.facts.vocabulary import vocabulary
@@ -24,8 +28,11 @@ from mars_asp.reasoning.questions.evidence import slice_for
 from mars_asp.reasoning.rules import load_rulebook
 
 ASKED = "data_divergence(M7_0)"
-#: How often each command is measured, beside `analyse` each time.
-TURNS = 3
+#: How often each command is measured, beside what it is compared with each time.
+TURNS = 5
+#: So many clients share 300 converters in `library.py`.
+CLIENTS = 3600
+_READING = "import sys; from mars_asp import load_project; load_project(sys.argv[1])"
 
 
 def measure(*words: str) -> tuple[float, float]:
@@ -92,25 +99,50 @@ def first_middle_last(path: str) -> list[str]:
     return [splitters[0], splitters[len(splitters) // 2], splitters[-1]]
 
 
+def ratios(path: str) -> None:
+    """Print what whole explanations take and keep, as ratios to the verb that they contain."""
+    for title, words, contained in (
+        ("everything", ("explain", path), "synthesise"),
+        ("everything, lines of JSON", ("explain", path, "--format", "jsonl"), "synthesise"),
+        ("all consequences", ("explain", path, "--only", "consequences"), "analyse"),
+        ("synthesise", ("synthesise", path), "analyse"),
+    ):
+        turns = [(mars(contained, path), mars(*words)) for _ in range(TURNS)]
+        time = statistics.median(taken / base for (base, _), (taken, _) in turns)
+        memory = statistics.median(kept / base for (_, base), (_, kept) in turns)
+        print(f"{title:<26} {time:5.2f} x {contained:<10}  memory {memory:5.2f}", flush=True)
+
+
+def questions(path: str, asked: Sequence[Sequence[str]]) -> None:
+    """Print the seconds that questions take beyond reading the file."""
+    turns = [measure(sys.executable, "-c", _READING, path)[0] for _ in range(TURNS)]
+    reading = statistics.median(turns)
+    print(f"{'reading':<44} {reading:5.2f} s", flush=True)
+    for words in asked:
+        taken = [
+            mars("explain", path, *words)[0] - measure(sys.executable, "-c", _READING, path)[0]
+            for _ in range(TURNS)
+        ]
+        print(f"{' '.join(words):<44} {statistics.median(taken):5.2f} s more", flush=True)
+
+
 def main() -> None:
     small = int((*sys.argv[2:], "1000")[0])
     modules = int((*sys.argv[1:], "10000")[0])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         path = written(modules, folder)
-        print(f"{modules} modules: ratios to analyse, medians of {TURNS} turns with it", flush=True)
-        for title, words in (
-            ("one consequence", ("explain", path, ASKED)),
-            ("synthesise", ("synthesise", path)),
-            *((f"{node}", ("explain", path, node)) for node in first_middle_last(path)),
-            ("all consequences", ("explain", path, "--only", "consequences")),
-            ("everything", ("explain", path)),
-            ("every way to it", ("explain", path, "--all")),
-        ):
-            turns = [(mars("analyse", path), mars(*words)) for _ in range(TURNS)]
-            time = statistics.median(taken / base for (base, _), (taken, _) in turns)
-            memory = statistics.median(kept / base for (_, base), (_, kept) in turns)
-            print(f"{title:<18} {time:6.2f}  memory {memory:5.2f}", flush=True)
+        print(f"{modules} modules, medians of {TURNS} turns", flush=True)
+        ratios(path)
+        nodes = [(node,) for node in first_middle_last(path)]
+        questions(path, [(ASKED,), *nodes, ("--why-not", "ArbitrationNode(M7_1)")])
+        shared = folder / "library.mars"
+        lines = library_lines(CLIENTS, 1, True, random.Random(1))
+        shared.write_text("\n".join(lines) + "\n")
+        print(f"{CLIENTS} sources and clients that share 300 converters")
+        nodes = [(node,) for node in ("DataTransformer1", "DataTransformer1000")]
+        asked = [("representation_dependency(C200)",), *nodes, ("--why-not", "DataSplitter(C20)")]
+        questions(str(shared), asked)
         path = written(small, folder)
         ours, _ = mars("explain", path, ASKED)
         xclingo = str(Path(sys.executable).with_name("xclingo"))

@@ -4,7 +4,7 @@ What is told `rules/account` decides, words included; here it is read, and what 
 is written as users write it.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
@@ -206,8 +206,14 @@ class Told:
     rules: Mapping[TermId, str]
 
 
-def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names: Names) -> Told:
-    """Return what rules tell.
+def told(
+    rules: Sequence[Rule],
+    deciding: Sequence[Rule],
+    atoms_of: Atoms,
+    names: Names,
+    wanted: Set[Key],
+) -> Told:
+    """Return what rules tell of the things that are `wanted`.
 
     `deciding` are rules of other stages: of the atoms that these force, the first of them is told.
     `atoms_of` gives the true atoms of what all these rules read.
@@ -226,7 +232,10 @@ def told(rules: Sequence[Rule], deciding: Sequence[Rule], atoms_of: Atoms, names
     word = cache(text)
     for each in said(grounding.control, STAGE, telling):
         kind, subject, case, part, _, _ = arguments(each.head)
-        parts = found.setdefault((kind, subject, case), {})
+        key = kind, subject, case
+        if key not in wanted:
+            continue
+        parts = found.setdefault(key, {})
         parts.setdefault(word(part), []).append(each)
     forced: dict[TermId, int] = {}
     for each in said(grounding.control, _DECIDING, deciding):
@@ -310,7 +319,8 @@ def told_of(
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = names_of(project, nodes)
-    found = told(rules, deciding, lambda read: true_atoms(evidence, read), names)
+    wanted = set(map(key_of, things))
+    found = told(rules, deciding, lambda read: true_atoms(evidence, read), names, wanted)
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
     return [_told(thing, found, names, concerned) for thing in things]
 
