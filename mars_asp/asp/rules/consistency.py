@@ -43,7 +43,7 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
             Diagnostic(
                 INCONSISTENT,
                 "error",
-                f"{message} every answer for this configuration",
+                f"{message} every answer",
                 rule.span,
                 tuple((other.span, f"with `{_one_line(other)}`") for other in others),
                 f"drop or weaken one of them; a pack derives `{finding}` instead of refusing",

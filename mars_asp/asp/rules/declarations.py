@@ -1,20 +1,20 @@
 """What `%*! predicate(Arguments) ... *%` declares of a predicate, read by machine.
 
-    %*! required_rate(R: relationship, F: millihertz)
-    Data relationship R states a frequency of F.
-    says:   `{uses_data_from.C}` asks for {F}
-    unless: `{uses_data_from.C}` states no frequency
+    %*! length(E: edge, L: metres)
+    Edge E is L long.
+    says:   the edge from `{edge.X}` is {L} long
+    unless: the edge from `{edge.X}` has no length
     from:   stated
     *%
 
-A sort behind an argument says what its values are: one word or several (`relationship |
-annotation`), or the constants that there are (`{flat, hierarchical}`). Behind the words for readers
+A sort behind an argument says what its values are: one word or several (`edge |
+node`), or the constants that there are (`{flat, hierarchical}`). Behind the words for readers
 stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
 that rules from elsewhere may derive it, and `joins: nothing` that its facts do not bring together
 what they name. Names of arguments and words are enough, as for what rules derive.
 
-Traces tell an atom by `says`, its absence by `unless`. A hole `{F}` is an argument, written in the
-unit of its sort, and `{uses_data_from.C}` the argument C of the given fact that has the same values
+Traces tell an atom by `says`, its absence by `unless`. A hole `{L}` is an argument, written in the
+unit of its sort, and `{edge.X}` the argument X of the given fact that has the same values
 of all arguments that both declarations name alike. Of several forms the first counts of which all
 holes have a value: an absence leaves arguments open. `cited: never` is said of what is no reason
 for anything, such as how something is written, and `orders: P` that things are told in the order

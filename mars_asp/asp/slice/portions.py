@@ -1,9 +1,9 @@
-"""Whether rules keep the modules apart that nothing in a configuration connects.
+"""Whether rules keep the things apart that no given fact connects.
 
-Facts name modules and relationships, and say by that which of them belong together. Rules keep
+Facts name things, and say by that which of them belong together. Rules keep
 them apart when each instance is about one such part alone: all its literals that tell parts apart
 are linked by variables whose values hold the name or identifier of something in the part. Then the
-ground program of a configuration is that of its parts side by side, and each can be resolved by
+ground program of all facts is that of the parts side by side, and each can be resolved by
 itself. That is found out from the rules alone, by the shapes that hold for the arguments of every
 atom they can derive.
 

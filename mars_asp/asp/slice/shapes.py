@@ -1,6 +1,6 @@
 """Where in a term the constant stands that says whose it is.
 
-Modules and relationships have constants of their own: names and identifiers. A shape says of the
+Things have constants of their own: names and identifiers. A shape says of the
 values of an argument or a variable that each holds such a constant, and where: in itself, or in
 some arguments of a function, by its name and arity. So `inherited("M")` and `"M"` have the shape
 
