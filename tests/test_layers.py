@@ -58,7 +58,7 @@ FILES = {
     ),
     "reasoning/questions": (
         "account needs subject alternatives annotation_edits changes evidence vicinity blame edits "
-        "explain diff near_miss repair fix why_not without"
+        "explain diff near_miss repair fix why_not absences without"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",

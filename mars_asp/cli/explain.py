@@ -47,9 +47,9 @@ _MOST_EVIDENCE = 6
 #: A page of everything about more modules has no traces, which would be too large for browsers.
 _MOST_TRACED = 2_000
 _TOO_MANY_TRACES = (
-    f"This page has no traces and does not say what is absent, as there are more than "
-    f"{_MOST_TRACED} modules. `mars-asp explain FILE NAME --depth all` prints the trace of one "
-    "name, and `--why-not` says why something is not there."
+    f"This page has no traces and no answers to why not, as there are more than {_MOST_TRACED} "
+    "modules. `mars-asp explain FILE NAME --depth all` prints the trace of one name, and "
+    "`mars-asp explain FILE --why-not 'KIND(NAME)'` one answer."
 )
 
 
