@@ -384,6 +384,19 @@ def test_hostile_names_stay_text_in_a_browser(browser: Browser, tmp_path: Path) 
 
 
 @in_a_browser
+def test_the_files_do_not_cover_what_has_the_focus(browser: Browser, tmp_path: Path) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=400)
+    # The search, the picture and its 12 boxes come first.
+    browser.press("Tab", 14)
+    for _ in range(8):
+        browser.press("Tab")
+        assert browser.run(
+            "document.activeElement.getBoundingClientRect().bottom"
+            " <= document.querySelector('.files').getBoundingClientRect().top"
+        )
+
+
+@in_a_browser
 @pytest.mark.parametrize("width", [400, 1400])
 def test_nothing_is_wider_than_the_window(browser: Browser, tmp_path: Path, width: int) -> None:
     page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=width)

@@ -5,6 +5,7 @@ come from outside. Messages go through two pipes, so nothing listens at a port.
 """
 
 import base64
+import contextlib
 import fcntl
 import json
 import os
@@ -82,8 +83,15 @@ class Browser:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._process.kill()
-        self._process.wait()
+        # It ends its own processes, which write into the profile until then.
+        self._session = ""
+        with contextlib.suppress(AssertionError, OSError):
+            self("Browser.close")
+        try:
+            self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
         os.close(self._to)
         os.close(self._from)
 
