@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp import cache
+from tests.support.browser import Browser
 
 # What commands print does not depend on where the tests run.
 for _name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
@@ -39,3 +40,10 @@ def tables(tmp_path: Path) -> Iterator[Path]:
     cache.forget(tmp_path)
     yield tmp_path
     cache.forget(folder)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """Return a browser that shows one page after another."""
+    with Browser(tmp_path_factory.mktemp("profile")) as begun:
+        yield begun

@@ -19,12 +19,13 @@ from mars_asp.cli.trace_schema import add_schema
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
+from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
 if TYPE_CHECKING:
     from mars_asp.asp.trace.tree import Trace
+    from mars_asp.reasoning.questions.absences import Absence
     from mars_asp.reasoning.questions.why_not import WhyNot
 
 #: The verb's output has one format more than that of others.
@@ -45,8 +46,9 @@ _MOST_EVIDENCE = 6
 #: A page of everything about more modules has no traces, which would be too large for browsers.
 _MOST_TRACED = 2_000
 _TOO_MANY_TRACES = (
-    f"This page has no traces, as there are more than {_MOST_TRACED} modules. "
-    "`mars-asp explain FILE NAME --depth all` prints that of one name."
+    f"This page has no traces and no answers to why not, as there are more than {_MOST_TRACED} "
+    "modules. `mars-asp explain FILE NAME --depth all` prints the trace of one name, and "
+    "`mars-asp explain FILE --why-not 'KIND(NAME)'` one answer."
 )
 
 
@@ -127,6 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output is not None:
         traced = subject is not None or len(project.configuration.modules) <= _MOST_TRACED
     answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
+    absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
     del reasoner
     topics, status = answer.topics, int(answer.analysis.has_errors)
     # What a page says of the whole is no remark beside it.
@@ -140,7 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
         from mars_asp.cli.explain_page import explanation_page
 
         remarks = closing if traced else (*closing, _TOO_MANY_TRACES)
-        page = explanation_page(project, specified, topics, remarks)
+        page = explanation_page(project, specified, topics, absent, remarks)
         if arguments.output == "-":
             sys.stdout.write(page)
         else:
@@ -153,6 +156,18 @@ def run(arguments: argparse.Namespace) -> int:
         lines = chain(_told(topics, traced, arguments), closing)
         sys.stdout.writelines(f"{line}\n" for line in lines)
     return status
+
+
+def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Sequence["Absence"]:
+    """Return why there is not more for each module or, of one subject, for the modules of that."""
+    from mars_asp.reasoning.questions.absences import absences
+
+    names = [name.text for name in reasoner.project.configuration.modules]
+    if answer.subject is not None:
+        told = [title for each in answer.topics for title in (each.name, *each.resolves)]
+        about = {answer.subject, *(title.partition("(")[2].removesuffix(")") for title in told)}
+        names = [name for name in names if name in about]
+    return tuple(absences(reasoner, names, only))
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:

@@ -1,12 +1,14 @@
 
 "use strict";
-const { steps, why } = JSON.parse(document.getElementById("traces").textContent);
+const { steps, why, kinds, names, texts: sentences, answers, path } = JSON.parse(document.getElementById("traces").textContent);
 const topics = [...document.querySelectorAll("details.topic")];
 // What is searched: what was opened since does not change what is found.
 const texts = new Map(topics.map((topic) => [topic, topic.textContent.toLowerCase()]));
-const [search, told, files] = ["#search", "#told", ".files"].map(
-  (name) => document.querySelector(name));
+const [search, told, files, kind, module] =
+  ["#search", "#told", ".files", "#kind", "#module"].map((name) => document.querySelector(name));
 const MOST = 150;
+// Stands for the module in a sentence that is said of many.
+const NAME = "\u0001";
 // What a `details` is filled with when it is opened first.
 const pending = new WeakMap();
 let marked = new Set();
@@ -51,6 +53,12 @@ function remarks(step) {
   return [step.kind === "chosen" ? ", chosen as the cheapest" : "", ...rule];
 }
 
+// A line of a file; a long one is cut.
+function quoted(id) {
+  const line = document.getElementById(id).textContent.trim();
+  return element("code", "", line.length > MOST ? `${line.slice(0, MOST)}…` : line);
+}
+
 // A line says by itself what it states, unless that names what cannot be seen in it.
 function leaf({ kind, says = "", at }) {
   if (!at) return words(says);
@@ -58,8 +66,7 @@ function leaf({ kind, says = "", at }) {
   const line = document.getElementById(at).textContent.trim();
   const names = says.split("`").filter((_, k) => k % 2);
   const beside = names.every((name) => line.includes(name)) ? [] : ["  ", ...words(says)];
-  const shown = line.length > MOST ? `${line.slice(0, MOST)}…` : line;
-  return [placeLink(at), "  ", element("code", "", shown), ...beside];
+  return [placeLink(at), "  ", quoted(at), ...beside];
 }
 
 function item(number, before = "") {
@@ -108,6 +115,51 @@ function mark(inside) {
   told.textContent = `${marked.size} line${marked.size === 1 ? "" : "s"} marked in the files`;
 }
 
+// One answer: the sentence, what of the page it leads to, and the lines that it speaks of.
+function answered(name, [number, ...places]) {
+  const lines = places.filter((id) => id.startsWith("f"));
+  const topic = places.find((id) => id.startsWith("t"));
+  const made = element("li", "", ...words(sentences[number].replaceAll(NAME, name)));
+  if (topic) {
+    const link = element("a", "", "Why it is there");
+    link.href = `#${topic}`;
+    made.append(" ", link);
+  }
+  const cited = lines.map((id) => element("li", "", placeLink(id), "  ", quoted(id)));
+  if (cited.length) made.append(element("ul", "lines", ...cited));
+  return made;
+}
+
+// Says why there is nothing of the kind that is asked for, or of each kind of nodes or the rest.
+function ask() {
+  const name = module.value.trim();
+  const row = answers[names.indexOf(name)];
+  const list = document.querySelector("#answers");
+  list.replaceChildren();
+  if (!row) {
+    if (name) list.append(element("p", "", "There is no module ", element("code", "", name), "."));
+    return;
+  }
+  const every = kind.selectedOptions[0].value.match(/^(node|consequence)$/);
+  const group = [...kind.selectedOptions[0].parentElement.children].map((each) => each.value);
+  const wanted = every ? group.slice(1) : [kind.value];
+  const found = kinds.flatMap((each, k) => (wanted.includes(each) && row[k] ? [row[k]] : []));
+  const title = `${every ? "KIND" : kind.value}(${name})`;
+  const command = `mars-asp explain ${path} --why-not '${title.replaceAll("'", "'\\''")}'`;
+  list.append(
+    element("ul", "answers", ...found.map((each) => answered(name, each))),
+    element("p", "quiet", "What would give one, and what that costs: ",
+      element("code", "", command)));
+  mark(list);
+}
+
+function askFor(number) {
+  module.value = names[number];
+  ask();
+  document.querySelector("#why-not").scrollIntoView({ block: "nearest" });
+  kind.focus();
+}
+
 function open(topic) {
   if (topic.hidden) {
     search.value = "";
@@ -120,6 +172,7 @@ function open(topic) {
 function follow(hash) {
   const topic = hash && document.getElementById(hash.slice(1))?.closest("details.topic");
   if (topic) open(topic);
+  if (/^#n\d+$/.test(hash) && names[hash.slice(2)]) askFor(hash.slice(2));
 }
 
 function find() {
@@ -149,12 +202,21 @@ document.addEventListener("toggle", ({ target }) => {
   mark(target);
 }, true);
 document.addEventListener("click", ({ target }) => {
-  follow(target.closest?.('a[href^="#t"]')?.getAttribute("href"));
+  follow(target.closest?.('a[href^="#t"], a[href^="#n"]')?.getAttribute("href"));
 });
 search.addEventListener("input", find);
 search.addEventListener("keydown", ({ key }) => {
   const first = topics.find((topic) => !topic.hidden);
   if (key === "Enter" && first) open(first);
 });
+if (names.length) {
+  document.querySelector("#why-not").hidden = false;
+  kind.addEventListener("change", ask);
+  module.addEventListener("input", () => {
+    if (names.includes(module.value.trim()) || !module.value) ask();
+  });
+  module.addEventListener("change", ask);
+  module.addEventListener("keydown", ({ key }) => key === "Enter" && ask());
+}
 window.addEventListener("hashchange", () => follow(location.hash));
 follow(location.hash);

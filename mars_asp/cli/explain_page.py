@@ -20,17 +20,22 @@ from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.layered import TooLargeError
-from mars_asp.draw.page import in_page, policy_source
+from mars_asp.draw.page import whole_page
 from mars_asp.draw.svg import svg_text
-from mars_asp.model.declarations import Configuration
+from mars_asp.model.declarations import NODE_NAMES, Configuration
 from mars_asp.output import visible
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.absences import Absence
 from mars_asp.reasoning.questions.explain import Topic
 
 #: Larger pictures take long to draw, and nobody finds anything in them.
 MOST_BOXES = 500
 #: Of longer files only the lines are shown that something is said of.
 MOST_LINES = 20_000
+#: Stands for a module in a text that is said of many; no text that people see has it.
+NAME = "\x01"
+#: Of the lines that an answer speaks of so many are shown.
+_MOST_EVIDENCE = 6
 #: The headings, and which topics stand below each.
 _SORTS: Mapping[str, tuple[str, ...]] = {
     "Errors": ("error",),
@@ -45,33 +50,31 @@ def explanation_page(
     project: Project,
     specification: Configuration | None,
     topics: Sequence[Topic],
+    absent: Sequence[Absence],
     closing: Iterable[str],
 ) -> str:
     """Return an HTML page of topics, with a picture of the specification where there is one.
 
-    `closing` are sentences on the whole.
+    What is `absent` can be asked for on the page; `closing` are sentences on the whole.
     """
     sources = _Sources(project.configuration.path)
     # The user's own file comes first, and is shown also where nothing is found in it.
     sources.name(project.configuration.path)
     numbers = {topic.name: number for number, topic in enumerate(topics, 1)}
     told = "\n".join(_sections(project.diagnostics, topics, numbers, sources))
-    traces = _traces(topics, sources)
-    style, script = _part("css"), _part("js")
-    return Template(_part("html")).substitute(
-        policy=(
-            f"default-src 'none'; base-uri 'none'; form-action 'none'; "
-            f"style-src {policy_source(style)}; script-src {policy_source(script)}"
-        ),
-        title=escape(sources.name(project.configuration.path)),
-        style=style,
-        script=script,
+    asked = {each.module: number for number, each in enumerate(_first_of_each(absent))}
+    data = {**_traces(topics, sources), **_answers(project, absent, numbers, sources)}
+    title = sources.name(project.configuration.path)
+    body = Template(_part("html")).substitute(
+        title=escape(title),
         summary="\n".join(f"<p>{_words(line)}</p>" for line in closing),
-        picture=_figure(project, specification, topics),
+        picture=_figure(project, specification, topics, asked),
+        absences=_question(absent, asked),
         topics=told,
         files="\n".join(sources.sections()),
-        traces=in_page(json.dumps(traces, separators=(",", ":"))),
     )
+    traces = json.dumps(data, separators=(",", ":"))
+    return whole_page(title, _part("css"), body, _part("js"), {"traces": traces})
 
 
 def _part(ending: str) -> str:
@@ -251,16 +254,91 @@ def _is_untraced(topic: Topic) -> bool:
     return topic.account is not None and isinstance(topic.trace, Unexplained)
 
 
+# ---- What is absent ------------------------------------------------------------------------------
+
+
+def _first_of_each(absent: Iterable[Absence]) -> Iterable[Absence]:
+    """Return one for each module, in their order."""
+    return {each.module: each for each in absent}.values()
+
+
+def _question(absent: Sequence[Absence], asked: Mapping[str, int]) -> str:
+    """Return where somebody asks why something is absent; a script answers."""
+    if not absent:
+        return ""
+    kinds = list(dict.fromkeys(each.kind for each in absent))
+    nodes = [kind for kind in kinds if kind in NODE_NAMES.values()]
+    others = [kind for kind in kinds if kind not in nodes]
+    groups = "".join(
+        f'<optgroup label="{label}"><option value="{every}">{every} of any kind</option>'
+        f"{''.join(f'<option>{escape(kind)}</option>' for kind in each)}</optgroup>"
+        for label, every, each in (
+            ("Nodes", "node", nodes),
+            ("Consequences", "consequence", others),
+        )
+        if each
+    )
+    names = "".join(
+        f'<option id="n{number}" value="{escape(visible(name))}"></option>'
+        for name, number in asked.items()
+    )
+    return f"""<section id="why-not" aria-labelledby="why-not-heading" hidden>
+<h2 id="why-not-heading">Why not?</h2>
+<p class="question"><label for="kind">Why is there no</label>
+<select id="kind">{groups}</select>
+<label for="module">for the module</label>
+<input id="module" list="modules" autocomplete="off" spellcheck="false">
+<datalist id="modules">{names}</datalist></p>
+<div id="answers" role="status"></div></section>"""
+
+
+def _answers(
+    project: Project, absent: Sequence[Absence], numbers: Mapping[str, int], sources: _Sources
+) -> dict[str, Any]:
+    """Return why something is absent: for each of `names` an answer for each of `kinds`.
+
+    An answer is `null`, where there is none, or a list of the number of one of `texts`, in which
+    `NAME` stands for the module, and the ids of lines that it speaks of, or of a topic on the page.
+    """
+    kinds = {kind: number for number, kind in enumerate(dict.fromkeys(a.kind for a in absent))}
+    answers: dict[str, list[list[int | str] | None]] = {}
+    texts: dict[str, int] = {}
+    for each in absent:
+        module = visible(each.module)
+        answer = visible(each.answer).replace(f"`{module}`", f"`{NAME}`")
+        if answer.startswith(f"No {each.kind}({module})"):
+            answer = answer.replace(f"({module})", f"({NAME})", 1)
+        found: list[int | str] = [texts.setdefault(answer, len(texts))]
+        if each.present is not None and each.present in numbers:
+            found.append(f"t{numbers[each.present]}")
+        cited = (sources.cite(span.path, span.line) for span in each.evidence[:_MOST_EVIDENCE])
+        found += [line for line in dict.fromkeys(cited) if line is not None]
+        row = answers.setdefault(module, [None] * len(kinds))
+        row[kinds[each.kind]] = found
+    return {
+        "kinds": list(kinds),
+        "names": list(answers),
+        "texts": list(texts),
+        "answers": list(answers.values()),
+        "path": sources.name(project.configuration.path),
+    }
+
+
 # ---- The picture ---------------------------------------------------------------------------------
 
 
-def _figure(project: Project, specification: Configuration | None, topics: Sequence[Topic]) -> str:
+def _figure(
+    project: Project,
+    specification: Configuration | None,
+    topics: Sequence[Topic],
+    asked: Mapping[str, int],
+) -> str:
     drawn = specification or project.configuration
     picture = depict(drawn, project.modules)
     svg = None
     if len(picture.boxes) <= MOST_BOXES:
         with contextlib.suppress(TooLargeError):
-            svg = svg_text(picture, _links(picture, topics))
+            svg = svg_text(picture, _links(picture, topics, asked))
     if svg is None:
         return (
             f'<p class="quiet">There is no picture here: {len(picture.boxes)} boxes with '
@@ -271,7 +349,7 @@ def _figure(project: Project, specification: Configuration | None, topics: Seque
     nodes = f", {introduced} of them introduced" if introduced else ""
     caption = (
         f"The {drawn.kind}: {len(picture.boxes)} boxes{nodes}. "
-        "A box that is a link opens what is found there."
+        "A box that is a link opens what is found there, or what is not."
     )
     return (
         '<figure><div class="drawing" role="region" aria-label="Picture" tabindex="0">'
@@ -279,8 +357,11 @@ def _figure(project: Project, specification: Configuration | None, topics: Seque
     )
 
 
-def _links(picture: Picture, topics: Sequence[Topic]) -> dict[str, str]:
-    """Return where boxes lead: nodes to themselves, modules to the gravest that is said of them."""
+def _links(picture: Picture, topics: Sequence[Topic], asked: Mapping[str, int]) -> dict[str, str]:
+    """Return where boxes lead: nodes to themselves, modules to the gravest that is said of them.
+
+    Of a module of which nothing is said one can ask why not.
+    """
     shown = {box.name for box in picture.boxes}
     links: dict[str, str] = {}
     order = [sort for sorts in _SORTS.values() for sort in sorts]
@@ -294,4 +375,6 @@ def _links(picture: Picture, topics: Sequence[Topic]) -> dict[str, str]:
             # What is said of a port is said of its module.
             name = subject if subject in shown else subject.partition(".")[0]
         links.setdefault(name, f"#t{number}")
+    for module, number in asked.items():
+        links.setdefault(visible(module), f"#n{number}")
     return links

@@ -8,7 +8,7 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
-from mars_asp.draw.page import policy_source
+from mars_asp.draw.page import whole_page
 from mars_asp.output import visible
 
 #: Longer tables are cut, and say so.
@@ -25,16 +25,15 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
         (files("mars_asp.cli") / f"run_report.{each}").read_text("utf-8")
         for each in ("css", "html")
     )
-    linked = f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else ""
-    return Template(page).substitute(
-        policy=f"default-src 'none'; base-uri 'none'; style-src {policy_source(style)}",
-        title=_shown(f"{title}: {run['verdict']}"),
-        style=style,
+    title = f"{title}: {run['verdict']}"
+    body = Template(page).substitute(
+        title=_shown(title),
         summary=_shown(_summary(run)),
-        replay=linked,
+        replay=f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else "",
         sections="\n".join(_sections(run)),
         picture=picture,
     )
+    return whole_page(title, style, body)
 
 
 def replay_seen_from(report: str, replay: str) -> str:
@@ -45,7 +44,7 @@ def replay_seen_from(report: str, replay: str) -> str:
 
 def _summary(run: Mapping[str, Any]) -> str:
     clearance = run["min_clearance_mm"]
-    near = "" if clearance is None else f", least clearance {clearance:g} mm"
+    near = "" if clearance is None else f", least clearance {clearance:.0f} mm"
     count = run["collisions"]
     return (
         f"{run['seconds']:g} s, seed {run['seed']}: {count} collision{'s' * (count != 1)}{near}, "

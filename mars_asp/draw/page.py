@@ -1,16 +1,51 @@
-"""Parts of pages that hold all that they need, and whose text is written by others."""
+"""Pages that hold all that they need, and whose text is written by others.
+
+Nothing is fetched, and no style or script but a page's own has any effect in it.
+"""
 
 from base64 import b64encode
+from collections.abc import Mapping
 from hashlib import sha256
+from html import escape
+from importlib.resources import files
+from string import Template
+
+from mars_asp.output import visible
 
 
-def in_page(json_text: str) -> str:
+def whole_page(
+    title: str, style: str, body: str, script: str | None = None, data: Mapping[str, str] = {}
+) -> str:
+    """Return an HTML page of a title, which is text, and a body, which is markup.
+
+    Its `script` finds `data`, texts of JSON, in elements of their names.
+    """
+    policy = ["default-src 'none'", "base-uri 'none'", "form-action 'none'"]
+    policy.append(f"style-src {_allowed(style)}")
+    scripts = [
+        f'<script type="application/json" id="{name}">{_in_page(json_text)}</script>\n'
+        for name, json_text in data.items()
+    ]
+    if script is not None:
+        policy.append(f"script-src {_allowed(script)}")
+        scripts.append(f"<script>{script}</script>\n")
+    frame = (files("mars_asp.draw") / "page.html").read_text(encoding="utf-8")
+    return Template(frame).substitute(
+        policy="; ".join(policy),
+        title=escape(visible(title)),
+        style=style,
+        body=body,
+        scripts="".join(scripts),
+    )
+
+
+def _in_page(json_text: str) -> str:
     """Return JSON that can stand in an element of HTML: no text in it ends that element."""
     for mark in "&<>":
         json_text = json_text.replace(mark, f"\\u{ord(mark):04x}")
     return json_text
 
 
-def policy_source(text: str) -> str:
+def _allowed(text: str) -> str:
     """Return how a page's security policy names a script or style of its own: by its hash."""
     return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from mars_asp.cli import explain
-from tests.support.browser import in_a_browser, probed
+from tests.support.browser import Browser, in_a_browser
 from tests.support.documents import ROOT, run
 from tests.support.pages import Page
 
@@ -216,14 +216,20 @@ def test_boxes_of_nodes_lead_to_what_is_said_of_them(folder: Path) -> None:
     nodes = {topic["name"] for topic in known["topics"] if topic["sort"] == "node"}
     assert nodes <= boxes.keys()
     for name, box in boxes.items():
-        summary = next(ids[box.attributes["href"][1:]].all("summary")).text
+        target = ids[box.attributes["href"][1:]]
+        if target.name == "option":
+            assert name == target.attributes["value"]
+            assert not any(topic["name"].endswith(f"({name})") for topic in known["topics"])
+            continue
+        summary = next(target.all("summary")).text
         assert f"{name}:" in summary if name in nodes else f"({name})" in summary
 
 
 def test_what_is_grave_comes_first(tmp_path: Path) -> None:
     (tmp_path / "config.mars").write_text(IMPOSSIBLE)
     text, _ = told(tmp_path)
-    headings = [each.text for each in Page(text).top.all("h2")]
+    asked, *headings = [each.text for each in Page(text).top.all("h2")]
+    assert asked == "Why not?"
     assert headings[0].startswith("Errors (")
     assert 'class="topic error"' in text
     assert "no specification realises this configuration" in text
@@ -272,40 +278,127 @@ def test_a_page_is_written_as_the_readme_says(tmp_path: Path) -> None:
     assert written == run("mars-asp explain config.mars -o -", tmp_path)
 
 
-#: Opens the topic of the hash, follows a box, opens all of its trace, and searches.
-PROBE = """
-const marks = () => [...document.querySelectorAll(".files [aria-current]")].map((x) => x.id);
-const opened = () => document.querySelector("details.topic[open] b").textContent;
-document.querySelector('svg a[aria-label="ArbitrationNode"]').dispatchEvent(
-  new MouseEvent("click", { bubbles: true }));
-setTimeout(() => {
-  found.open = opened();
-  found.marks = marks();
-  found.focus = document.activeElement.tagName;
-  document.querySelector("details.topic[open] .trace").open = true;
-  setTimeout(() => { found.steps = document.querySelectorAll(".trace li").length; }, 200);
-}, 200);
-setTimeout(() => {
-  const search = document.querySelector("#search");
-  search.value = "turn";
-  search.dispatchEvent(new Event("input"));
-  found.told = document.querySelector("#told").textContent;
-  found.shown = document.querySelectorAll("details.topic:not([hidden])").length;
-  found.fetched = performance.getEntriesByType("resource").length;
-}, 800);
-"""
+def page_of(browser: Browser, folder: Path, path: Path, **words: Any) -> None:
+    path.write_text(told(folder)[0], encoding="utf-8")
+    browser.show(path, **words)
+
+
+def marks(browser: Browser) -> list[str]:
+    found: list[str] = browser.run(
+        "[...document.querySelectorAll('.files [aria-current]')].map((line) => line.id)"
+    )
+    return found
+
+
+def focus(browser: Browser) -> str:
+    return str(browser.run("document.activeElement.textContent"))
 
 
 @in_a_browser
-def test_a_click_on_a_box_opens_it_and_marks_its_lines(tmp_path: Path) -> None:
-    page, _ = told(ROOT / "examples" / "level1")
-    found = probed(tmp_path / "page.html", page, PROBE)
-    assert found == {
-        "open": "ArbitrationNode",
-        "marks": ["f1-11", "f1-12", "f1-13", "f1-14"],
-        "focus": "SUMMARY",
-        "steps": 1,
-        "told": "4 of 6 match",
-        "shown": 4,
-        "fetched": 0,
-    }
+def test_a_click_on_a_box_opens_it_and_its_trace_marks_its_lines(
+    browser: Browser, tmp_path: Path
+) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
+    browser.click('svg a[aria-label="ArbitrationNode"]')
+    browser.wait("document.querySelector('details.topic[open]')")
+    assert focus(browser).startswith("ArbitrationNode: 4 modules control")
+    assert marks(browser) == ["f1-11", "f1-12", "f1-13", "f1-14"]
+    # The four lines, what it resolves, and its trace.
+    browser.press("Tab", 6)
+    assert focus(browser) == "Trace"
+    browser.press("Enter")
+    browser.wait("document.querySelector('.trace li details')")
+    browser.run(
+        "document.querySelectorAll('.files li').forEach((x) => x.removeAttribute('aria-current'))"
+    )
+    # From the trace to its first step, and to the first of that.
+    for _ in range(2):
+        browser.press("Tab")
+        browser.press("Enter")
+        browser.wait("document.activeElement.nextElementSibling")
+    assert marks(browser) == ["f1-1", "f1-11", "f1-12", "f1-13", "f1-14"]
+    assert browser.run(
+        "(({ top, bottom }) => top >= 0 && bottom <= innerHeight)"
+        "(document.querySelector('.files [aria-current]').getBoundingClientRect())"
+    )
+    assert not browser.complaints
+    assert not browser.fetched
+
+
+@in_a_browser
+def test_names_are_found(browser: Browser, tmp_path: Path) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
+    browser.press("Tab")
+    browser.write("turn")
+    assert browser.run("document.querySelector('#told').textContent") == "4 of 6 match"
+    assert browser.run("document.querySelectorAll('details.topic:not([hidden])').length") == 4
+
+
+@in_a_browser
+def test_why_not_is_asked_by_keyboard(browser: Browser, tmp_path: Path) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html")
+    assert browser.spoken("heading")[1] == "Why not?"
+    assert "for the module" in browser.spoken("combobox")
+    # A box of which nothing is said leads there, with its name.
+    browser.run("document.querySelector('svg a[aria-label=\"Turn\"]').focus()")
+    browser.press("Enter")
+    browser.wait("document.activeElement.id === 'kind'")
+    assert browser.run("document.querySelector('#module').value") == "Turn"
+    answers = "document.querySelector('#answers').innerText"
+    assert len(browser.run(answers).split("No ")) == 6
+    browser.press("ArrowDown", 3)
+    browser.wait(f"{answers}.startsWith('No ArbitrationNode')")
+    assert browser.run(answers).splitlines() == [
+        "No ArbitrationNode(Turn): nothing controls Turn, and an arbiter needs two controllers.",
+        "",
+        "What would give one, and what that costs: "
+        "mars-asp explain config.mars --why-not 'ArbitrationNode(Turn)'",
+    ]
+    browser.press("ArrowDown")
+    browser.wait(f"{answers}.includes('ControlSplitter')")
+    assert marks(browser) == ["f1-13"]
+    browser.press("Tab")
+    browser.run("document.activeElement.select()")
+    browser.write("Turm")
+    browser.press("Enter")
+    assert browser.run(answers) == "There is no module Turm."
+    assert not browser.complaints
+    assert not browser.fetched
+
+
+@in_a_browser
+def test_hostile_names_stay_text_in_a_browser(browser: Browser, tmp_path: Path) -> None:
+    made = tmp_path / "robot"
+    made.mkdir()
+    (made / "config.mars").write_text(HOSTILE, encoding="utf-8")
+    (made / "odd.cpp").write_text(SOURCE, encoding="utf-8")
+    page_of(browser, made, tmp_path / "page.html")
+    browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    browser.run("document.querySelector('#module').focus()")
+    browser.write("Grüße")
+    assert browser.run("document.querySelectorAll('img, iframe, object').length") == 0
+    assert browser.run("document.querySelectorAll('script').length") == 2
+    assert "Grüße" in browser.run("document.querySelector('#answers').innerText")
+    assert not browser.complaints
+    assert not browser.fetched
+
+
+@in_a_browser
+def test_the_files_do_not_cover_what_has_the_focus(browser: Browser, tmp_path: Path) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=400)
+    # The search, the picture and its 12 boxes come first.
+    browser.press("Tab", 14)
+    for _ in range(8):
+        browser.press("Tab")
+        assert browser.run(
+            "document.activeElement.getBoundingClientRect().bottom"
+            " <= document.querySelector('.files').getBoundingClientRect().top"
+        )
+
+
+@in_a_browser
+@pytest.mark.parametrize("width", [400, 1400])
+def test_nothing_is_wider_than_the_window(browser: Browser, tmp_path: Path, width: int) -> None:
+    page_of(browser, ROOT / "examples" / "level1", tmp_path / "page.html", width=width)
+    browser.run("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    assert browser.run("document.documentElement.scrollWidth <= innerWidth")

@@ -1,44 +1,209 @@
-"""Pages in headless Chromium, where there is one."""
+"""Pages in headless Chromium, where there is one, driven as its developer tools drive it.
 
+A page's own policy holds in it: what is asked is evaluated beside its scripts, and keys and clicks
+come from outside. Messages go through two pipes, so nothing listens at a port.
+"""
+
+import base64
+import contextlib
+import fcntl
 import json
-import re
+import os
+import select
 import shutil
 import subprocess
-from html import unescape
+import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 import pytest
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
 in_a_browser = pytest.mark.skipif(
-    CHROMIUM is None, reason="no Chromium: a browser is no Python package that we could ask for"
+    CHROMIUM is None, reason="no Chromium on this machine; `.ci/browser` installs one"
 )
+_OPTIONS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--remote-debugging-pipe",
+)
+#: A browser that does not answer within so many seconds has failed.
+PATIENCE = 60
+#: Until what is focused and scrolled is so, and what was opened is told of it.
+_FRAME = "new Promise((done) => requestAnimationFrame(() => setTimeout(done, 20)))"
+#: Keys that write nothing, and what they are called by the browser.
+_KEYS = {"Tab": 9, "Enter": 13, " ": 32, "ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40}
 
 
-def rendered(path: Path, text: str) -> str:
-    """Return a page's elements after its scripts have run for two seconds of its time."""
-    path.write_text(text, encoding="utf-8")
-    words = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=2000"]
-    done = subprocess.run(
-        [str(CHROMIUM), *words, f"--user-data-dir={path.parent}", "--dump-dom", path.as_uri()],
-        capture_output=True,
-        check=True,
-        timeout=180,
-    )
-    return done.stdout.decode()
+class Browser:
+    """A browser that shows one page at a time, begun anew with a profile of its own."""
 
+    def __init__(self, profile: Path) -> None:
+        reading, self._to = os.pipe()
+        self._from, writing = os.pipe()
+        # The browser reads its third and writes to its fourth descriptor.
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (reading, writing)]
 
-def probed(path: Path, page: str, probe: str) -> dict[str, Any]:
-    """Run a script in a page, without the page's policy; return what it puts into `found`."""
-    script = f"""<script>
-      const found = {{}};
-      {probe}
-      setTimeout(() => {{ document.documentElement.dataset.found = JSON.stringify(found); }}, 1500);
-    </script></body>"""
-    text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
-    shown = rendered(path, text.replace("</body>", script))
-    told = re.search(r'data-found="([^"]*)"', shown)
-    assert told, shown
-    result: dict[str, Any] = json.loads(unescape(told[1]))
-    return result
+        def hand_over() -> None:
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+
+        self._process = subprocess.Popen(
+            [str(CHROMIUM), *_OPTIONS, f"--user-data-dir={profile}"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            pass_fds=(3, 4),
+            preexec_fn=hand_over,  # noqa: PLW1509 -- nothing else runs yet
+        )
+        for end in (reading, writing, *ends):
+            os.close(end)
+        self._asked, self._buffer, self._session = 0, b"", ""
+        self.events: list[dict[str, Any]] = []
+        target = self("Target.createTarget", url="about:blank")["targetId"]
+        attached = self("Target.attachToTarget", targetId=target, flatten=True)
+        self._session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self(f"{domain}.enable")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        # It ends its own processes, which write into the profile until then.
+        self._session = ""
+        with contextlib.suppress(AssertionError, OSError):
+            self("Browser.close")
+        try:
+            self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        os.close(self._to)
+        os.close(self._from)
+
+    def __call__(self, method: str, **words: object) -> dict[str, Any]:
+        """Ask for something by its name in the protocol of the developer tools."""
+        self._asked += 1
+        message = {"id": self._asked, "method": method, "params": words}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._to, json.dumps(message).encode() + b"\0")
+        for told in self._messages():
+            if told.get("id") == self._asked:
+                assert "error" not in told, (method, told["error"])
+                result: dict[str, Any] = told["result"]
+                return result
+            self.events.append(told)
+        raise AssertionError(f"{method}: no answer")
+
+    def show(self, path: Path, width: int = 1200, height: int = 800, dark: bool = False) -> None:
+        """Show the page of a file in a window of a size in pixels."""
+        self.events.clear()
+        self(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self("Emulation.setEmulatedMedia", features=[scheme])
+        self("Page.navigate", url=path.as_uri())
+        if not any(each.get("method") == "Page.loadEventFired" for each in self.events):
+            for told in self._messages():
+                self.events.append(told)
+                if told.get("method") == "Page.loadEventFired":
+                    break
+        self.run(_FRAME)
+
+    def run(self, script: str) -> Any:
+        """Return what an expression is in the page, once it is settled."""
+        told = self("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in told, told["exceptionDetails"]
+        return told["result"].get("value")
+
+    def wait(self, script: str) -> None:
+        """Wait until an expression is true in the page."""
+        deadline = time.monotonic() + PATIENCE
+        while not self.run(f"Boolean({script})"):
+            assert time.monotonic() < deadline, script
+            time.sleep(0.02)
+
+    def press(self, key: str, times: int = 1) -> None:
+        """Press a key, as a person does."""
+        text = {"Enter": "\r", " ": " "}.get(key, "")
+        words = {"key": key, "code": key.replace(" ", "Space"), "windowsVirtualKeyCode": _KEYS[key]}
+        for _ in range(times):
+            begin = {"type": "keyDown", "text": text} if text else {"type": "rawKeyDown"}
+            self("Input.dispatchKeyEvent", **begin, **words)
+            self("Input.dispatchKeyEvent", type="keyUp", **words)
+
+    def write(self, text: str) -> None:
+        """Write a text where the focus is."""
+        self("Input.insertText", text=text)
+
+    def click(self, selector: str) -> None:
+        """Click the middle of an element, as a person does."""
+        found = f"document.querySelector({json.dumps(selector)})"
+        self.run(f"{found}.scrollIntoView({{ block: 'center', inline: 'center' }})")
+        self.run(_FRAME)
+        x, y = self.run(
+            f"(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])"
+            f"({found}.getBoundingClientRect())"
+        )
+        for kind in ("mousePressed", "mouseReleased"):
+            self("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        self.run(_FRAME)
+
+    def spoken(self, role: str) -> list[str]:
+        """Return how elements of a role are called by a screen reader."""
+        nodes = self("Accessibility.getFullAXTree")["nodes"]
+        return [
+            node.get("name", {}).get("value", "")
+            for node in nodes
+            if not node["ignored"] and node["role"]["value"] == role
+        ]
+
+    def picture(self, path: Path) -> None:
+        """Write what is seen as PNG."""
+        path.write_bytes(base64.b64decode(self("Page.captureScreenshot")["data"]))
+
+    @property
+    def complaints(self) -> list[str]:
+        """Return what was logged or raised since the page was shown: refused by its policy, too."""
+        entries = [each["params"] for each in self.events if "params" in each]
+        logged = [each["entry"]["text"] for each in entries if "entry" in each]
+        raised = [str(each["exceptionDetails"]) for each in entries if "exceptionDetails" in each]
+        return logged + raised
+
+    @property
+    def fetched(self) -> list[str]:
+        """Return the addresses that were asked for since the page was shown, but its own."""
+        sent = [e for e in self.events if e.get("method") == "Network.requestWillBeSent"]
+        return [each["params"]["request"]["url"] for each in sent][1:]
+
+    def _messages(self) -> Iterator[dict[str, Any]]:
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            while b"\0" not in self._buffer:
+                left = max(0, deadline - time.monotonic())
+                assert select.select([self._from], [], [], left)[0], "the browser is silent"
+                part = os.read(self._from, 1 << 20)
+                assert part, "the browser has ended"
+                self._buffer += part
+            told, _, self._buffer = self._buffer.partition(b"\0")
+            yield json.loads(told)

@@ -1,6 +1,6 @@
 "use strict";
 const run = JSON.parse(document.getElementById("run").textContent);
-const [svg, slider, play, speed] = ["#picture svg", "#slider", "#play", "#speed"].map(
+const [svg, slider, play, speed, why] = ["#picture svg", "#slider", "#play", "#speed", "#why"].map(
   (name) => document.querySelector(name));
 const [robot, moving] = [svg.querySelector("#robot"), svg.querySelectorAll(".moving")];
 const cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
@@ -69,6 +69,20 @@ function verdict(arbiter, holding) {
     : `${asked} lost to ${winner.name}: of equal priority, and heard earlier.`;
 }
 
+// What asks about an input at this moment, as a click on its lane does at another.
+function button(arbiter, { name }) {
+  const made = element("button", name);
+  made.type = "button";
+  made.dataset.key = JSON.stringify([arbiter.node, name]);
+  made.setAttribute("aria-pressed", name === asked);
+  made.addEventListener("click", () => {
+    stop();
+    asked = name;
+    show(now);
+  });
+  return made;
+}
+
 function explain(arbiter) {
   const section = document.createElement("section");
   section.append(element("h2", arbiter.node));
@@ -88,7 +102,9 @@ function explain(arbiter) {
     const row = document.createElement("tr");
     row.className = input.name === asked ? "asked" : "";
     const wins = holding && holding[2] === input.name ? "wins" : "";
-    row.append(element("td", input.name, wins), element("td", `priority ${input.priority}`));
+    const named = element("td", "", wins);
+    named.append(button(arbiter, input));
+    row.append(named, element("td", `priority ${input.priority}`));
     row.append(element("td", stretchAt(input, now)[1]));
     table.append(row);
   }
@@ -119,13 +135,18 @@ function show(time) {
   document.getElementById("state").textContent =
     `The robot obeys ${obeyed}. It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
     `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
-  document.getElementById("why").replaceChildren(...run.arbiters.map(explain));
+  const focused = document.activeElement?.dataset.key;
+  why.replaceChildren(...run.arbiters.map(explain));
+  if (focused) {
+    [...why.querySelectorAll("button")].find(({ dataset }) => dataset.key === focused)?.focus();
+  }
 }
 
 function stop() {
   cancelAnimationFrame(frame);
   frame = 0;
   play.textContent = "Play";
+  why.setAttribute("aria-live", "polite");
 }
 
 function go(stamp) {
@@ -139,6 +160,8 @@ function toggle() {
   if (frame) return stop();
   if (now >= run.duration) show(0);
   play.textContent = "Stop";
+  // Nobody can listen to each frame.
+  why.setAttribute("aria-live", "off");
   before = performance.now();
   frame = requestAnimationFrame(go);
 }
@@ -156,7 +179,7 @@ document.addEventListener("keydown", (event) => {
   if (event.target === slider || event.target === speed) return;
   const step = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
   if (step) show(now + step);
-  else if (event.key === " " && event.target !== play) toggle();
+  else if (event.key === " " && event.target.localName !== "button") toggle();
   else return;
   event.preventDefault();
 });

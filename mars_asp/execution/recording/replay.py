@@ -7,7 +7,7 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
-from mars_asp.draw.page import in_page, policy_source
+from mars_asp.draw.page import whole_page
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.recording.picture import LEFT, MARGIN, Picture, plot_run
@@ -17,15 +17,14 @@ from mars_asp.output import visible
 
 def replay_page(trial: Trial, title: str) -> str:
     """Return an HTML page; only its own script may run in it, whatever the names are."""
-    script = files("mars_asp.execution.recording").joinpath("replay.js").read_text(encoding="utf-8")
-    page = files("mars_asp.execution.recording").joinpath("replay.html").read_text(encoding="utf-8")
-    return Template(page).substitute(
-        policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src {policy_source(script)}",
-        title=escape(visible(title)),
-        picture=plot_run(trial),
-        run=in_page(json.dumps(replay_json(trial), separators=(",", ":"), allow_nan=False)),
-        script=script,
-    )
+    body = Template(_part("html")).substitute(title=escape(visible(title)), picture=plot_run(trial))
+    run = json.dumps(replay_json(trial), separators=(",", ":"), allow_nan=False)
+    return whole_page(title, _part("css"), body, _part("js"), {"run": run})
+
+
+def _part(ending: str) -> str:
+    part = files("mars_asp.execution.recording") / f"replay.{ending}"
+    return part.read_text(encoding="utf-8")
 
 
 def replay_json(trial: Trial) -> dict[str, Any]:

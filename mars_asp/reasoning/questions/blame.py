@@ -4,8 +4,9 @@ The rules of `rules/absence` say why and propose changes; each is made to the co
 which all follows anew, before it is told.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import clingo
 
@@ -57,7 +58,8 @@ def blame(
     Raises:
         MarsError: clingo refuses the rules.
     """
-    told = _Told(project, rulebook, kind, module)
+    subject = _sought(kind, module) if module is not None else _sought_everywhere(kind)
+    told = _Told(project, rulebook, (subject,))
     reason = min(told.of(ABSENT), key=_order, default=None)
     if reason is None:
         return None
@@ -69,6 +71,40 @@ def blame(
         None if change is None else told.text(change),
         None if change is None or beside is None else told.text(beside),
     )
+
+
+def reasons(
+    project: Project, rulebook: Rulebook, kinds: Iterable[str], modules: Iterable[str]
+) -> Iterator[tuple[str, str, Blame]]:
+    """Yield why there is nothing of each kind for each module, where a rule says so, in any order.
+
+    All are asked at once, which takes little longer than one; no change is proposed or tried. What
+    is there may have a reason as well, which then means nothing.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    names = tuple(modules)
+    questions = [_sought(kind, name) for kind in kinds for name in names]
+    told = _Told(project, rulebook, questions, (ABSENT,))
+    first: dict[tuple[str, str], tuple[tuple[int, str], Said]] = {}
+    for each in told.of(ABSENT):
+        kind, subject, _ = as_symbol(each.head).arguments
+        order = _order(each)
+        key = (kind.name, subject.string)
+        if key not in first or order < first[key][0]:
+            first[key] = (order, each)
+    for (kind_name, module), (_, each) in first.items():
+        evidence = told.evidence(as_symbol(each.head))
+        yield kind_name, module, Blame(told.text(each), evidence)
+
+
+def _sought(kind: str, module: str) -> Atom:
+    return Atom("sought", (Atom(kind), module))
+
+
+def _sought_everywhere(kind: str) -> Atom:
+    return Atom("sought_everywhere", (Atom(kind),))
 
 
 def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]) -> Iterator[Said]:
@@ -94,22 +130,25 @@ def _order(told: Said) -> tuple[int, str]:
 
 
 class _Told:
-    """What the rules of the stage say of one question."""
+    """What the rules of the stage say of questions, or only those that derive some predicates."""
 
-    def __init__(self, project: Project, rulebook: Rulebook, kind: str, module: str | None) -> None:
+    def __init__(
+        self,
+        project: Project,
+        rulebook: Rulebook,
+        questions: Iterable[Atom],
+        only: Sequence[Signature] = (ABSENT, _CHANGE, _BESIDE),
+    ) -> None:
         rules = load_rulebook(stages=(_STAGE,))
         self._speakers = [
             rule
             for rule in rules.rules
             if rule.stage == _STAGE and rule.listed is None and rule.because is not None
+            if any(map(rule.derives, only))
         ]
         facts = project_facts(project)
         analysis = analyse(facts, rulebook, project.configuration.span)
-        subject: Mapping[bool, Atom] = {
-            True: Atom("sought_everywhere", (Atom(kind),)),
-            False: Atom("sought", (Atom(kind), module or "")),
-        }
-        asked = facts_text([Fact(subject[module is None], project.configuration.span)])
+        asked = facts_text([Fact(each, project.configuration.span) for each in questions])
         self._grounding = analysis.grounding
         self._grounding.derive(
             f"{rules.text(_STAGE)}\n{asked}\n{joined(saying(_STAGE, self._speakers))}"
@@ -131,9 +170,17 @@ class _Told:
 
     def evidence(self, reason: clingo.Symbol) -> tuple[Span, ...]:
         """Return the places that a reason cites, in the order of the file."""
-        cited = self._grounding.symbols("cites", 4)
-        mine = (each.arguments for each in cited if each.arguments[:3] == reason.arguments)
-        return tuple(sorted({self._place(identifier) for *_, identifier in mine}))
+        cited = self._cited.get(clingo.Tuple_(reason.arguments), ())
+        return tuple(sorted({self._place(identifier) for identifier in cited}))
+
+    @cached_property
+    def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:
+        """Return what each reason cites, by kind, subject and case."""
+        cited: dict[clingo.Symbol, list[clingo.Symbol]] = {}
+        for each in self._grounding.symbols("cites", 4):
+            *reason, identifier = each.arguments
+            cited.setdefault(clingo.Tuple_(reason), []).append(identifier)
+        return cited
 
     def _place(self, identifier: clingo.Symbol) -> Span:
         if identifier.type == clingo.SymbolType.Number:

@@ -6,7 +6,7 @@
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -41,7 +41,7 @@ from mars_asp.reasoning.synthesis.synthesise import (
 from mars_asp.spelling import nearest
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
-_AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
+AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     "data_splitter": lambda name: (clingo.Function("splitter", [name, hole()]),),
     "data_transformer": lambda name: (clingo.Function("transformer", [name, hole()]),),
     "arbitration_node": lambda name: (_receives(name), _receives(_inherited(name))),
@@ -53,7 +53,7 @@ _AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]]
     "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
 }
 #: What a node of a kind may be there for, where its atom names no module.
-_RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
+RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
 #: Kinds for which what is far away from a module counts as well.
 _FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
@@ -187,7 +187,7 @@ def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
     evidence = reasoner.evidence(resolved=choosable)
     synthesis = reasoner.synthesis if choosable else None
     if choosable and synthesis is None:
-        return _unrealised(question.shown, evidence)
+        return unrealised(question.shown, evidence)
     offered: str | None = None
     extra: Mapping[int, int] | None = None
     held = _held(question, evidence, synthesis)
@@ -237,7 +237,7 @@ def _held(
         for atom, is_fact in sorted(atoms):
             if fits(pattern, atom) and (is_fact or as_term(atom) in taken):
                 return atom
-    topic = f"{_RESOLVES.get(question.kind or '')}({question.module})"
+    topic = f"{RESOLVES.get(question.kind or '')}({question.module})"
     if synthesis is not None:
         for node in synthesis.specification.nodes:
             resolved = synthesis.specification.resolves[node.name]
@@ -259,25 +259,25 @@ def _present(
         topics = [
             topic
             for node in specification.nodes
-            if node.term == _node_term(held, question.kind)
+            if node.term == node_term(held, question.kind)
             for topic in specification.resolves[node.name]
         ]
-        because = f" is there, and resolves {_listed(_named(topics))}" if topics else " is there"
+        answer = is_there(question.shown, topics)
         named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
         see = question.shown if named else next(iter(topics), None)
     elif question.kind is not None:
         found = [c for c in read_consequences(evidence.analysis) if c.atom == held]
-        because = f" holds: {found[0].message}" if found else " holds"
+        answer = holds(question.shown, found[0].message if found else "")
         spans = found[0].spans if found else ()
     else:
-        because = " holds"
+        answer = holds(question.shown)
 
     def trace() -> Trace:
         return evidence.explainer.why([held])[held]
 
     return WhyNot(
         question.shown,
-        f"{question.shown}{because}.",
+        answer,
         spans,
         None,
         True,
@@ -290,14 +290,24 @@ def _present(
     )
 
 
-def _node_term(held: clingo.Symbol, kind: str | None) -> str:
+def is_there(shown: str, resolves: Sequence[str]) -> str:
+    """Return the answer that a node is there."""
+    return f"{shown} is there{f', and resolves {_listed(_named(resolves))}' if resolves else ''}."
+
+
+def holds(shown: str, message: str = "") -> str:
+    """Return the answer that something else holds, with what is said of it."""
+    return f"{shown} holds{f': {message}' if message else ''}."
+
+
+def node_term(held: clingo.Symbol, kind: str | None) -> str:
     """Return the atom by which a node is called, of one that stands for it at a module."""
     if kind == "arbitration_node" and held.name == "receives":
         return str(clingo.Function("arbiter", held.arguments[1].arguments))
     return str(held)
 
 
-def _unrealised(title: str, evidence: Evidence) -> WhyNot:
+def unrealised(title: str, evidence: Evidence) -> WhyNot:
     """Return that nothing realises the configuration, so that nothing of the kind is there."""
     analysis = evidence.analysis
     against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
@@ -369,7 +379,7 @@ def _meant(
         return None, None
     node = next((each for each in NODE_NAMES if each == kind), None)
     consequence = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
-    patterns = (consequence,) if node is None else _AT_MODULE[node](about)
+    patterns = (consequence,) if node is None else AT_MODULE[node](about)
     question = _Question("", patterns, kind, about.string)
     synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
     if node is not None and synthesis is None:
@@ -381,9 +391,15 @@ def _meant(
 
 def _goes_round(question: _Question, analysis: Analysis) -> bool:
     """Return whether a module is part of a circle, wherever that begins."""
-    circle = (_CIRCLES[question.kind or ""], question.module)
-    found = analysis.grounding.symbols("entangled", 3)
-    return any((each.arguments[0].name, each.arguments[2].string) == circle for each in found)
+    return (question.kind, question.module) in set(circles(analysis))
+
+
+def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
+    """Yield which modules are part of a circle of which kind, wherever that begins."""
+    kinds = {relationship: kind for kind, relationship in _CIRCLES.items()}
+    for each in analysis.grounding.symbols("entangled", 3):
+        if each.arguments[0].name in kinds:
+            yield kinds[each.arguments[0].name], each.arguments[2].string
 
 
 def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
@@ -393,7 +409,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     word = NODE_NAMES[kind]
     evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
-        return _unrealised(name, evidence)
+        return unrealised(name, evidence)
     specification = synthesis.specification
     for node in specification.nodes:
         if node.name == name:
@@ -406,7 +422,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
         named = _named([f"{n} ({_listed(_named(specification.resolves[n]))})" for n in same])
         words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
         because = f"the minimal specification has {words}: {_listed(named)}"
-    pattern = _AT_MODULE[kind](hole())[0]
+    pattern = AT_MODULE[kind](hole())[0]
     return WhyNot(
         name,
         f"No {name}: {because}.",
@@ -550,7 +566,7 @@ class _Vocabulary:
             )
             if node is not None and subject not in self._modules:
                 about, title = self._about(name, NODE_NAMES[node])
-                return _Question(title, _AT_MODULE[node](about), node, _module(about))
+                return _Question(title, AT_MODULE[node](about), node, _module(about))
             if call[1] in self._kinds or self._is_kind(call[1]):
                 about, title = self._about(name, call[1])
                 kind_term = clingo.Function(call[1])

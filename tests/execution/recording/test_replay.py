@@ -20,7 +20,7 @@ from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.simulator import Pose
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
-from tests.support.browser import in_a_browser, probed, rendered
+from tests.support.browser import Browser, in_a_browser
 
 #: `High` is silent from 1 to 2 s; `Low` always speaks. Holds are 2.5 periods of 100 ms.
 SPECIFICATION = """@specification hierarchical
@@ -104,9 +104,9 @@ def test_a_page_fetches_nothing_and_lets_only_its_own_script_run() -> None:
     script = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
     digest = b64encode(sha256(script[0].encode()).digest()).decode()
     assert len(script) == 1
-    assert policy[1] == (
-        f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'"
-    )
+    assert policy[1].startswith("default-src 'none'; base-uri 'none'; form-action 'none'; ")
+    assert policy[1].endswith(f"script-src 'sha256-{digest}'")
+    assert "unsafe" not in policy[1]
 
 
 def test_no_text_of_others_becomes_markup() -> None:
@@ -158,43 +158,48 @@ def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
     assert size == [2 * int(found[1]), 2 * int(found[2])]
 
 
-#: What probes use.
-HELPERS = """
-  const told = found;
-  const text = (name) => document.querySelector(name).textContent;
-  const click = (name, share) => {
-    const lane = document.querySelector(`.lane[data-name="${name}"]`);
-    const box = lane.getBoundingClientRect();
-    lane.dispatchEvent(new MouseEvent("click", {
-      bubbles: true, clientX: box.left + share * box.width, clientY: box.top + 3 }));
-  };
-"""
+def shown(browser: Browser, path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+    browser.show(path)
+
+
+def text_of(browser: Browser, *selectors: str) -> list[str]:
+    return [
+        browser.run(f"document.querySelector({json.dumps(each)}).textContent") for each in selectors
+    ]
 
 
 @in_a_browser
-def test_the_script_runs_under_its_policy_and_names_stay_text(tmp_path: Path) -> None:
-    shown = rendered(tmp_path / "run.html", hostile_page())
-    assert '<output id="time">0.00 s</output>' in shown
-    assert "<img" not in shown
-    assert "The robot obeys" in shown
+def test_the_script_runs_under_its_policy_and_names_stay_text(
+    browser: Browser, tmp_path: Path
+) -> None:
+    shown(browser, tmp_path / "run.html", hostile_page())
+    assert text_of(browser, "#time") == ["0.00 s"]
+    assert "The robot obeys" in text_of(browser, "#state")[0]
+    assert browser.run("document.querySelectorAll('img, script').length") == 2
+    assert not browser.complaints
+    assert not browser.fetched
+
+
+#: Clicks a lane, some share along it.
+CLICK = """((name, share) => {
+  const lane = document.querySelector(`.lane[data-name="${name}"]`);
+  const box = lane.getBoundingClientRect();
+  lane.dispatchEvent(new MouseEvent("click", {
+    bubbles: true, clientX: box.left + share * box.width, clientY: box.top + 3 }));
+})"""
 
 
 @in_a_browser
-def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
-    told = probed(
-        tmp_path / "run.html",
-        page(),
-        HELPERS
-        + """
-        const say = () => [text("#time"), text(".told"), text(".verdict"), text(".asked"),
-                           text(".wins"), text("#state").split(".")[0]];
-        click("Low", 0.25); told.lost = say();
-        click("Low", 0.5); told.won = say();
-        click("High", 0.5); told.silent = say();
-        told.fetched = performance.getEntriesByType("resource").length;
-        """,
-    )
-    assert told["lost"] == [
+def test_a_click_on_a_lane_says_who_won_and_why(browser: Browser, tmp_path: Path) -> None:
+    shown(browser, tmp_path / "run.html", page())
+
+    def said(name: str, share: float) -> list[str]:
+        browser.run(f"{CLICK}({json.dumps(name)}, {share})")
+        *told, state = text_of(browser, "#time", ".told", ".verdict", ".asked", ".wins", "#state")
+        return [*told, state.split(".")[0]]
+
+    assert said("Low", 0.25) == [
         "0.75 s",
         "High holds control since 0.00 s: priority 7 outranks Low (3)",
         "Low lost to High: priority 3 against 7.",
@@ -202,7 +207,7 @@ def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
         "High",
         "The robot obeys High: Rotn_Y 10",
     ]
-    assert told["won"] == [
+    assert said("Low", 0.5) == [
         "1.50 s",
         "Low holds control since 1.15 s: the hold of High ran out; alone in force",
         "Low won: the hold of High ran out; alone in force.",
@@ -210,58 +215,62 @@ def test_a_click_on_a_lane_says_who_won_and_why(tmp_path: Path) -> None:
         "Low",
         "The robot obeys Low: Trans_Z 200",
     ]
-    assert told["silent"][2:4] == [
+    assert said("High", 0.5)[2:4] == [
         "High did not want control.",
         "Highpriority 7silent since 1.15 s",
     ]
-    assert told["fetched"] == 0
 
 
 @in_a_browser
-def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(tmp_path: Path) -> None:
-    told = probed(
-        tmp_path / "run.html",
-        page(),
-        HELPERS
-        + """
-        const scrub = (time) => {
-          const slider = document.querySelector("#slider");
-          slider.value = time;
-          slider.dispatchEvent(new Event("input"));
-          const place = document.querySelector("#robot").getAttribute("transform");
-          const circle = document.querySelector(".moving").getAttribute("cy");
-          return [...place.match(/-?[\\d.]+/g), circle].map(Number);
-        };
-        [told.start, told.middle, told.end] = [scrub(0), scrub(1.5), scrub(3)];
-        told.scale = run.view.scale;
-        scrub(0);
-        const key = (name) => document.body.dispatchEvent(
-          new KeyboardEvent("keydown", { key: name, bubbles: true }));
-        key("ArrowRight"); key("ArrowRight"); key("ArrowLeft");
-        told.stepped = text("#time");
-        scrub(0);
-        // A browser whose time is not real draws few frames, or none: timers stand for them.
-        window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 20);
-        window.cancelAnimationFrame = clearTimeout;
-        document.querySelector("#play").click();
-        told.playing = text("#play");
-        setTimeout(() => {
-          told.gone = parseFloat(text("#time"));
-          key(" ");
-          told.stopped = text("#play");
-        }, 1400);
-        """,
-    )
+def test_a_name_is_asked_by_keyboard_and_keeps_the_focus(browser: Browser, tmp_path: Path) -> None:
+    shown(browser, tmp_path / "run.html", page())
+    # Play, speed, the slider, and the names.
+    browser.press("Tab", 4)
+    assert text_of(browser, ":focus") == ["Low"]
+    browser.press("Enter")
+    assert text_of(browser, ".verdict", ":focus") == [
+        "Low lost to High: priority 3 against 7.",
+        "Low",
+    ]
+    assert browser.run("document.activeElement.getAttribute('aria-pressed')") == "true"
+
+
+@in_a_browser
+def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
+    browser: Browser, tmp_path: Path
+) -> None:
+    shown(browser, tmp_path / "run.html", page())
+
+    def scrubbed(seconds: float) -> list[float]:
+        found: list[float] = browser.run(
+            f"""(() => {{
+              const slider = document.querySelector("#slider");
+              slider.value = {seconds};
+              slider.dispatchEvent(new Event("input"));
+              const place = document.querySelector("#robot").getAttribute("transform");
+              const circle = document.querySelector(".moving").getAttribute("cy");
+              return [...place.match(/-?[\\d.]+/g), circle].map(Number);
+            }})()"""
+        )
+        return found
+
+    start, middle, end = scrubbed(0), scrubbed(1.5), scrubbed(3)
+    scale = browser.run("run.view.scale")
+    scrubbed(0)
+    for key in ("ArrowRight", "ArrowRight", "ArrowLeft"):
+        browser.press(key)
+    assert text_of(browser, "#time") == ["0.10 s"]
+    browser.click("#play")
+    assert text_of(browser, "#play") == ["Stop"]
+    browser.wait("parseFloat(document.querySelector('#time').textContent) > 0.3")
+    browser.press("Enter")
+    assert text_of(browser, "#play") == ["Play"]
     # Seen from above with forward up, side is left and a heading grows counter-clockwise.
-    scale, start, end = told["scale"], told["start"], told["end"]
     made = trial()
     assert start[2] == 0
     assert [(start[1] - end[1]) / scale, (start[0] - end[0]) / scale, -end[2]] == pytest.approx(
         [made.body.pose.forward, made.body.pose.side, made.body.pose.heading], abs=0.01
     )
     # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
-    moved = [(start[3] - told[when][3]) / scale for when in ("middle", "end")]
+    moved = [(start[3] - each[3]) / scale for each in (middle, end)]
     assert moved == pytest.approx([750, 500], abs=0.01)
-    assert told["stepped"] == "0.10 s"
-    assert (told["playing"], told["stopped"]) == ("Stop", "Play")
-    assert told["gone"] == pytest.approx(1.4, abs=0.1)

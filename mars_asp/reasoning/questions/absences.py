@@ -1,0 +1,165 @@
+"""Why there is no node or consequence of each kind for each of some modules: all asked at once.
+
+The sentences are those of `why_not`. What would give one, and what that costs, is not looked for:
+each change would have to be tried by itself.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from mars_asp.asp.signature import signature_of
+from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.asp.trace.patterns import fits
+from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.reasoning.analysis import read_consequences
+from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.questions.blame import reasons
+from mars_asp.reasoning.questions.explain import Sort
+from mars_asp.reasoning.questions.vicinity import vicinity
+from mars_asp.reasoning.questions.why_not import (
+    AT_MODULE,
+    RESOLVES,
+    circles,
+    holds,
+    is_there,
+    node_term,
+    unrealised,
+)
+from mars_asp.reasoning.session import Evidence, Reasoner
+from mars_asp.reasoning.synthesis import Node
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
+
+#: Of larger robots there would be more answers than anybody reads, and pages too large to open.
+MOST_MODULES = 2_000
+#: How kinds of nodes are called where people read.
+_WORDS: Mapping[str, str] = dict(NODE_NAMES.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Absence:
+    """Why there is nothing of a kind for a module, or that there is.
+
+    `evidence` are the lines that the answer speaks of; `present` is the name of what there is.
+    """
+
+    kind: str
+    module: str
+    answer: str
+    evidence: tuple[Span, ...] = ()
+    present: str | None = None
+
+    @property
+    def title(self) -> str:
+        """Return what is asked for, as `--why-not` takes it."""
+        return f"{self.kind}({self.module})"
+
+
+def absences(
+    reasoner: Reasoner, modules: Sequence[str], only: Sort | None = None
+) -> Iterator[Absence]:
+    """Yield for modules why there is no node, and why no consequence, of each kind, or `only` one.
+
+    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs, and all of
+    more than `MOST_MODULES`. For consequences alone nothing is resolved.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+        TimeoutError: no specification was found in time.
+    """
+    names = frozenset(modules)
+    if len(names) < len(reasoner.project.configuration.modules) and not reasoner.rulebook.packs:
+        part, _ = vicinity(reasoner.project, names, True)
+        reasoner = Reasoner(part, reasoner.rulebook, reasoner.budget)
+    if not names or len(reasoner.project.configuration.modules) > MOST_MODULES:
+        return
+    resolving = only != "consequences"
+    evidence = reasoner.evidence(resolved=resolving)
+    synthesis = reasoner.synthesis if resolving else None
+    kinds: list[str] = [*NODE_NAMES] if resolving else []
+    there: dict[tuple[str, str], Absence] = {}
+    if only != "nodes":
+        kinds += sorted(consequence_kinds(reasoner.rulebook))
+        there.update(_consequences(evidence))
+    if synthesis is not None:
+        there.update(_nodes(evidence, synthesis, modules))
+    because = {
+        (kind, module): found
+        for kind, module, found in reasons(reasoner.project, reasoner.rulebook, kinds, modules)
+    }
+    against = unrealised("", evidence) if resolving and synthesis is None else None
+    elsewhere = frozenset(circles(evidence.analysis))
+    for module in modules:
+        for kind in kinds:
+            key, word = (kind, module), _WORDS.get(kind, kind)
+            title, found = f"{word}({module})", because.get((kind, module))
+            if key in there:
+                yield there[key]
+            elif kind in NODE_NAMES and against is not None:
+                answer = against.answer.replace("No ", f"No {title}", 1)
+                yield Absence(word, module, answer, against.evidence)
+            elif found is not None:
+                start = (
+                    f"{title} is there under another name" if key in elsewhere else f"No {title}"
+                )
+                yield Absence(word, module, f"{start}: {found.because}.", found.evidence)
+
+
+def _consequences(evidence: Evidence) -> Iterator[tuple[tuple[str, str], Absence]]:
+    found = read_consequences(evidence.analysis, participants=False)
+    # Of several the last stays, which is the one that `why_not` finds first.
+    for each in sorted(found, key=lambda each: each.atom, reverse=True):
+        title = f"{each.kind}({each.subject})"
+        answer = holds(title, each.message)
+        yield (
+            (each.kind, each.subject),
+            Absence(each.kind, each.subject, answer, each.spans, title),
+        )
+
+
+def _nodes(
+    evidence: Evidence, synthesis: Synthesis, modules: Sequence[str]
+) -> Iterator[tuple[tuple[str, str], Absence]]:
+    """Yield the nodes at modules, or that resolve what is theirs, by kind and module."""
+    specification = synthesis.specification
+    resolving: dict[tuple[str, str], Node] = {}
+    for node in specification.nodes:
+        for topic in specification.resolves[node.name]:
+            resolving.setdefault((node.kind, topic), node)
+    by_term = {node.term: node for node in specification.nodes}
+    held = _held(evidence, synthesis)
+    for kind, word in NODE_NAMES.items():
+        for module in modules:
+            atoms = (
+                atom
+                for pattern in AT_MODULE[kind](clingo.String(module))
+                for atom in held.get((pattern.name, pattern.arguments[0]), ())
+                if fits(pattern, atom)
+            )
+            atom = next(atoms, None)
+            found = resolving.get((kind, f"{RESOLVES.get(kind)}({module})"))
+            if atom is not None:
+                found = by_term.get(node_term(atom, kind))
+            if atom is not None or found is not None:
+                resolves = () if found is None else specification.resolves[found.name]
+                answer = is_there(f"{word}({module})", resolves)
+                name = None if found is None else found.name
+                yield (kind, module), Absence(word, module, answer, (), name or word)
+
+
+def _held(
+    evidence: Evidence, synthesis: Synthesis
+) -> Mapping[tuple[str, clingo.Symbol], Sequence[clingo.Symbol]]:
+    """Return the true atoms that stand for nodes, by name and first argument."""
+    grounding, taken = evidence.analysis.grounding, synthesis.resolution.taken
+    held: dict[tuple[str, clingo.Symbol], list[clingo.Symbol]] = {}
+    patterns = [pattern for at in AT_MODULE.values() for pattern in at(clingo.String(""))]
+    for signature in dict.fromkeys(map(signature_of, patterns)):
+        if signature in synthesis.derived.predicates:
+            synthesis.derived.hand_to(grounding)
+        for atom, is_fact in sorted(grounding.atoms(signature.name, signature.arity)):
+            if is_fact or as_term(atom) in taken:
+                held.setdefault((atom.name, atom.arguments[0]), []).append(atom)
+    return held

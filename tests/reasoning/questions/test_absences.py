@@ -1,0 +1,82 @@
+"""All that is absent, asked at once: it says what `why_not` says when it is asked one by one."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions import absences as asked
+from mars_asp.reasoning.questions.absences import Absence, absences
+from mars_asp.reasoning.questions.why_not import why_not
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.support.documents import ROOT
+
+#: A circle that begins with A, two controllers, and a module that nothing relates.
+ROBOT = """\
+@configuration hierarchical
+@modules A, B, C, Base, Alone
+A uses_data_from B
+B uses_data_from C
+C uses_data_from A
+Base uses_data_from A
+Base is_controlled_by B 1
+Base is_controlled_by C 2
+"""
+QUESTIONS = [
+    "data_cycle(B)",
+    "DataSplitter(A)",
+    "ArbitrationNode(Alone)",
+    "control_convergence(Base)",
+    "ControlSplitter(B)",
+]
+
+
+def reasoner(path: Path) -> Reasoner:
+    return Reasoner(load_project(str(path)), load_rulebook(stages=("resolve",)))
+
+
+def told(path: Path, modules: list[str]) -> dict[str, Absence]:
+    return {each.title: each for each in absences(reasoner(path), modules)}
+
+
+@pytest.mark.parametrize(
+    ("robot", "questions"),
+    [
+        (ROBOT, QUESTIONS),
+        (None, ["DataSplitter(Head)", "module_conflict(Head)"]),
+    ],
+    ids=["circle", "unrealised"],
+)
+def test_each_answer_is_that_of_why_not(
+    robot: str | None, questions: list[str], tmp_path: Path
+) -> None:
+    path = ROOT / "examples" / "module-conflict" / "config.mars"
+    if robot is not None:
+        path = tmp_path / "config.mars"
+        path.write_text(robot)
+    names = [name.text for name in reasoner(path).project.configuration.modules]
+    found = told(path, names)
+    for question in questions:
+        alone = why_not(reasoner(path), question, 1)
+        together = found[question]
+        assert (together.answer, together.evidence) == (alone.answer, alone.evidence)
+        assert (together.present is not None) == alone.present
+
+
+def test_some_modules_are_asked_of_what_is_connected_with_them(tmp_path: Path) -> None:
+    path = tmp_path / "config.mars"
+    path.write_text(ROBOT)
+    every = told(path, ["A", "B", "C", "Base", "Alone"])
+    alone = told(path, ["Alone"])
+    assert alone == {title: each for title, each in every.items() if each.module == "Alone"}
+
+
+def test_of_too_many_modules_nothing_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "config.mars"
+    path.write_text(ROBOT)
+    monkeypatch.setattr(asked, "MOST_MODULES", 4)
+    assert told(path, ["A", "B", "C", "Base", "Alone"]) == {}
+    assert told(path, ["Alone"])
