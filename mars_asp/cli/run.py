@@ -294,14 +294,15 @@ def _print_tables(
         f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
         f"{counted(body.collisions, 'collision')}, least clearance {body.clearance:.0f} mm, "
         f"{body.driven:.0f} mm driven, {body.both:.2f} s turning while driving",
+        "  ",
     )
 
 
-def _say(console: "Console", head: str, text: str) -> None:
+def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> None:
     """Print a sentence after its head, further lines indented."""
     from rich.text import Text
 
-    for line in wrapped(visible(text), columns(sys.stdout), visible(head), " " * 9):
+    for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
         console.print(Text(line.rstrip()), soft_wrap=True)
 
 

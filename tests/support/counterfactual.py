@@ -15,6 +15,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from itertools import product
 
 from mars_asp.cli.lines import remember, whole_line
 from mars_asp.diagnostic import MarsError
@@ -110,27 +111,31 @@ def _said(text: str, path: str) -> list[tuple[str, frozenset[int]]]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Ask it of random configurations; return whether something cited or counted is wrong."""
+    """Ask it of random configurations; return whether something cited or counted is wrong.
+
+    Interrupted it prints what it has found.
+    """
     count, first = int(words[0]), int((*words, "0")[1])
     asked: Counter[str] = Counter()
-    cited = wrong = 0
-    for seed in range(first, first + count):
-        for kind in KINDS:
+    tried = cited = wrong = 0
+    with suppress(KeyboardInterrupt):
+        for seed, kind in product(range(first, first + count), KINDS):
             text = kind(seed)
             told: tuple[Topic, ...] = ()
             with suppress(MarsError):
                 told = topics(text)
             remember("config.mars", text)
             accounts = [topic.account for topic in told if topic.account is not None]
-            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in told)
-            cited += sum(len(account.cites) for account in accounts)
             missing = (each for account in accounts for each in uncounted(account))
             for line in (*uncaused(text), *missing):
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
+            tried += 1
+            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in told)
+            cited += sum(len(account.cites) for account in accounts)
     print(", ".join(f"{name} {number}" for name, number in asked.most_common()))
     print(
-        f"{count} configurations of each of {len(KINDS)} kinds, {asked.total()} answers, "
+        f"{tried} configurations of {len(KINDS)} kinds, {asked.total()} answers, "
         f"{cited} cited lines: {wrong} are wrong"
     )
     return int(wrong > 0)
