@@ -27,12 +27,13 @@ def pages() -> Iterator[tuple[str, str]]:
 def _verbs() -> Iterator[str]:
     yield "# Verbs and their options\n"
     yield "`mars-asp VERB ...`; each verb also prints this as `mars-asp VERB --help`.\n"
-    for verb, purpose in VERBS.items():
-        yield f"## {verb}\n"
-        yield f"`mars-asp {verb}`: {purpose}.\n"
+    for name, verb in VERBS.items():
+        yield f"## {name}\n"
+        yield f"`mars-asp {name}`: {verb.summary}.\n"
+        yield f"Example: `mars-asp {verb.example}`.\n"
         yield "| argument | meaning |"
         yield "|---|---|"
-        for action in _parser(verb)._actions:
+        for action in _parser(name)._actions:
             if action.help != argparse.SUPPRESS and action.dest not in ("help", "version"):
                 yield f"| {_written(action)} | {_cell(_meaning(action))} |"
         yield ""
@@ -63,7 +64,7 @@ def _written(action: argparse.Action) -> str:
 
 def _meaning(action: argparse.Action) -> str:
     told = (action.help or "") % {**vars(action), "prog": "mars-asp"}
-    default = action.default
+    default = None if action.default == argparse.SUPPRESS else action.default
     if action.option_strings and isinstance(default, str | int) and not isinstance(default, bool):
         told += f"{' ' * bool(told)}(default: `{default}`)"
     return told

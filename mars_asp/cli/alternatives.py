@@ -221,8 +221,12 @@ def _example(found: Alternatives, width: int) -> Iterator[str]:
 
 
 def _price(other: Alternative) -> str:
-    more = [f"{other.extra.get(level, 0):+} {name}" for name, level in COSTS.items()]
-    changed = [text for text in more if not text.startswith("+0")]
+    more = {name: other.extra.get(level, 0) for name, level in COSTS.items()}
+    changed = [
+        f"{count:+} {name.removesuffix('s') if abs(count) == 1 else name}"
+        for name, count in more.items()
+        if count
+    ]
     return f"costs {', '.join(changed)}" if changed else "costs the same"
 
 

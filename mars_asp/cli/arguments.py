@@ -123,7 +123,7 @@ def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports a wrong call in one line, with status 2 and where help is to be found."""
+    """Reports a wrong call, with status 2 and where help is to be found."""
 
     def options(self) -> list[argparse.Action]:
         """Return what can be said by options."""
@@ -135,6 +135,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the words, and what may have been meant; end with status 2."""
+        from mars_asp.cli.layout import columns, wrapped
         from mars_asp.output import visible
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
@@ -142,7 +143,9 @@ class Parser(argparse.ArgumentParser):
         near = nearest(unknown[1], names) if unknown else None
         told = f"{message}: did you mean `{near}`?" if near else message
         mark = "" if told.endswith("?") else ";"
-        self.exit(USAGE, f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`\n")
+        whole = f"{self.prog}: {visible(told)}{mark} see `{self.prog} --help`"
+        lines = wrapped(whole, columns(sys.stderr), "", "  ")
+        self.exit(USAGE, "\n".join([*lines, ""]))
 
     def _print_message(self, message: str, file: "SupportsWrite[str] | None" = None) -> None:
         """Print, and do not pass over in silence that there is no room for it, as argparse does."""

@@ -7,7 +7,7 @@ from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.document import Document
 from mars_asp.asp.trace.text import traces_text
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
@@ -63,4 +63,5 @@ def _print_answer(answer: Answer, coloured: bool) -> None:
         print(paint(visible(line), "strong", coloured and title))
     missing = dict.fromkeys(text for verdict in answer.verdicts for text in verdict.missing)
     for index, text in enumerate(missing):
-        print(("" if index else "\n") + visible(f"help: {text}"))
+        lines = wrapped(visible(text), columns(sys.stdout), "help: ", "      ")
+        print("\n".join(lines if index else ["", *lines]))

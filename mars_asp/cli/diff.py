@@ -7,6 +7,7 @@ from typing import Any
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
@@ -36,7 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(difference_json(found)))
     else:
-        for line in _text(found, colours(arguments, sys.stdout), arguments.quiet):
+        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
+        for line in _text(found, coloured, arguments.quiet, width):
             print(line)
     return int(found.has_new_errors)
 
@@ -81,16 +83,17 @@ def _resolves(change: Change[Node], found: Difference) -> tuple[str, ...]:
     return () if synthesis is None else synthesis.specification.resolves[change.item.name]
 
 
-def _text(found: Difference, coloured: bool, quiet: bool) -> Iterator[str]:
+def _text(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterator[str]:
     for change in found.consequences:
         consequence = change.item
         word = paint(f"{change.how} {consequence.kind}", consequence.severity, coloured)
-        yield f"{word}: {visible(consequence.message)}"
+        yield from wrapped(visible(consequence.message), width, f"{word}: ", "  ")
         yield from _causes(change)
     for node in found.nodes:
         reasons = ", ".join(_resolves(node, found))
         word = paint(f"{node.how} {visible(node.item.name)}", "strong", coloured)
-        yield f"{word}, which resolves {visible(reasons)}" if reasons else word
+        told = f"{word}, which resolves {visible(reasons)}" if reasons else word
+        yield from wrapped(told, width, "", "  ")
         yield from _causes(node)
     if quiet:
         return

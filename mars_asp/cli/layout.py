@@ -9,8 +9,10 @@ from contextlib import suppress
 _COLUMNS = 80
 #: Text in fewer columns than this cannot be read anyway.
 _FEWEST = 20
-#: A word, and what is written between backticks unless that is long.
-_WORD = re.compile(r"(?:`[^`]{0,40}`|\S)+")
+#: A word, what is written between backticks unless that is long, and a number with its unit.
+_WORD = re.compile(r"(?:`[^`]{0,40}`|\d (?=(?:Hz|mm|ms|s)\b)|\S)+")
+#: The rule or code that a text ends with.
+_REFERENCE = re.compile("(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*")
 _STYLE = re.compile("\x1b\\[[0-9;]*m")
 
 
@@ -47,23 +49,26 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
     """Break a text at blanks into lines of a width; only a word that is longer is wider.
 
     What is written between backticks is a word, unless it is long. The first line begins with
-    `first`, each further one with `further`.
+    `first`, each further one with `further`. A reference at the end takes a word along where it
+    has to go to the next line.
     """
     # Most sentences need one line.
     if len(first) + len(text) <= width and text.isascii() and " ".join(text.split()) == text:
         return [first + text]
-    lines: list[str] = []
-    line, taken = first, cells(first)
-    is_empty = True
+    lines: list[list[str]] = [[]]
+    taken = cells(first)
     for word in _WORD.findall(text):
         size = cells(word)
-        if not is_empty and taken + 1 + size > width:
-            lines.append(line)
-            line, taken, is_empty = further, cells(further), True
-        line += word if is_empty else f" {word}"
-        taken += size + (not is_empty)
-        is_empty = False
-    return [*lines, line]
+        if lines[-1] and taken + 1 + size > width:
+            lines.append([])
+            taken = cells(further)
+        taken += size + bool(lines[-1])
+        lines[-1].append(word)
+    if len(lines) > 1 and len(lines[-2]) > 1 and _REFERENCE.fullmatch(" ".join(lines[-1])):
+        if taken + 1 + cells(lines[-2][-1]) <= width:
+            lines[-1].insert(0, lines[-2].pop())
+    heads = [first, *(further for _ in lines[1:])]
+    return [head + " ".join(words) for head, words in zip(heads, lines, strict=True)]
 
 
 def counted(number: int, noun: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
@@ -19,6 +20,8 @@ from mars_asp.reasoning.rules import COSTS
 
 #: A mend of more lines is printed once, however many findings it mends.
 _MOST_PRINTED_AGAIN = 8
+#: What is below a mend is indented by this.
+_BELOW = "       "
 
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
@@ -29,7 +32,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
-        for line in _text(found, colours(arguments, sys.stdout)):
+        for line in _text(found, colours(arguments, sys.stdout), columns(sys.stdout)):
             print(line)
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
@@ -37,7 +40,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     return int(any(repair.consequence.severity == "error" for repair in found))
 
 
-def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
+def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str]:
     if not found:
         yield "nothing to repair"
     printed: dict[tuple[LineEdit, ...], str] = {}
@@ -46,42 +49,44 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
         span = consequence.spans[0]
         kind = paint(consequence.kind, consequence.severity, coloured)
         place = visible(f"{span.path}:{span.line}:{span.column}")
-        yield f"{place}: {kind}: {visible(consequence.message)}"
+        yield from wrapped(visible(consequence.message), width, f"{place}: {kind}: ", "  ")
         for number, mend in enumerate(repair.mends, 1):
             here = f"repair {number} of `{consequence.kind}({visible(consequence.subject)})`"
-            yield from _mend_text(number, mend, printed.setdefault(mend.lines, here), here)
+            first = printed.setdefault(mend.lines, here)
+            yield from _mend_text(number, mend, first, here, width)
         if not repair.proposed:
-            rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
-            yield f"  no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
+            told = f"no rule proposes an edit for `{consequence.kind}`; a rule pack of yours may"
+            yield from wrapped(told, width, "  ", "    ")
         elif not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
             why = "no time was left" if repair.late else "not tried beside so many others"
-            yield f"  {why}: ask for `{alone}` alone"
+            yield from wrapped(f"{why}: ask for `{alone}` alone", width, "  ", "    ")
         elif not repair.mends:
             end = "" if repair.complete else ", and more were left"
-            yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
+            tried = counted(repair.tried, "set")
+            were = "was" if repair.tried == 1 else "were"
+            yield f"  no repair found: {tried} of edits {were} tried{end}"
 
 
-def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
+def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
     """Yield a mend, its lines where it is `first` or they are few."""
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
-    yield f"  {number}. {messages}  [{rules}]"
+    yield from wrapped(f"{messages}  [{rules}]", width, f"  {number}. ", _BELOW)
     lines = [text for line in mend.lines for text in line_text(line)]
     if first != here and len(lines) > _MOST_PRINTED_AGAIN:
-        lines = [f"       the {len(lines)} lines of {first}"]
+        lines = wrapped(f"the {len(lines)} lines of {first}", width, _BELOW, _BELOW)
     yield from lines
     if mend.others:
-        yield f"       also fixes {mend.others} other finding{'s' * (mend.others > 1)}"
-    for warning in mend.warnings:
-        yield f"       then warns: {visible(warning.message)}"
-    for remark in mend.remarks:
-        yield f"       then warns: {visible(remark.message)}"
+        yield f"{_BELOW}also fixes {counted(mend.others, 'other finding')}"
+    warnings = [*(each.message for each in mend.warnings), *(each.message for each in mend.remarks)]
+    for warning in warnings:
+        yield from wrapped(visible(warning), width, f"{_BELOW}then warns: ", _BELOW + "  ")
     if mend.errors:
-        yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
+        yield f"{_BELOW}{counted(mend.errors, 'other error')} left"
     elif mend.spent is not None:
         costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
-        yield f"       then a specification exists; cost: {costs}"
+        yield from wrapped(f"then a specification exists; cost: {costs}", width, _BELOW, _BELOW)
 
 
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:

@@ -42,7 +42,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="of `show`: a rule's id, a predicate or a file of rules; of `lint`: files to check",
     )
     parser.add_argument(
-        "--stage", choices=tuple(_PURPOSES), help="list or document the rules of one stage alone"
+        "--stage",
+        metavar="STAGE",
+        choices=tuple(_PURPOSES),
+        help=f"list or document the rules of one stage alone: {', '.join(_PURPOSES)}",
     )
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os.path
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
 from mars_asp.cli.reason import (
@@ -177,13 +179,15 @@ def _print_plan(
         plan = {"imports": imports, "devices": devices}
         print(encoded({**plan, "seconds": scenario.duration, "seed": scenario.seed}))
         return 2 if missing else 0
+    width = columns(sys.stdout)
     print("imported, with whatever these files import:" if imported else "no code is imported")
     for file, named in imported.items():
         uses = ", ".join(f"{name} by `{function}`" for name, function in named.items())
-        print(visible(f"  {file}: {uses}"))
+        head = visible(f"  {os.path.normpath(file)}: ")
+        print("\n".join(wrapped(visible(uses), width, head, "    ")))
     if devices:
         told = ", ".join(f"{name} ({kind})" for name, kind in devices.items())
-        print(visible(f"simulated: {told}"))
+        print("\n".join(wrapped(visible(told), width, "simulated: ", "  ")))
     print(f"{scenario.duration:g} s, seed {scenario.seed}; nothing was run")
     return 2 if missing else 0
 
@@ -274,29 +278,32 @@ def _print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Names
 def _print_tables(
     trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
 ) -> None:
-    from rich.text import Text
-
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)
     for link in trial.executor.links:
         if link.faulty:
-            failed = f"failed   {link.source} -> {link.client}  first by {link.fault:.200}"
-            console.print(Text(visible(" ".join(failed.splitlines()))), soft_wrap=True)
+            fault = " ".join(f"{link.fault:.200}".splitlines())
+            _say(console, f"failed   {link.source} -> {link.client}  ", f"first by {fault}")
     for requirement in judgement.requirements:
         word = "holds   " if requirement.holds else "VIOLATED"
-        line = visible(f"{word} {requirement.name}  {requirement.message}".rstrip())
-        console.print(Text(line), soft_wrap=True)
+        _say(console, f"{word} {requirement.name}  ", requirement.message)
     body = trial.body
-    console.print(
-        Text(
-            f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: {body.collisions} "
-            f"collision{'s' * (body.collisions != 1)}, least clearance {body.clearance:.0f} mm, "
-            f"{body.driven:.0f} mm driven, "
-            f"{body.both:.2f} s turning while driving"
-        ),
-        soft_wrap=True,
+    _say(
+        console,
+        f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
+        f"{counted(body.collisions, 'collision')}, least clearance {body.clearance:.0f} mm, "
+        f"{body.driven:.0f} mm driven, {body.both:.2f} s turning while driving",
+        "  ",
     )
+
+
+def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> None:
+    """Print a sentence after its head, further lines indented."""
+    from rich.text import Text
+
+    for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
+        console.print(Text(line.rstrip()), soft_wrap=True)
 
 
 def _print_winners(trial: "Trial") -> None:
@@ -318,7 +325,6 @@ def _print_winners(trial: "Trial") -> None:
 
 def _explain(judgement: "Judgement") -> None:
     from mars_asp.asp.trace.text import traces_text
-    from mars_asp.cli.layout import columns
     from mars_asp.cli.lines import line_at
 
     topics = [(c.kind, trace) for c, trace in judgement.traces()]

@@ -114,20 +114,31 @@ def run(arguments: argparse.Namespace) -> int:
         }
         print(encoded(found))
     else:
-        for violation in violations:
-            print(visible(f"clause {violation.clause}: {violation.message} [{violation.rule.id}]"))
-            print(visible(f"    help: {violation.help}"))
-        for caution in verification.cautions:
-            print(visible(f"warning: {caution.message} [{caution.rule.id}]"))
-            print(visible(f"    help: {caution.help}"))
-        if not violations:
-            print(f"the specification realises the configuration{_minimality(compared)}")
+        for line in _judged_text(verification, compared, columns(sys.stdout)):
+            print(line)
     if not compared.in_time:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
     if compared.fault is not None:
         print(f"mars-asp: a fault of ours, please report it: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
+
+
+def _judged_text(verification: Verification, compared: _Comparison, width: int) -> Iterator[str]:
+    """Yield what fails and what may be meant otherwise, or that nothing fails."""
+    for violation in verification.violations:
+        yield from _finding_text(f"clause {violation.clause}", violation, width)
+    for caution in verification.cautions:
+        yield from _finding_text("warning", caution, width)
+    if not verification.violations:
+        told = f"the specification realises the configuration{_minimality(compared)}"
+        yield from wrapped(told, width, "", "  ")
+
+
+def _finding_text(head: str, found: Violation | Caution, width: int) -> Iterator[str]:
+    told = visible(f"{head}: {found.message} [{found.rule.id}]")
+    yield from wrapped(told, width, "", "  ")
+    yield from wrapped(visible(found.help or ""), width, "    help: ", "          ")
 
 
 def _run_without(arguments: argparse.Namespace) -> int:

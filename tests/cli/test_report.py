@@ -87,6 +87,10 @@ def test_no_line_is_wider_than_asked_but_quoted_ones_and_long_words() -> None:
         lines = diagnostic_text(finding, width=width).split("\n")
         assert all(cells(line) <= width or "xxx" in line for line in lines)
     assert wrapped("`a b` c `d e`", 9) == ["`a b` c", "`d e`"]
+    # A rule at the end is not alone, unless there is no room beside it.
+    assert wrapped("aa bb cc [r/x]", 10) == ["aa bb", "cc [r/x]"]
+    assert wrapped("aa bb \x1b[2m[r/x]\x1b[0m", 7, "", "") == ["aa", "bb \x1b[2m[r/x]\x1b[0m"]
+    assert wrapped("aa bb [r/x]", 5) == ["aa bb", "[r/x]"]
 
 
 class Terminal(io.StringIO):

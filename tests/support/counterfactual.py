@@ -1,31 +1,47 @@
 """Whether what an account cites are causes: without a cited line something else is said.
 
 A line that is cited for a consequence or node is taken out of the text. If the same is still said
-of the same, in its first sentence, the line was no cause of it.
+of the same, in its first sentence, the line was no cause of it. Conversely, of whatever a sentence
+counts there are as many members in the lines that are cited.
 
     python -m tests.support.counterfactual HOW_MANY [FIRST_SEED]
 
-asks this of every line that is cited of as many random configurations of each kind.
+asks this of every line that is cited of as many random configurations of each kind, and prints how
+often each consequence and node was asked about.
 """
 
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import product
 
+from mars_asp.cli.lines import remember, whole_line
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions.account import Account
 from mars_asp.reasoning.questions.explain import Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.random_configurations import (
     random_configuration,
     random_control,
+    random_faults,
     random_mounts,
     random_twins,
 )
 
-KINDS = (random_configuration, random_control, random_mounts, random_twins)
+KINDS = (random_configuration, random_control, random_mounts, random_twins, random_faults)
 _NUMBERED = r"(DataSplitter|DataTransformer|ArbitrationNode|ControlSplitter|InheritanceNode)\d*"
+#: What sentences count, and what shows one of those in a line that is cited.
+_COUNTED = {
+    r"modules|controllers": r"[A-Z]\w*",
+    r"functions": r"(?:Rotn|Trans)_[XYZ]|Grasp",
+    r"lines|relationships|commands|joints|times": r"^.*$",
+}
+#: Words of lines that are no names of modules.
+_KEYWORDS = re.compile(r"@\w+|\b(?:Notify|Request)\w+")
 STAGES = ("resolve", "account")
 
 
@@ -55,6 +71,21 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                 yield f"{lines[at].strip()} for {sentence}"
 
 
+def uncounted(account: Account) -> Iterator[str]:
+    """Yield what the first sentence of an account counts and its lines do not show."""
+    answer = account.answer or ""
+    lines = [f"{whole_line(each.span).strip()} {each.label}" for each in account.cites]
+    lines = [_KEYWORDS.sub("", line) for line in lines]
+    named = set(re.findall(r"`(\w+)`", re.split("[,;]", answer)[0]))
+    for nouns, member in _COUNTED.items():
+        numbers = [int(number) for number in re.findall(rf"\b(\d+) (?:{nouns})\b", answer)]
+        shown = [each for line in lines for each in re.findall(member, line)]
+        if "lines" not in nouns:
+            shown = [each for each in dict.fromkeys(shown) if each not in named]
+        if numbers and len(shown) < (max(numbers) if "lines" in nouns else sum(numbers)):
+            yield f"{len(shown)} {nouns} are shown of {answer}"
+
+
 def _is_stated_again(lines: Sequence[str], at: int) -> bool:
     """Whether another line relates the same two modules, whatever else it says."""
     related = lines[at].split()[:3]
@@ -80,16 +111,33 @@ def _said(text: str, path: str) -> list[tuple[str, frozenset[int]]]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Ask it of random configurations; return how many lines are no causes."""
+    """Ask it of random configurations; return whether something cited or counted is wrong.
+
+    Interrupted it prints what it has found.
+    """
     count, first = int(words[0]), int((*words, "0")[1])
-    wrong = 0
-    for seed in range(first, first + count):
-        for kind in KINDS:
+    asked: Counter[str] = Counter()
+    tried = cited = wrong = 0
+    with suppress(KeyboardInterrupt):
+        for seed, kind in product(range(first, first + count), KINDS):
             text = kind(seed)
-            for line in uncaused(text):
+            told: tuple[Topic, ...] = ()
+            with suppress(MarsError):
+                told = topics(text)
+            remember("config.mars", text)
+            accounts = [topic.account for topic in told if topic.account is not None]
+            missing = (each for account in accounts for each in uncounted(account))
+            for line in (*uncaused(text), *missing):
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
-    print(f"{count} configurations of each of {len(KINDS)} kinds: {wrong} lines are no causes")
+            tried += 1
+            asked.update(re.sub(r"\d*$|\(.*", "", topic.name) for topic in told)
+            cited += sum(len(account.cites) for account in accounts)
+    print(", ".join(f"{name} {number}" for name, number in asked.most_common()))
+    print(
+        f"{tried} configurations of {len(KINDS)} kinds, {asked.total()} answers, "
+        f"{cited} cited lines: {wrong} are wrong"
+    )
     return int(wrong > 0)
 
 

@@ -273,3 +273,40 @@ def random_control(seed: int) -> str:
     blocks += [_block(name, "@ControlOut Trans_Z", "Command lead();") for name in drivers]
     names = ", ".join([*onlookers, *wheels, *riders, *drivers])
     return "\n".join([f"@configuration{kind}", f"@modules {names}", *lines, *blocks])
+
+
+def random_faults(seed: int) -> str:
+    """Return a random configuration of one of the other kinds, with faults in it."""
+    rng = random.Random(f"faults {seed}")
+    of = rng.choice((random_configuration, random_control, random_mounts))
+    lines = of(seed).split("\n")
+    for spoil in rng.sample(_FAULTS, 2):
+        _spoil(rng, lines, spoil)
+    return "\n".join(lines)
+
+
+#: What spoils a line: what it looks for, and what it writes there.
+_FAULTS: Sequence[tuple[str, str]] = (
+    (r"^(\w+) (uses_data_from|is_controlled_by) (\w+)(.*)$", r"\1 \2 \3\4\n\1 \2 \3\4"),
+    (r"^(\w+) is_controlled_by (\w+).*$", r"\1 is_controlled_by \2 1\n\1 is_controlled_by \2 2"),
+    (r"^(\w+) (uses_data_from|is_controlled_by) (\w+)", r"\3 \2 \1"),
+    (r"^(\w+) (uses_data_from|is_controlled_by) (\w+)", r"\1 \2 \3\n\3 \2 \1"),
+    (r"^(\w+) uses_data_from (\w+)", r"\1 uses_data_from \2\n\1 is_controlled_by \2"),
+    (r"^(\w+) is_controlled_by (\w+)", r"\1 uses_data_from \2\n\1 is_controlled_by \2"),
+    (r"^(@modules) \w+, ", r"\1 "),
+    (r"^(@modules)", r"\1 Idle,"),
+    (r"^(@ControlOut).*$", r"\1 Rotn_X, Trans_Y, Grasp"),
+    (r"^(@Sense).*$", r"\1 RequestWhenReady"),
+    (r"^(@Sense).*$", r"@DataOut NotifyAtFrequency 10"),
+    (r"^(.*is_controlled_by \w+ \d+)$", r"\1 hold 5"),
+    (r"^(void take)\(.*$", r"\1(Nothing x);\n@DataIn\nvoid also(P x);"),
+    (r"^(\w+ \d? ?is_mounted_on.*)$", r"\1\n\1"),
+)
+
+
+def _spoil(rng: random.Random, lines: list[str], fault: tuple[str, str]) -> None:
+    pattern, written = fault
+    places = [number for number, line in enumerate(lines) if re.search(pattern, line)]
+    if places:
+        place = rng.choice(places)
+        lines[place : place + 1] = re.sub(pattern, written, lines[place]).split("\n")

@@ -4,17 +4,19 @@ Each `.mars` file of `tests/accounts` has what `explain` prints of it beside it;
 every rule of `rules/account` speak.
 """
 
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import load_project
-from mars_asp.reasoning.questions.account import ACCOUNT, STAGE
+from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from tests.support.counterfactual import KINDS, STAGES, topics, uncaused
+from tests.support.counterfactual import KINDS, STAGES, topics, uncaused, uncounted
 from tests.support.documents import ROOT
 
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
@@ -41,13 +43,31 @@ def test_what_is_told(
 def test_every_rule_speaks_in_a_case() -> None:
     rulebook = load_rulebook(stages=STAGES)
     telling = {rule.id for rule in rulebook.rules if rule.stage == STAGE and rule.derives(ACCOUNT)}
-    spoken = {
-        rule
+    spoken = {rule for account in _accounts() for rule in account.rules}
+    assert telling == spoken
+
+
+def test_whatever_a_sentence_counts_is_listed() -> None:
+    assert [missing for account in _accounts() for missing in uncounted(account)] == []
+
+
+def test_what_is_counted_and_not_listed_is_found() -> None:
+    cited = Cited(Span(str(CASES[0]), 1, 1, 1, 1), "", "of `A`")
+    said = "`A` feeds 2 modules on 1 lines."
+    assert [each.partition(" are")[0] for each in uncounted(Account(said, (cited,), ()))] == [
+        "0 modules|controllers"
+    ]
+
+
+@cache
+def _accounts() -> tuple[Account, ...]:
+    """Return what is told of all cases."""
+    return tuple(
+        topic.account
         for path in CASES
         for topic in topics(path.read_text(encoding="utf-8"), str(path))
-        for rule in (topic.account.rules if topic.account is not None else ())
-    }
-    assert telling == spoken
+        if topic.account is not None
+    )
 
 
 @pytest.mark.parametrize(

@@ -6,15 +6,26 @@ import pytest
 
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT, run
-from tests.support.forbidden import FORBIDDEN, forbidden_in
+from tests.support.every_output import helps, of_whole_files, printed, questions, wrong_in
+from tests.support.forbidden import FORBIDDEN, forbidden_in, wider_than
 
 INPUTS = (*sorted(ROOT.glob("examples/*/config.mars")), *sorted((ROOT / "tests/voice").iterdir()))
+#: Of this every verb is tried; `python -m tests.support.every_output` tries more files.
+TRIED = ROOT / "examples" / "figure15-control-divergence" / "config.mars"
+#: One of so many questions about what is not there is asked.
+EACH = 200
 #: An output that a pattern finds, and nothing but a pattern could.
 SHOWN = (
     ("  tree_place(1,0)", "an atom or term of the encoding"),
     ("  `A` accepts _", "an open value"),
     ("  derivation 1 of 2 for X = 1", "a variable"),
     ("  no repeats(1,_)", "an absence by an atom"),
+    ("  `{M}` has several controllers", "an open place"),
+    ("  1 paths lead there", "a number that does not agree"),
+    ("  cost: 2 node", "a number that does not agree"),
+    ("  at least #inf", "a bound of the encoding"),
+    ("  Verb(summary='report')", "a value of Python"),
+    ("  `up` is no axis", "a word to be rid of"),
     ("  its mode number 0", "a number of a relationship or mode"),
     ("  at 25000 mHz", "a unit of the encoding"),
     ("  c.mars:8  // @module_start", "a heading as a reason"),
@@ -30,6 +41,24 @@ def test_traces_show_nothing_of_the_encoding(path: Path, options: str) -> None:
     told = run(f"mars-asp explain {path.name} {options}", path.parent)
     assert "[" in told
     assert list(forbidden_in(told)) == []
+
+
+def test_no_verb_shows_anything_of_the_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(TRIED.parent)
+    for words, given in (*of_whole_files(TRIED.name), *questions(TRIED.name, EACH)):
+        assert list(wrong_in(words, printed(words, given))) == [], words
+
+
+def test_no_help_shows_anything_of_the_encoding() -> None:
+    for words, given in helps():
+        assert list(wrong_in(words, printed(words, given))) == [], words
+
+
+def test_only_lines_that_could_be_broken_are_too_wide() -> None:
+    line = "aa bb " * 5
+    assert list(wider_than(20, f"{line}\n  c.mars:8  {line}\n{'a' * 30}\n")) == [
+        f"30 columns: {line.strip()}"
+    ]
 
 
 @pytest.mark.parametrize(("text", "what"), SHOWN)

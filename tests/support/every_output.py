@@ -1,0 +1,171 @@
+"""What every verb prints of a file, and what of that is forbidden.
+
+    python -m tests.support.every_output EACH FILE_OR_FOLDER...
+
+prints what is forbidden in the output of every verb over files and the `.mars` files of folders,
+each sentence once, then how many outputs were read and how long single answers of `explain` are.
+Of the questions about what is not there, every EACH-th is asked. Verbs that print what is not for
+reading are left out: `facts`, `export`, `fmt` and the rules themselves.
+"""
+
+import io
+import os
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+from mars_asp.cli import run_here
+from mars_asp.cli.arguments import VERBS
+from mars_asp.diagnostic import MarsError
+from mars_asp.language import parse_text
+from mars_asp.model.declarations import MOTION_FUNCTIONS, NODE_NAMES
+from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.rules import load_rulebook
+from tests.support.documents import ROOT
+from tests.support.forbidden import forbidden_in, wider_than
+
+WIDTH = 80
+SCENARIO = ROOT / "examples" / "level1" / "scenario.toml"
+#: What prints a file or a table, the lines of which are as long as they are.
+_UNBROKEN = ("synthesise", "draw", "extract")
+#: A single answer has so many lines at most, but for one of twenty.
+MOST_LINES = 12
+
+Command = tuple[Sequence[str], str]
+
+
+def printed(words: Sequence[str], given: str = "") -> str:
+    """Return all that a command prints in this folder, standard input being what is given."""
+    output, before = io.StringIO(), sys.stdin
+    sys.stdin = io.TextIOWrapper(io.BytesIO(given.encode()))
+    try:
+        with redirect_stdout(output), redirect_stderr(output):
+            run_here(words)
+    except SystemExit:
+        pass
+    finally:
+        sys.stdin = before
+    return output.getvalue()
+
+
+def helps() -> Iterator[Command]:
+    """Yield the commands that print help, and some that are called wrongly."""
+    yield ["--help"], ""
+    yield ["explian"], ""
+    for verb in VERBS:
+        yield [verb, "--help"], ""
+        yield [verb, "--colour", "always"], ""
+
+
+def of_whole_files(name: str) -> Iterator[Command]:
+    """Yield commands about a file as a whole, the specification and files like it among them."""
+    for verb in ("check", "analyse", "synthesise", "explain"):
+        yield [verb, name], ""
+    for options in ("--depth all --all", "--places", "--repair", "--alternatives"):
+        yield ["explain", name, *options.split()], ""
+    for form in ("mmd", "svg"):
+        yield ["draw", name, "-o", "-", "--as", form], ""
+    for options in ("--dry-run", "--why --explain --duration 2"):
+        yield ["run", name, "--scenario", os.path.relpath(SCENARIO), *options.split()], ""
+    specification = printed(["synthesise", name, "--quiet"])
+    yield ["verify", "-", name], specification
+    for text in _shortened(specification):
+        yield ["verify", "-", name], text
+    for text in _shortened(Path(name).read_text(encoding="utf-8", errors="replace")):
+        yield ["diff", name, "-"], text
+        yield ["check", "-"], text
+
+
+def _shortened(text: str) -> Iterator[str]:
+    """Yield a text without each of its first lines that relate, and with one of them twice."""
+    lines = text.splitlines(keepends=True)
+    related = [number for number, line in enumerate(lines) if line[:1].isupper()]
+    for number in related[:: max(1, len(related) // 4)]:
+        yield "".join([*lines[:number], *lines[number + 1 :]])
+    for number in related[:1]:
+        yield "".join([*lines[: number + 1], *lines[number:]])
+
+
+def questions(name: str, each: int = 1) -> Iterator[Command]:
+    """Yield questions about each name in a file, of those about what is not there every n-th."""
+    found = printed(["explain", name])
+    for line in found.split("\n"):
+        if line[:1].isalpha() and ":" in line:
+            subject = line.partition(":")[0].partition(",")[0]
+            yield ["explain", name, subject], ""
+            if subject.isalnum():
+                yield ["verify", "--without", subject, name], ""
+    try:
+        text = Path(name).read_text(encoding="utf-8")
+        modules = [module.text for module in parse_text(text, name).configuration.modules]
+    except (MarsError, UnicodeDecodeError):
+        return
+    kinds = [*NODE_NAMES.values(), *sorted(consequence_kinds(load_rulebook()))]
+    asked = [f"{kind}({module})" for module in modules for kind in kinds]
+    for module in modules[::each]:
+        yield ["explain", name, module], ""
+        yield ["explain", name, module, "--repair"], ""
+        yield ["can", name, f"{MOTION_FUNCTIONS[len(module) % 6]} of {module}"], ""
+    for atom in asked[len(name) % each :: each]:
+        yield ["explain", name, "--why-not", atom], ""
+
+
+def is_single_answer(words: Sequence[str], output: str) -> bool:
+    """Whether a command asks one question, and got an answer."""
+    return (
+        words[0] == "explain"
+        and len(words) > 2
+        and words[2] not in ("--depth", "--places", "--repair", "--alternatives")
+        and "--repair" not in words
+        and not output.startswith("mars-asp")
+    )
+
+
+def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
+    """Yield what is forbidden in the output of a command; of a picture its labels are read."""
+    read = output
+    if words[0] == "draw":
+        read = "\n".join(re.findall(r"[>\[]\"?([^<>\[\]\"]+)\"?[<\]]", output))
+    elif words[0] == "synthesise":
+        read = "\n".join(line for line in output.split("\n") if "//" in line or ": " in line)
+    yield from forbidden_in(read)
+    if words[0] not in _UNBROKEN:
+        yield from wider_than(WIDTH, output)
+
+
+def main(words: Sequence[str]) -> int:
+    """Read what every verb prints over files; return whether anything in it is forbidden."""
+    each = int(words[0])
+    paths = [path for name in words[1:] for path in _files(Path(name).resolve())]
+    outputs = 0
+    lengths: Counter[int] = Counter()
+    seen: set[str] = set()
+    for path in paths:
+        os.chdir(path.parent)
+        commands = [] if outputs else [*helps()]
+        for asked, given in (*commands, *of_whole_files(path.name), *questions(path.name, each)):
+            output = printed(asked, given)
+            outputs += 1
+            if is_single_answer(asked, output):
+                lengths[len(output.rstrip().split("\n"))] += 1
+            for wrong in wrong_in(asked, output):
+                sentence = re.sub(r"`[^`]*`|\d+", "", wrong)
+                if sentence not in seen:
+                    seen.add(sentence)
+                    print(f"{path}: mars-asp {' '.join(asked)}: {wrong}", flush=True)
+    answers = lengths.total()
+    long = sum(many for lines, many in lengths.items() if lines > MOST_LINES)
+    print(f"{outputs} outputs of {len(paths)} files: {len(seen)} sentences hold what is forbidden")
+    print(f"{answers} single answers: {long} have more than {MOST_LINES} lines")
+    return int(bool(seen) or long * 20 > answers)
+
+
+def _files(path: Path) -> Sequence[Path]:
+    return sorted(path.rglob("*.mars")) if path.is_dir() else [path]
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
