@@ -271,9 +271,7 @@ def _nodes(
 ) -> tuple[Node, ...]:
     if subject is None:
         return introduced.nodes
-    named = tuple(
-        node for node in introduced.nodes if subject in (node.name, _converter_of(node))
-    )
+    named = tuple(node for node in introduced.nodes if subject in (node.name, _converter_of(node)))
     if named:
         return named
     reasons = {f"{c.kind}({c.subject})" for c in chosen}
