@@ -12,7 +12,7 @@ from mars_asp.asp.trace.tree import Trace
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
+from mars_asp.cli.layout import columns, compared, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -35,12 +35,6 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
-#: What costs are counted in, by their names.
-_UNITS = {
-    "nodes": "node",
-    "conversion": "unit of conversion cost",
-    "relationships": "relationship",
-}
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
 #: A page of everything about more modules has no traces, which would be too large for browsers.
@@ -246,22 +240,9 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
         yield [f"{BELOW}Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
 
 
-def _plural(words: str, count: int) -> str:
-    first, _, rest = words.partition(" ")
-    return f"{first}{'s' * (count != 1)}{' ' * bool(rest)}{rest}"
-
-
 def _price(extra: Mapping[int, int]) -> str:
     """Return what a specification with what is asked for costs beyond the minimal one."""
-    costs = {_UNITS[name]: count for name, count in by_name(extra).items() if count}
-    if not costs:
-        return "A specification with it costs the same."
-    more = [f"{count} {_plural(unit, count)}" for unit, count in costs.items() if count > 0]
-    less = [f"{-count} {_plural(unit, -count)}" for unit, count in costs.items() if count < 0]
-    words = [
-        f"{' and '.join(each)} {than}" for each, than in ((more, "more"), (less, "less")) if each
-    ]
-    return f"A specification with it costs {', but '.join(words)}."
+    return f"A specification with it costs {compared(by_name(extra)) or 'the same'}."
 
 
 def _count(text: str) -> int:

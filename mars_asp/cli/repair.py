@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import counted, spent
 from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
@@ -13,6 +14,7 @@ from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.repair import STAGES, Edit, Mend, Repair, repairs
 from mars_asp.reasoning.rules import COSTS
@@ -51,8 +53,7 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
             here = f"repair {number} of `{consequence.kind}({visible(consequence.subject)})`"
             yield from _mend_text(number, mend, printed.setdefault(mend.lines, here), here)
         if not repair.proposed:
-            rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
-            yield f"  no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
+            yield f"  {_unproposed(consequence)}"
         elif not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
             why = "no time was left" if repair.late else "not tried beside so many others"
@@ -60,6 +61,14 @@ def _text(found: tuple[Repair, ...], coloured: bool) -> Iterator[str]:
         elif not repair.mends:
             end = "" if repair.complete else ", and more were left"
             yield f"  no repair found: {repair.tried} sets of edits were tried{end}"
+
+
+def _unproposed(consequence: Consequence) -> str:
+    """Return what is said where no rule proposes an edit."""
+    if consequence.help:
+        return f"no edit is known that would fix it: {visible(consequence.help)}"
+    rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
+    return f"no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
 
 
 def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
@@ -78,10 +87,11 @@ def _mend_text(number: int, mend: Mend, first: str, here: str) -> Iterator[str]:
     for remark in mend.remarks:
         yield f"       then warns: {visible(remark.message)}"
     if mend.errors:
-        yield f"       {mend.errors} other error{'s' * (mend.errors > 1)} left"
+        are = "is" if mend.errors == 1 else "are"
+        yield f"       {counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
-        costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
-        yield f"       then a specification exists; cost: {costs}"
+        costs = spent(_costs(mend.spent))
+        yield f"       then there is a specification{f' of {costs}' * bool(costs)}"
 
 
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:

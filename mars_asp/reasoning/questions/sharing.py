@@ -9,7 +9,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count, islice
+from itertools import count
 
 import clingo
 
@@ -23,7 +23,7 @@ from mars_asp.reasoning.rules import NODES
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import Node
 
-#: What is told: a node, how many nodes there are, how many there would be apart, and which these are.
+#: What is told of a node: how many there are, how many there would be apart, and which these are.
 APART = Signature("apart", 5)
 #: More lines than these, or more seconds, are not spent on a sentence.
 _MOST_LINES, _MOST_SECONDS = 60, 0.1
@@ -45,7 +45,7 @@ class _Heard:
 
 
 def apart(project: Project, evidence: Evidence, node: Node, atoms_of: _Atoms) -> TermId | None:
-    """Return apart(N, X, Y, K, L) of an arbiter N that modules share; `None` where it is not told.
+    """Return `apart(N, X, Y, K, L)` of a shared arbiter N; `None` where that is not told.
 
     Of what control connects with them there are X nodes, and Y where they share none: K arbiters
     and splitters for the controllers in the list L. It is told where each module receives what the
@@ -77,7 +77,7 @@ def _connected(
     modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
 ) -> _Heard | None:
     """Return what control connects with modules; `None` where that is much, or is inherited."""
-    lines = [tuple(map(text, (m, c))) for _, m, c in map(arguments, found[_HEARS])]
+    lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_HEARS])]
     reached, waiting = set(modules), list(modules)
     beside: dict[str, list[str]] = defaultdict(list)
     for module, controller in lines:
@@ -93,8 +93,8 @@ def _connected(
     if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
         return None
     of: dict[str, list[TermId]] = defaultdict(list)
-    for relationship, module, _ in map(arguments, heard):
-        of[text(module)].append(relationship)
+    for relationship, hearer, _ in map(arguments, heard):
+        of[text(hearer)].append(relationship)
     those = {relationship for each in of.values() for relationship in each}
 
     def kept(atoms: Iterable[TermId]) -> Sequence[TermId]:
@@ -106,13 +106,13 @@ def _connected(
 
 def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
     """Return holds by which each of some modules but the first differs from all others."""
-    stated = {r: atom for atom in heard.stated[_HOLD] for r in arguments(atom)[:1]}
+    stated = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
     taken = {as_symbol(arguments(atom)[1]) for atom in stated.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)
-    for module, hold in zip(sharing[1:], islice(free, len(sharing)), strict=False):
+    for module, hold in zip(sharing[1:], free, strict=False):
         for relationship in heard.of[module]:
-            atom = clingo.Function("hold", [as_symbol(relationship), hold])
-            stated[relationship] = as_term(atom)
+            own = clingo.Function(_HOLD.name, [as_symbol(relationship), hold])
+            stated[relationship] = as_term(own)
     return tuple(stated.values())
 
 
