@@ -12,7 +12,7 @@ from mars_asp.asp.trace.tree import Trace
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, compared, wrapped
+from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -223,11 +223,13 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
         return wrapped(visible(text), width, BELOW, BELOW + FURTHER)
 
     yield wrapped(visible(answer.answer), width, "", FURTHER)
-    shown = answer.evidence[:_MOST_EVIDENCE]
+    # Several things may be on one line.
+    evidence = tuple({(span.path, span.line): span for span in answer.evidence}.values())
+    shown = evidence[:_MOST_EVIDENCE]
     # Lines of the user are not broken.
     yield [f"{BELOW}{visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
-    if len(answer.evidence) > len(shown):
-        yield [f"{BELOW}and {len(answer.evidence) - len(shown)} more lines"]
+    if len(evidence) > len(shown):
+        yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
     if answer.to_get is not None:
         yield below(f"To get one: {answer.to_get}")
     if answer.extra is not None:

@@ -256,13 +256,11 @@ def _present(
     see = None if open_atom else question.shown
     if synthesis is not None and question.is_node:
         specification = synthesis.specification
-        topics = [
-            topic
-            for node in specification.nodes
-            if node.term == _node_term(held, question.kind)
-            for topic in specification.resolves[node.name]
-        ]
-        because = f" is there, and resolves {_listed(_named(topics))}" if topics else " is there"
+        nodes = [node for node in specification.nodes if _is_meant(node.term, held, question)]
+        each = (topic for node in nodes for topic in specification.resolves[node.name])
+        topics = list(dict.fromkeys(each))
+        because = " is there" if len(nodes) < 2 else f" is there {_times(len(nodes))}"
+        because += f", and resolves {_listed(_named(topics))}" if topics else ""
         named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
         see = question.shown if named else next(iter(topics), None)
     elif question.kind is not None:
@@ -288,6 +286,18 @@ def _present(
         trace,
         see=see,
     )
+
+
+def _is_meant(term: str, held: clingo.Symbol, question: _Question) -> bool:
+    """Return whether a node is the one that was found, or another that a module asks for."""
+    if term == _node_term(held, question.kind):
+        return True
+    node = clingo.parse_term(term)
+    return question.module is not None and any(fits(each, node) for each in question.patterns)
+
+
+def _times(number: int) -> str:
+    return "twice" if number == 2 else f"{number} times"
 
 
 def _node_term(held: clingo.Symbol, kind: str | None) -> str:
