@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator, Sequence
 
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import cells, columns, counted, wrapped
+from mars_asp.cli.layout import cells, columns, compared, counted, wrapped
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.model.declarations import Control, Data
 from mars_asp.output import visible
@@ -41,7 +41,10 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     )
     found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
-        print("mars-asp: nothing realises this configuration; see `check`", file=sys.stderr)
+        print(
+            "mars-asp: no specification realises this configuration: `mars-asp check` shows why",
+            file=sys.stderr,
+        )
         return 1
     if is_json:
         print(encoded({"subject": subject, **_json(found)}))
@@ -65,13 +68,13 @@ def _text(found: Alternatives, width: int) -> Iterator[str]:
         yield f"{number}. {_price(other)}"
         yield from (f"     - {line}" for line in other.removed)
         yield from (f"     + {line}" for line in other.added)
-    if found.others or not found.complete:
-        yield ""
-        yield (
-            "There is no further alternative other than adding nodes."
-            if found.complete
-            else "There are more alternatives."
-        )
+    yield ""
+    further = " further" if found.others else ""
+    yield (
+        f"There is no{further} alternative other than adding nodes."
+        if found.complete
+        else "There are more alternatives."
+    )
 
 
 def _head(found: Alternatives) -> str:
@@ -221,13 +224,7 @@ def _example(found: Alternatives, width: int) -> Iterator[str]:
 
 
 def _price(other: Alternative) -> str:
-    more = {name: other.extra.get(level, 0) for name, level in COSTS.items()}
-    changed = [
-        f"{count:+} {name.removesuffix('s') if abs(count) == 1 else name}"
-        for name, count in more.items()
-        if count
-    ]
-    return f"costs {', '.join(changed)}" if changed else "costs the same"
+    return f"costs {compared(by_name(other.extra)) or 'the same'}"
 
 
 def _json(found: Alternatives) -> dict[str, object]:

@@ -10,7 +10,7 @@ from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, wrapped
+from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
@@ -35,12 +35,6 @@ MOST_ALTERNATIVES = 1000
 ABSENCE_DEPTH = 1
 #: So deep is an absence followed at most, one grounding for each level.
 _MOST_LEVELS = 60
-#: What costs are counted in, by their names.
-_UNITS = {
-    "nodes": "node",
-    "conversion": "unit of conversion cost",
-    "relationships": "relationship",
-}
 #: Of the lines that an answer speaks of so many are shown.
 _MOST_EVIDENCE = 6
 #: A page of everything about more modules has no traces, which would be too large for browsers.
@@ -247,11 +241,13 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
         return wrapped(visible(text), width, BELOW, BELOW + FURTHER)
 
     yield wrapped(visible(answer.answer), width, "", FURTHER)
-    shown = answer.evidence[:_MOST_EVIDENCE]
+    # Several things may be on one line.
+    evidence = tuple({(span.path, span.line): span for span in answer.evidence}.values())
+    shown = evidence[:_MOST_EVIDENCE]
     # Lines of the user are not broken.
     yield [f"{BELOW}{visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
-    if len(answer.evidence) > len(shown):
-        yield [f"{BELOW}and {len(answer.evidence) - len(shown)} more lines"]
+    if len(evidence) > len(shown):
+        yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
     if answer.to_get is not None:
         yield below(f"To get one: {answer.to_get}")
     if answer.extra is not None:
@@ -264,22 +260,9 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
         yield [f"{BELOW}Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
 
 
-def _plural(words: str, count: int) -> str:
-    first, _, rest = words.partition(" ")
-    return f"{first}{'s' * (count != 1)}{' ' * bool(rest)}{rest}"
-
-
 def _price(extra: Mapping[int, int]) -> str:
     """Return what a specification with what is asked for costs beyond the minimal one."""
-    costs = {_UNITS[name]: count for name, count in by_name(extra).items() if count}
-    if not costs:
-        return "A specification with it costs the same."
-    more = [f"{count} {_plural(unit, count)}" for unit, count in costs.items() if count > 0]
-    less = [f"{-count} {_plural(unit, -count)}" for unit, count in costs.items() if count < 0]
-    words = [
-        f"{' and '.join(each)} {than}" for each, than in ((more, "more"), (less, "less")) if each
-    ]
-    return f"A specification with it costs {', but '.join(words)}."
+    return f"A specification with it costs {compared(by_name(extra)) or 'the same'}."
 
 
 def _count(text: str) -> int:

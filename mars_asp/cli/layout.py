@@ -3,6 +3,7 @@
 import os
 import re
 import unicodedata
+from collections.abc import Mapping
 from contextlib import suppress
 
 #: Where nobody says how wide a line may be.
@@ -74,3 +75,34 @@ def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[s
 def counted(number: int, noun: str) -> str:
     """Return a number with its noun: `1 error`, `2 errors`."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+#: What costs are counted in, by their names.
+_UNITS = {
+    "nodes": "node",
+    "conversion": "unit of conversion cost",
+    "relationships": "relationship",
+}
+
+
+def compared(extra: Mapping[str, int]) -> str:
+    """Return what something costs more or less by the names of costs; nothing where it is equal.
+
+    `{"nodes": 1, "relationships": 2}` is `1 node and 2 relationships more`.
+    """
+    costs = [(_UNITS[name], number) for name, number in extra.items()]
+    more = [_counted_cost(number, unit) for unit, number in costs if number > 0]
+    less = [_counted_cost(-number, unit) for unit, number in costs if number < 0]
+    words = [" and ".join(each) + than for each, than in ((more, " more"), (less, " less")) if each]
+    return ", but ".join(words)
+
+
+def spent(costs: Mapping[str, int]) -> str:
+    """Return costs by their names in words, as `2 nodes and 6 relationships`; nothing for none."""
+    counts = [_counted_cost(number, _UNITS[name]) for name, number in costs.items() if number]
+    return f"{', '.join(counts[:-1])} and {counts[-1]}" if len(counts) > 1 else "".join(counts)
+
+
+def _counted_cost(number: int, unit: str) -> str:
+    first, _, rest = unit.partition(" ")
+    return f"{counted(number, first)}{' ' * bool(rest)}{rest}"

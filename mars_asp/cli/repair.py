@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.layout import columns, counted, spent, wrapped
 from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
@@ -14,6 +14,7 @@ from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.repair import STAGES, Edit, Mend, Repair, repairs
 from mars_asp.reasoning.rules import COSTS
@@ -55,8 +56,7 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str
             first = printed.setdefault(mend.lines, here)
             yield from _mend_text(number, mend, first, here, width)
         if not repair.proposed:
-            told = f"no rule proposes an edit for `{consequence.kind}`; a rule pack of yours may"
-            yield from wrapped(told, width, "  ", "    ")
+            yield from wrapped(_unproposed(consequence), width, "  ", "    ")
         elif not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
             why = "no time was left" if repair.late else "not tried beside so many others"
@@ -66,6 +66,14 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str
             tried = counted(repair.tried, "set")
             were = "was" if repair.tried == 1 else "were"
             yield f"  no repair found: {tried} of edits {were} tried{end}"
+
+
+def _unproposed(consequence: Consequence) -> str:
+    """Return what is said where no rule proposes an edit."""
+    if consequence.help:
+        return f"no edit is known that would fix it: {visible(consequence.help)}"
+    rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
+    return f"no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
 
 
 def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
@@ -83,10 +91,12 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
     for warning in warnings:
         yield from wrapped(visible(warning), width, f"{_BELOW}then warns: ", _BELOW + "  ")
     if mend.errors:
-        yield f"{_BELOW}{counted(mend.errors, 'other error')} left"
+        are = "is" if mend.errors == 1 else "are"
+        yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
-        costs = ", ".join(f"{name} {count}" for name, count in _costs(mend.spent).items())
-        yield from wrapped(f"then a specification exists; cost: {costs}", width, _BELOW, _BELOW)
+        costs = spent(_costs(mend.spent))
+        told = f"then there is a specification{f' of {costs}' * bool(costs)}"
+        yield from wrapped(told, width, _BELOW, _BELOW)
 
 
 def _costs(spent: Mapping[int, int]) -> dict[str, int]:

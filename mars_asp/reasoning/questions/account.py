@@ -24,6 +24,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import Node
 from mars_asp.reasoning.synthesis.derived import decided_by
@@ -135,6 +136,12 @@ class Names:
         path = span.path.removeprefix(f"{folder}/") if folder else span.path
         return f"{path}:{span.line}"
 
+    def _splitters_for(self, controllers: clingo.Symbol) -> str:
+        if controllers == clingo.Number(0):
+            return ""
+        several = not (controllers.match("and", 2) and controllers.arguments[1] == clingo.Number(0))
+        return f"; splitter{'s' * several} for {self.word(controllers)}"
+
     def _node(self, node: clingo.Symbol) -> str:
         name = self.nodes.get(str(node))
         if name is None:
@@ -150,6 +157,7 @@ _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
+    "splitters_for": Names._splitters_for,
     "mm": lambda _, length: f"{round(length.number / 1000)} mm",
 }
 
@@ -319,8 +327,17 @@ def told_of(
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
     names = names_of(project, nodes)
+
+    def atoms_of(read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
+        return true_atoms(evidence, read)
+
+    # Of one node alone, for it takes a search of its own.
+    price = None
+    if len(things) == 1 and isinstance(things[0], Node):
+        price = apart(project, evidence, things[0], atoms_of)
+    given = {} if price is None else {APART: (price,)}
     wanted = set(map(key_of, things))
-    found = told(rules, deciding, lambda read: true_atoms(evidence, read), names, wanted)
+    found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, wanted)
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
     return [_told(thing, found, names, concerned) for thing in things]
 

@@ -18,6 +18,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
+from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.account import (
@@ -27,7 +28,13 @@ from mars_asp.reasoning.questions.account import (
 )
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.preceding import preceding_evidence
-from mars_asp.reasoning.questions.subject import absent_subject, quoted, unconcerned, wrong_subject
+from mars_asp.reasoning.questions.subject import (
+    absent_subject,
+    quoted,
+    unapplied,
+    unconcerned,
+    wrong_subject,
+)
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Introduced, Node
 from mars_asp.reasoning.synthesis.synthesise import (
@@ -265,11 +272,15 @@ def _nodes(
 ) -> tuple[Node, ...]:
     if subject is None:
         return introduced.nodes
-    named = tuple(node for node in introduced.nodes if node.name == subject)
+    named = tuple(node for node in introduced.nodes if subject in (node.name, _converter_of(node)))
     if named:
         return named
     reasons = {f"{c.kind}({c.subject})" for c in chosen}
     return tuple(n for n in introduced.nodes if reasons & set(introduced.resolves[n.name]))
+
+
+def _converter_of(node: Node) -> str | None:
+    return None if node.conversion is None else node.conversion.converter
 
 
 def _node_atom(node: Node, evidence: Evidence, synthesis: Synthesis | None) -> clingo.Symbol:
@@ -314,6 +325,10 @@ def _asked_atom(
         raise _unrealised(subject, project)
     if subject in names:
         raise unconcerned(subject, project)
+    if synthesis is not None and subject in described_modules(
+        project.configuration, project.modules
+    ):
+        raise unapplied(subject, project)
     known = [*names, *(c.kind for c in analysis.consequences)]
     if synthesis is not None:
         known += [node.name for node in synthesis.specification.nodes]

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
@@ -35,6 +35,9 @@ def absent_subject(
     kind, _, rest = subject.partition("(")
     about = rest.removesuffix(")")
     is_kind = kind in consequence_kinds(rulebook)
+    if node_kind(subject) is not None:
+        message = f"the minimal specification has no node `{subject}`"
+        return wrong_subject(project, message, f"`--why-not {subject}` shows what one would take")
     if not is_kind and kind not in NODE_NAMES.values():
         near = nearest(subject, known)
         message = f"this configuration has no module, node, consequence or true atom `{subject}`"
@@ -71,6 +74,13 @@ def unconcerned(subject: str, project: Project) -> MarsError:
     if project.configuration.kind == "specification":
         help_text += "; a specification resolves them, so ask about the configuration"
     return wrong_subject(project, f"nothing concerns `{subject}`", help_text)
+
+
+def unapplied(converter: str, project: Project) -> MarsError:
+    """Return the error that a converter is declared, and no DataTransformer applies it."""
+    message = f"no DataTransformer of the minimal specification applies `{converter}`"
+    help_text = "`--alternatives` shows other specifications, which may apply it"
+    return wrong_subject(project, message, help_text)
 
 
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:

@@ -256,13 +256,10 @@ def _present(
     see = None if open_atom else question.shown
     if synthesis is not None and question.is_node:
         specification = synthesis.specification
-        topics = [
-            topic
-            for node in specification.nodes
-            if node.term == node_term(held, question.kind)
-            for topic in specification.resolves[node.name]
-        ]
-        answer = is_there(question.shown, topics)
+        nodes = [node for node in specification.nodes if _is_meant(node.term, held, question)]
+        each = (topic for node in nodes for topic in specification.resolves[node.name])
+        topics = list(dict.fromkeys(each))
+        answer = is_there(question.shown, topics, len(nodes))
         named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
         see = question.shown if named else next(iter(topics), None)
     elif question.kind is not None:
@@ -290,14 +287,27 @@ def _present(
     )
 
 
-def is_there(shown: str, resolves: Sequence[str]) -> str:
-    """Return the answer that a node is there."""
-    return f"{shown} is there{f', and resolves {_listed(_named(resolves))}' if resolves else ''}."
+def is_there(shown: str, resolves: Sequence[str], number: int = 1) -> str:
+    """Return the answer that a node is there, or several of its kind are."""
+    there = "is there" if number < 2 else f"is there {_times(number)}"
+    return f"{shown} {there}{f', and resolves {_listed(_named(resolves))}' if resolves else ''}."
 
 
 def holds(shown: str, message: str = "") -> str:
     """Return the answer that something else holds, with what is said of it."""
     return f"{shown} holds{f': {message}' if message else ''}."
+
+
+def _is_meant(term: str, held: clingo.Symbol, question: _Question) -> bool:
+    """Whether a node is the one that was found, or another that a module asks for."""
+    if term == node_term(held, question.kind):
+        return True
+    node = clingo.parse_term(term)
+    return question.module is not None and any(fits(each, node) for each in question.patterns)
+
+
+def _times(number: int) -> str:
+    return "twice" if number == 2 else f"{number} times"
 
 
 def node_term(held: clingo.Symbol, kind: str | None) -> str:

@@ -174,8 +174,10 @@ class _Ways:
         # What a module inherits is commanded through the node that stands for it.
         stand_in = self._stand_in.get(receiver) if kind is Control else None
         if stand_in is not None:
-            yield from self._back(kind, stand_in, feeder)
-            yield from self._on(kind, stand_in)
+            before = list(self._back(kind, stand_in, feeder))
+            yield from before
+            # One that commands only what the module does itself is not passed on.
+            yield from self._on(kind, stand_in) if before else ()
 
     def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
         """Yield the lines from a module through nodes to a receiver."""

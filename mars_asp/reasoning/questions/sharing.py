@@ -1,0 +1,134 @@
+"""What it would cost if modules with the same controllers did not share their arbiter.
+
+Arbiters whose inputs are held for different times are not the same, so a `hold` of its own at each
+of the modules forbids the sharing and changes nothing else. What is connected to them by control is
+resolved once as it is and once with these, each by search.
+"""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+
+import clingo
+
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.grounding import Grounding, Resolution
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, text
+from mars_asp.model.declarations import Control
+from mars_asp.reasoning.facts.identifiers import numbered
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.rules import NODES
+from mars_asp.reasoning.session import Evidence
+from mars_asp.reasoning.synthesis import Node
+
+#: What is told of a node: how many there are, how many there would be apart, and which these are.
+APART = Signature("apart", 5)
+#: More lines than these, or more seconds, are not spent on a sentence.
+_MOST_LINES, _MOST_SECONDS = 60, 0.1
+_HEARS, _WEIGHS, _HOLD = Signature("hears", 3), Signature("weighs", 2), Signature("hold", 2)
+_RECEIVES, _ARCHITECTURE = Signature("receives", 2), Signature("architecture", 1)
+_ARBITER, _SPLITTER = Signature("arbiter", 1), Signature("control_splitter", 1)
+
+#: The atoms of predicates, as far as they are true.
+_Atoms = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
+
+
+@dataclass(frozen=True)
+class _Heard:
+    """Who hears whom over which relationships, of what control connects."""
+
+    #: Relationships by the module that hears them.
+    of: Mapping[str, Sequence[TermId]]
+    stated: Mapping[Signature, Sequence[TermId]]
+
+
+def apart(project: Project, evidence: Evidence, node: Node, atoms_of: _Atoms) -> TermId | None:
+    """Return `apart(N, X, Y, K, L)` of a shared arbiter N; `None` where that is not told.
+
+    Of what control connects with them there are X nodes, and Y where they share none: K arbiters
+    and splitters for the controllers in the list L. It is told where each module receives what the
+    arbiter says as it is, nothing is commanded that is only inherited, and a short search decides.
+    """
+    if node.kind != "arbitration_node" or evidence.rulebook.packs:
+        return None
+    if project.configuration.kind == "specification":
+        return None
+    signal = as_term(clingo.Function("run", clingo.parse_term(node.term).arguments))
+    received = map(arguments, atoms_of([_RECEIVES])[_RECEIVES])
+    sharing = [text(module) for module, heard_there in received if heard_there == signal]
+    if len(sharing) < 2:
+        return None
+    heard = _connected(sharing, atoms_of([_HEARS, _WEIGHS, _HOLD, _ARCHITECTURE]))
+    if heard is None:
+        return None
+    deadline = time.monotonic() + _MOST_SECONDS
+    rules = evidence.rulebook.text("resolve")
+    together = Grounding((), heard.stated).resolve(rules, deadline)
+    parted = {**heard.stated, _HOLD: _parted(sharing, heard)}
+    alone = Grounding((), parted).resolve(rules, deadline)
+    if not together.proven or not alone.proven:
+        return None
+    return as_term(_price(node, project, together, alone))
+
+
+def _connected(
+    modules: Sequence[str], found: Mapping[Signature, Sequence[TermId]]
+) -> _Heard | None:
+    """Return what control connects with modules; `None` where that is much, or is inherited."""
+    lines = [(text(m), text(c)) for _, m, c in map(arguments, found[_HEARS])]
+    reached, waiting = set(modules), list(modules)
+    beside: dict[str, list[str]] = defaultdict(list)
+    for module, controller in lines:
+        # A name that controls and is controlled is two things.
+        beside[module].append(f"by {controller}")
+        beside[f"by {controller}"].append(module)
+    while waiting:
+        for other in beside[waiting.pop()]:
+            if other not in reached:
+                reached.add(other)
+                waiting.append(other)
+    heard = [a for a, (module, _) in zip(found[_HEARS], lines, strict=True) if module in reached]
+    if len(heard) > _MOST_LINES or any("inherited(" in text(atom) for atom in heard):
+        return None
+    of: dict[str, list[TermId]] = defaultdict(list)
+    for relationship, hearer, _ in map(arguments, heard):
+        of[text(hearer)].append(relationship)
+    those = {relationship for each in of.values() for relationship in each}
+
+    def kept(atoms: Iterable[TermId]) -> Sequence[TermId]:
+        return [atom for atom in atoms if arguments(atom)[0] in those]
+
+    stated = {signature: kept(found[signature]) for signature in (_WEIGHS, _HOLD)}
+    return _Heard(of, {**stated, _HEARS: heard, _ARCHITECTURE: found[_ARCHITECTURE]})
+
+
+def _parted(sharing: Sequence[str], heard: _Heard) -> Sequence[TermId]:
+    """Return holds by which each of some modules but the first differs from all others."""
+    stated = {arguments(atom)[0]: atom for atom in heard.stated[_HOLD]}
+    taken = {as_symbol(arguments(atom)[1]) for atom in stated.values()}
+    free = (each for each in map(clingo.Number, count(1)) if each not in taken)
+    for module, hold in zip(sharing[1:], free, strict=False):
+        for relationship in heard.of[module]:
+            own = clingo.Function(_HOLD.name, [as_symbol(relationship), hold])
+            stated[relationship] = as_term(own)
+    return tuple(stated.values())
+
+
+def _price(node: Node, project: Project, together: Resolution, alone: Resolution) -> clingo.Symbol:
+    true = alone.answer.true_of([_ARBITER, _SPLITTER])
+    copied = [as_symbol(arguments(atom)[0]) for atom in true[_SPLITTER]]
+    names = {each.arguments[0].string for each in copied if each.match("base", 1)}
+    first: dict[str, int] = {}
+    for _, each in numbered(project.configuration.relationships):
+        if isinstance(each, Control) and each.controller in names:
+            line = each.span.line
+            first[each.controller] = min(line, first.get(each.controller, line))
+    listed: clingo.Symbol = clingo.Number(len(copied) - len(names))
+    for name in sorted(names, key=lambda name: first[name], reverse=True):
+        listed = clingo.Function("and", [clingo.String(name), listed])
+    numbers = [together.cost.get(NODES, 0), alone.cost.get(NODES, 0), len(true[_ARBITER])]
+    return clingo.Function(
+        APART.name, [clingo.parse_term(node.term), *map(clingo.Number, numbers), listed]
+    )
