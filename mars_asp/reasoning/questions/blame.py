@@ -15,7 +15,7 @@ from mars_asp.asp.messages import Said, fill, said, saying, shown
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.term_ids import arguments, as_symbol
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
@@ -78,8 +78,8 @@ def reasons(
 ) -> Iterator[tuple[str, str, Blame]]:
     """Yield why there is nothing of each kind for each module, where a rule says so, in any order.
 
-    All are asked at once, which takes little longer than one; no change is proposed or tried. What
-    is there may have a reason as well, which then means nothing.
+    All are asked in one grounding; no change is proposed or tried. What is there may have a reason
+    as well, which then means nothing.
 
     Raises:
         MarsError: clingo refuses the rules.
@@ -87,16 +87,15 @@ def reasons(
     names = tuple(modules)
     questions = [_sought(kind, name) for kind in kinds for name in names]
     told = _Told(project, rulebook, questions, (ABSENT,))
-    first: dict[tuple[str, str], tuple[tuple[int, str], Said]] = {}
+    first: dict[tuple[TermId, ...], Said] = {}
     for each in told.of(ABSENT):
-        kind, subject, _ = as_symbol(each.head).arguments
-        order = _order(each)
-        key = (kind.name, subject.string)
-        if key not in first or order < first[key][0]:
-            first[key] = (order, each)
-    for (kind_name, module), (_, each) in first.items():
-        evidence = told.evidence(as_symbol(each.head))
-        yield kind_name, module, Blame(told.text(each), evidence)
+        key = tuple(arguments(each.head)[:2])
+        if key not in first or _order(each) < _order(first[key]):
+            first[key] = each
+    for each in first.values():
+        head = as_symbol(each.head)
+        kind, module, _ = head.arguments
+        yield kind.name, module.string, Blame(told.text(each), told.evidence(head))
 
 
 def _sought(kind: str, module: str) -> Atom:
@@ -170,16 +169,16 @@ class _Told:
 
     def evidence(self, reason: clingo.Symbol) -> tuple[Span, ...]:
         """Return the places that a reason cites, in the order of the file."""
-        cited = self._cited.get(clingo.Tuple_(reason.arguments), ())
+        cited = self._cited.get(reason, ())
         return tuple(sorted({self._place(identifier) for identifier in cited}))
 
     @cached_property
     def _cited(self) -> Mapping[clingo.Symbol, Sequence[clingo.Symbol]]:
-        """Return what each reason cites, by kind, subject and case."""
+        """Return what each reason cites."""
         cited: dict[clingo.Symbol, list[clingo.Symbol]] = {}
         for each in self._grounding.symbols("cites", 4):
             *reason, identifier = each.arguments
-            cited.setdefault(clingo.Tuple_(reason), []).append(identifier)
+            cited.setdefault(clingo.Function(ABSENT.name, reason), []).append(identifier)
         return cited
 
     def _place(self, identifier: clingo.Symbol) -> Span:
