@@ -89,7 +89,7 @@ def test_no_line_is_wider_than_asked_but_quoted_ones_and_long_words() -> None:
     assert wrapped("`a b` c `d e`", 9) == ["`a b` c", "`d e`"]
     # A rule at the end is not alone, unless there is no room beside it.
     assert wrapped("aa bb cc [r/x]", 10) == ["aa bb", "cc [r/x]"]
-    assert wrapped("aa bb \x1b[2m[r/x]\x1b[0m", 7, "", "") == ["aa", "bb \x1b[2m[r/x]\x1b[0m"]
+    assert wrapped("aa bb \x1b[2m[r/x]\x1b[0m", 8, "", "") == ["aa", "bb \x1b[2m[r/x]\x1b[0m"]
     assert wrapped("aa bb [r/x]", 5) == ["aa bb", "[r/x]"]
 
 

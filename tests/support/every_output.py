@@ -15,6 +15,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from itertools import chain
 from pathlib import Path
 
 from mars_asp.cli import run_here
@@ -113,15 +114,15 @@ def questions(name: str, each: int = 1) -> Iterator[Command]:
         yield ["explain", name, "--why-not", atom], ""
 
 
-def is_single_answer(words: Sequence[str], output: str) -> bool:
-    """Whether a command asks one question, and got an answer."""
-    return (
-        words[0] == "explain"
-        and len(words) > 2
-        and words[2] not in ("--depth", "--places", "--repair", "--alternatives")
-        and "--repair" not in words
-        and not output.startswith("mars-asp")
-    )
+def answers(words: Sequence[str], output: str) -> Sequence[str]:
+    """Return the single answers in the output of a command; a module has one for each topic."""
+    if words[0] != "explain" or len(words) < 3 or output.startswith("mars-asp"):
+        return ()
+    if words[2] == "--why-not":
+        return (output.strip(),)
+    if words[2].startswith("-") or "--repair" in words:
+        return ()
+    return output.strip().split("\n\n")
 
 
 def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
@@ -145,22 +146,21 @@ def main(words: Sequence[str]) -> int:
     seen: set[str] = set()
     for path in paths:
         os.chdir(path.parent)
-        commands = [] if outputs else [*helps()]
-        for asked, given in (*commands, *of_whole_files(path.name), *questions(path.name, each)):
+        commands = chain(of_whole_files(path.name), questions(path.name, each))
+        for asked, given in commands if outputs else chain(helps(), commands):
             output = printed(asked, given)
             outputs += 1
-            if is_single_answer(asked, output):
-                lengths[len(output.rstrip().split("\n"))] += 1
+            lengths.update(len(each.split("\n")) for each in answers(asked, output))
             for wrong in wrong_in(asked, output):
                 sentence = re.sub(r"`[^`]*`|\d+", "", wrong)
                 if sentence not in seen:
                     seen.add(sentence)
                     print(f"{path}: mars-asp {' '.join(asked)}: {wrong}", flush=True)
-    answers = lengths.total()
+    single = lengths.total()
     long = sum(many for lines, many in lengths.items() if lines > MOST_LINES)
     print(f"{outputs} outputs of {len(paths)} files: {len(seen)} sentences hold what is forbidden")
-    print(f"{answers} single answers: {long} have more than {MOST_LINES} lines")
-    return int(bool(seen) or long * 20 > answers)
+    print(f"{single} single answers: {long} have more than {MOST_LINES} lines")
+    return int(bool(seen) or long * 20 > single)
 
 
 def _files(path: Path) -> Sequence[Path]:

@@ -55,8 +55,12 @@ def forbidden_in(text: str) -> Iterator[str]:
 
 
 def wider_than(width: int, text: str) -> Iterator[str]:
-    """Yield lines of a text that are wider, but for quoted lines, commands and single words."""
+    """Yield lines of a text that are wider, but for quoted lines, commands and single words.
+
+    A rule behind a word belongs to it.
+    """
     for line in text.split("\n"):
         quoted = _QUOTED.match(line) or re.match(r" *\| |.*: mars-asp ", line)
-        if cells(line) > width and not quoted and len(_WORD.findall(line)) > 1:
+        words = _WORD.findall(re.sub(r" +\[\S+\]$", "", line))
+        if cells(line) > width and not quoted and len(words) > 1:
             yield f"{cells(line)} columns: {line.strip()}"
