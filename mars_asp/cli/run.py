@@ -276,6 +276,7 @@ def _print_tables(
 ) -> None:
     from rich.text import Text
 
+    console.print(Text(visible(_verdict(judgement))), soft_wrap=True)
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)
@@ -288,14 +289,28 @@ def _print_tables(
         line = visible(f"{word} {requirement.name}  {requirement.message}".rstrip())
         console.print(Text(line), soft_wrap=True)
     body = trial.body
+    # Where there is nothing to come near to, there is no clearance.
+    clear = f"least clearance {body.clearance:.0f} mm, " if body.clearance < float("inf") else ""
     console.print(
         Text(
             f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: {body.collisions} "
-            f"collision{'s' * (body.collisions != 1)}, least clearance {body.clearance:.0f} mm, "
+            f"collision{'s' * (body.collisions != 1)}, {clear}"
             f"{body.driven:.0f} mm driven, "
             f"{body.both:.2f} s turning while driving"
         ),
         soft_wrap=True,
+    )
+
+
+def _verdict(judgement: "Judgement") -> str:
+    """Return the verdict, and which requirements were violated."""
+    names = [each.name for each in judgement.requirements]
+    violated = [each.name for each in judgement.requirements if not each.holds]
+    if not violated:
+        return f"pass: all {len(names)} requirements hold"
+    are = "is" if len(violated) == 1 else "are"
+    return (
+        f"fail: {len(violated)} of {len(names)} requirements {are} violated: {', '.join(violated)}"
     )
 
 
