@@ -57,7 +57,7 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "account needs subject alternatives annotation_edits changes evidence vicinity blame edits "
+        "sharing account needs subject alternatives annotation_edits changes evidence vicinity blame edits "
         "explain diff near_miss repair fix why_not without"
     ),
     "exchange": "urdf",
