@@ -58,8 +58,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "account needs subject alternatives annotation_edits changes evidence preceding vicinity "
-        "blame edits explain diff near_miss repair fix why_not absences without"
+        "sharing account needs subject alternatives annotation_edits changes evidence preceding "
+        "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",

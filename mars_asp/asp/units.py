@@ -15,11 +15,15 @@ UNITS: Mapping[str, tuple[int, str]] = {
     "thousandths": (10, " %"),
     "thousandths_a_second": (1_000, " a second"),
 }
+#: By the name of a sort, from how many on it is shown in another unit.
+_LARGER: Mapping[str, tuple[int, str]] = {"micrometres": (1_000_000, " m")}
 
 
 def measured(number: int, sort: str) -> str:
     """Return a number of a sort in the unit that is shown for it: 25000 millihertz as `25 Hz`."""
     divisor, unit = UNITS[sort]
+    if sort in _LARGER and abs(number) >= _LARGER[sort][0]:
+        divisor, unit = _LARGER[sort]
     whole, rest = divmod(abs(number), divisor)
     fraction = f".{rest:0{len(str(divisor)) - 1}}".rstrip("0") if rest else ""
     return f"{'-' if number < 0 else ''}{whole}{fraction}{unit}"

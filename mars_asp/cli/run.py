@@ -278,6 +278,7 @@ def _print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Names
 def _print_tables(
     trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
 ) -> None:
+    _say(console, "", _verdict(judgement))
     for table in (_links(trial), _controllers(trial)):
         if table.row_count and not arguments.quiet:
             console.print(table)
@@ -289,11 +290,13 @@ def _print_tables(
         word = "holds   " if requirement.holds else "VIOLATED"
         _say(console, f"{word} {requirement.name}  ", requirement.message)
     body = trial.body
+    # Where there is nothing to come near to, there is no clearance.
+    clear = f"least clearance {body.clearance:.0f} mm, " if body.clearance < float("inf") else ""
     _say(
         console,
         f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
-        f"{counted(body.collisions, 'collision')}, least clearance {body.clearance:.0f} mm, "
-        f"{body.driven:.0f} mm driven, {body.both:.2f} s turning while driving",
+        f"{counted(body.collisions, 'collision')}, {clear}{body.driven:.0f} mm driven, "
+        f"{body.both:.2f} s turning while driving",
         "  ",
     )
 
@@ -304,6 +307,18 @@ def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> No
 
     for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
         console.print(Text(line.rstrip()), soft_wrap=True)
+
+
+def _verdict(judgement: "Judgement") -> str:
+    """Return the verdict, and which requirements were violated."""
+    names = [each.name for each in judgement.requirements]
+    violated = [each.name for each in judgement.requirements if not each.holds]
+    if not violated:
+        return f"pass: all {len(names)} requirements hold"
+    are = "is" if len(violated) == 1 else "are"
+    return (
+        f"fail: {len(violated)} of {len(names)} requirements {are} violated: {', '.join(violated)}"
+    )
 
 
 def _print_winners(trial: "Trial") -> None:

@@ -10,6 +10,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
@@ -39,28 +40,10 @@ ON_REQUEST = {
 #: Where facts are that stand in no file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
+#: The unit of a number that says how often something was.
+_TIMES = "times"
 #: As much of an exception's text is shown.
 _LONGEST = 200
-#: Units of which integers are given, with how many decimals which unit of a scenario has.
-_WRITTEN = {
-    "milliseconds": (3, "s"),
-    "micrometres": (3, "mm"),
-    "thousandths": (1, "%"),
-    "times": (0, ""),
-}
-#: The units of the arguments of what `rules/run` is given; rates are in those of their functions.
-_UNITS = {
-    "held": ("", "", "milliseconds", "milliseconds"),
-    "in_force": ("", "", "milliseconds", "milliseconds"),
-    "collided": ("milliseconds",),
-    "obeyed": ("", "", "milliseconds", "milliseconds"),
-    "clearance": ("micrometres", "micrometres"),
-    "never_reached": ("milliseconds",),
-    "came_nearest": ("", "micrometres", "milliseconds"),
-    "together": ("", "", "milliseconds"),
-    "coverage": ("thousandths", "thousandths"),
-    "failed": ("", "times", ""),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,35 +160,30 @@ def _facts(trial: Trial) -> Iterator[Fact]:
 
 
 def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """Yield how the numbers of facts are written in the units of a scenario."""
+    """Yield how the numbers of facts are written of which no sort says the unit."""
     numbers: dict[tuple[str, int], None] = {}
     for fact in facts:
         arguments = fact.atom.arguments
         if fact.atom.name in ("peak", "limit"):
-            _, unit, number = arguments
-            numbers[str(unit), int(str(number))] = None
-        for unit, argument in zip(_UNITS.get(fact.atom.name, ()), arguments, strict=False):
-            if unit:
-                numbers[unit, int(str(argument))] = None
+            _, function, number = arguments
+            numbers[str(function), int(str(number))] = None
+        if fact.atom.name == "failed":
+            numbers[_TIMES, int(str(arguments[1]))] = None
     for unit, number in numbers:
-        key = Atom(unit) if unit in _WRITTEN else unit
-        yield _seen("written", key, number, in_unit(unit, number))
+        yield _seen(
+            "written", Atom(unit) if unit == _TIMES else unit, number, in_words(unit, number)
+        )
 
 
-def in_unit(unit: str, number: int) -> str:
-    """Return a number of a unit of `rules/run`, or a rate of a function, in units of a scenario.
+def in_words(unit: str, number: int) -> str:
+    """Return how often something was, or a rate of a function: millimetres or degrees a second.
 
-    Seconds, millimetres (metres from one on), percent; millimetres or degrees a second.
+    Of a grasp it is a width.
     """
-    if unit == "times":
+    if unit == _TIMES:
         return {1: "once", 2: "twice"}.get(number, f"{number} times")
-    if unit == "micrometres":
-        metres = abs(number) >= 1_000_000
-        return f"{_plain(number, 6)} m" if metres else f"{_plain(number, 3)} mm"
-    if unit in _WRITTEN:
-        return f"{_plain(number, _WRITTEN[unit][0])} {_WRITTEN[unit][1]}"
     if unit == GRASP:
-        return f"{_plain(number, 3)} mm"
+        return measured(number, "micrometres")
     return f"{_plain(number, 3)} {'degrees/s' if unit.startswith('Rotn') else 'mm/s'}"
 
 

@@ -24,7 +24,7 @@ from mars_asp.execution.simulator import (
     World,
 )
 from mars_asp.execution.simulator.body import planar_functions
-from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Module
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Configuration, Function, Module
 from mars_asp.spelling import nearest
 
 
@@ -242,9 +242,15 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
             yield Circle(at, radius)
 
 
+def _limit(function: Function) -> float | None:
+    """Return how fast a function may be commanded; of a grasp, how wide."""
+    limit = function.max if function.name == GRASP else function.rate
+    return None if limit is None else float(limit)
+
+
 def _limits(modules: Mapping[str, Module], scenario: Scenario) -> dict[str, dict[str, float]]:
     limits = {
-        name: {f.name: float(f.rate) for f in module.functions if f.rate is not None}
+        name: {f.name: limit for f in module.functions if (limit := _limit(f)) is not None}
         for name, module in modules.items()
     }
     stated = scenario.robot.get("limits", {})

@@ -149,7 +149,7 @@ def test_a_violated_requirement_is_status_1(
     asked, observed = trace["premises"]
     assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
     assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", None, None)
-    assert observed["message"].endswith(" mm, and 3000 mm was asked for")
+    assert observed["message"].endswith(" mm, and 3 m was asked for")
 
 
 def test_annotated_functions_run_without_another_line_of_glue(

@@ -45,8 +45,18 @@ _FOREIGN = tuple(
         *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
     }
 )
+
+
+class _Short(Repr):
+    """Shortens texts of values, and numbers in them to six digits."""
+
+    def repr_float(self, number: float, _: int) -> str:
+        return f"{number:.6g}"
+
+
 #: Of a class whose text cannot be made, it shows the name.
-_SHORT = Repr()
+_SHORT = _Short()
+_SHORT.maxlist = _SHORT.maxtuple = 4
 _SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
 
 _ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")

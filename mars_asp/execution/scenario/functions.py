@@ -33,9 +33,12 @@ class Functions:
         try:
             if path not in self.loaded:
                 self.loaded[path] = self._load(path)
-            found = getattr(self.loaded[path], name)
         except (Exception, SystemExit) as error:  # a user's file may fail in any way
             self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
+            return None
+        found = getattr(self.loaded[path], name, None)
+        if found is None:
+            self._note(module, f"`{path}` defines no function `{name}`")
             return None
         if not callable(found):
             self._note(module, f"`{path}:{name}` is not a function")

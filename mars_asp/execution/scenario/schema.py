@@ -236,7 +236,7 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
     elif _is_beyond(kind, schema, value):
         least, most = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
         message = f"`{value}` is out of range for `{key}`"
-        yield Mistake(path, message, f"from {least:g} to {most:g}")
+        yield Mistake(path, message, f"from {_plainly(least)} to {_plainly(most)}")
     elif form is not None:
         owner = f"`{key}`" if isinstance(form[-1], str) else f"an entry of `{key}`"
         yield Mistake(form, f"{owner} must be {_schema(form)['description']}")
@@ -310,3 +310,8 @@ def _is_nan(value: object) -> bool:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _plainly(bound: float) -> str:
+    """Return a bound without an exponent: 1e9 as `1000000000`."""
+    return f"{bound:.0f}" if float(bound).is_integer() else f"{bound:g}"

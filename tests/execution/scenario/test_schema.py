@@ -68,7 +68,11 @@ def keys(schema: dict[str, Any]) -> list[str]:
         ("robot.module = true", "`module` must be a string", None),
         ("requirements.no_collision = 1", "`no_collision` must be true or false", None),
         ("world.circles = [[0, 0, -inf]]", "an entry of `circles` must be", None),
-        ("robot.start = [0, nan, 0]", "`nan` is out of range for `start`", "from -1e+09 to 1e+09"),
+        (
+            "robot.start = [0, nan, 0]",
+            "`nan` is out of range for `start`",
+            "from -1000000000 to 1000000000",
+        ),
         (
             "devices.D = { kind = 'sonor' }",
             "`kind` must be sonar, lidar, ",
