@@ -57,8 +57,8 @@ FILES = {
         "synthesise"
     ),
     "reasoning/questions": (
-        "sharing account needs subject alternatives annotation_edits changes evidence vicinity blame edits "
-        "explain diff near_miss repair fix why_not without"
+        "sharing account needs subject alternatives annotation_edits changes evidence vicinity "
+        "blame edits explain diff near_miss repair fix why_not without"
     ),
     "exchange": "urdf",
     "exchange/urdf": "angles elements document read write",
