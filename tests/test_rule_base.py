@@ -16,8 +16,8 @@ from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from tests.support.documents import ROOT
 
-#: An id behind what a rule says, in a trace or in the list of a repair.
-CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\]")
+#: An id behind what a rule says, in a trace or in the list of a repair; links are none.
+CITED = re.compile(r"\[((?:[\w-]+/)+[\w-]+|(?:[\w-]+/)*[\w-]+:\d+(?::\d+)?)\](?!\()")
 
 
 @pytest.fixture(scope="module")
