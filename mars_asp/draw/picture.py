@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 from mars_asp.language.print import print_number, print_relationship
 from mars_asp.model.declarations import (
+    FOREVER,
     Configuration,
     Control,
     Conversion,
@@ -103,7 +104,8 @@ def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
             kind = "control"
             words = [] if relationship.priority is None else [f"priority {relationship.priority}"]
             if relationship.hold_ms is not None:
-                words.append(f"hold {relationship.hold_ms} ms")
+                unit = "" if relationship.hold_ms == FOREVER else " ms"
+                words.append(f"hold {relationship.hold_ms}{unit}")
             if relationship.allocation is not None:
                 words.append(f"allocation {relationship.allocation}")
         case Data():

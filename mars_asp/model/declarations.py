@@ -129,6 +129,9 @@ class Mount:
     transformation: Transformation | None = None
 
 
+#: How long a message stays in force: milliseconds, or for good.
+Hold: TypeAlias = int | Literal["forever"]
+FOREVER: Literal["forever"] = "forever"
 Allocation: TypeAlias = Literal["root", "split"]
 #: Which of those that give a function alone take it, nearest first, by the allocation.
 TAKING: Mapping[str | None, slice] = {None: slice(1), "root": slice(-1, None), "split": slice(None)}
@@ -146,7 +149,7 @@ class Control:
     controller: str
     span: Span
     priority: int | None = None
-    hold_ms: int | None = None
+    hold_ms: Hold | None = None
     allocation: Allocation | None = None
     listed: bool = False
 

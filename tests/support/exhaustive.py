@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TypeAlias
 
-from mars_asp.model.declarations import Configuration, Control, Data, Mode, Module, Mount
+from mars_asp.model.declarations import Configuration, Control, Data, Hold, Mode, Module, Mount
 from tests.support.least_supports import least_supports
 
 #: (nodes, conversion cost, relationships).
@@ -331,7 +331,7 @@ def hearing(configuration: Configuration, nodes: Mapping[str, Inheriting]) -> li
 # ---- Control: every choice of arbiters -----------------------------------------------------------
 
 #: A controller and its hold.
-Voice: TypeAlias = tuple[str, int | None]
+Voice: TypeAlias = tuple[str, Hold | None]
 #: What an arbiter hears: levels of priority from the lowest, each a set of equals.
 Order: TypeAlias = tuple[frozenset[Voice], ...]
 

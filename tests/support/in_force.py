@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from mars_asp.model.declarations import Configuration, Control, Module
+from mars_asp.model.declarations import FOREVER, Configuration, Control, Module
 from tests.support.exhaustive import STANDS_FOR, hearing, inheritance
 
 #: When a controller sends what; one value for its one function.
@@ -68,7 +68,8 @@ class Reading:
         lines = self.heard[name]
         best: tuple[int, int, Command] | None = None
         for line in lines:
-            hold = line.hold_ms if self.arbitrated(name) else FOR_EVER
+            stated = FOR_EVER if line.hold_ms == FOREVER else line.hold_ms
+            hold = stated if self.arbitrated(name) else FOR_EVER
             command = self.latest(line.controller, hold, now)
             if command is not None and command.until > now:
                 key = (line.priority or 0, command.sent, command)

@@ -9,7 +9,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mars_asp.model.declarations import Configuration, Control, Conversion, Data, Module, node_kind
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Conversion,
+    Data,
+    Hold,
+    Module,
+    node_kind,
+)
 from tests.support.exhaustive import PERIODIC, Offer, inheritance, reach, serve
 
 #: Relationships of a specification that follow each other, from a module to a module.
@@ -428,7 +436,7 @@ class _ControlJudge:
 
     def assigned(self, nodes: Mapping[str, str]) -> None:
         """Judge clauses 2, 4 and 5, where each node stands for the module given."""
-        wanted: dict[tuple[str, str], tuple[int, int | None]] = {}
+        wanted: dict[tuple[str, str], tuple[int, Hold | None]] = {}
         for (controlled, controller), line in self.declared.items():
             standing = self.standing.get(controlled)
             heard = (line.priority or 0, line.hold_ms)
@@ -454,7 +462,7 @@ class _ControlJudge:
             else:
                 self.in_one(receiver, heard_here)
 
-    def in_order(self, receiver: str, heard: Mapping[ControlPath, tuple[int, int | None]]) -> None:
+    def in_order(self, receiver: str, heard: Mapping[ControlPath, tuple[int, Hold | None]]) -> None:
         for one, other in itertools.combinations(heard, 2):
             entered = meeting(one, other)
             (a, _), (b, _) = heard[one], heard[other]
@@ -474,7 +482,7 @@ class _ControlJudge:
             if into is not None and into.hold_ms != hold and not moved:
                 refuse(2, f"the hold of {path[0].controller} at {receiver}")
 
-    def in_one(self, receiver: str, heard: Mapping[ControlPath, tuple[int, int | None]]) -> None:
+    def in_one(self, receiver: str, heard: Mapping[ControlPath, tuple[int, Hold | None]]) -> None:
         met = [tuple(k.controlled for k in path if self.arbiter(k.controlled)) for path in heard]
         if len(heard) > 1 and (len(set(met)) > 1 or len(met[0]) != 1):
             refuse(4, f"{met} at {receiver}")

@@ -10,6 +10,7 @@ from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.model.declarations import (
+    FOREVER,
     MOTION_FUNCTIONS,
     Configuration,
     Control,
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from mars_asp.kinematics.sharing import Carrying
 
 DEFAULT_HOLD = 200 * MILLISECOND
+#: Longer (ns) than any run.
+ENDLESS = 2**62
 
 
 class Plan:
@@ -65,7 +68,7 @@ class Plan:
             ends = relationship.controller, relationship.controlled
             link = Link("control", *ends, relationship.span)
             link.priority = relationship.priority or 0
-            link.hold = None if hold is None else hold * MILLISECOND
+            link.hold = None if hold is None else ENDLESS if hold == FOREVER else hold * MILLISECOND
             link.allocation = relationship.allocation
             into, out = self.control_in, self.control_out
         self.links.append(link)

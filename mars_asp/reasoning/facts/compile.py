@@ -31,6 +31,7 @@ from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
     PERIODIC,
+    hold_term,
     millihertz,
     mode_term,
     numbered,
@@ -218,7 +219,7 @@ class Compiler:
                     if self.configuration.architecture == "flat" and not relationship.listed:
                         self.add(span, "stated_priority", number)
                 if relationship.hold_ms is not None:
-                    self.add(span, "hold", number, relationship.hold_ms)
+                    self.add(span, "hold", number, hold_term(relationship.hold_ms))
                 if relationship.allocation is not None:
                     self.add(span, "allocation", number, Atom(relationship.allocation))
             case Mount(mounting, mounted):

@@ -5,14 +5,16 @@ from decimal import Decimal
 from itertools import groupby
 from operator import attrgetter
 
-from clingo import Symbol
+from clingo import Symbol, SymbolType
 
 from mars_asp.asp.solve.atoms import Atom
 from mars_asp.model.declarations import (
+    FOREVER,
     Configuration,
     Control,
     Data,
     Function,
+    Hold,
     Mode,
     Module,
     Mount,
@@ -48,6 +50,16 @@ def mode_term(mode: Mode) -> Atom:
     if mode.of is not None:
         inside.append(f"of={mode.of}")
     return Atom("mode", (mode.name, ", ".join(inside)))
+
+
+def hold_term(hold: Hold) -> int | Atom:
+    """Return a number of milliseconds, or the constant `forever`, which is more than any."""
+    return Atom(FOREVER) if hold == FOREVER else hold
+
+
+def hold_of(term: Symbol) -> Hold:
+    """Return the hold of a term."""
+    return term.number if term.type == SymbolType.Number else FOREVER
 
 
 def mode_of(term: Symbol) -> Mode:
@@ -102,6 +114,6 @@ def _content(relationship: Relationship) -> tuple[object, ...]:
         case Data(_, _, span, mode, hz):
             return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
         case Control(_, _, span, priority, hold, allocation):
-            return (priority or 0, hold or 0, allocation or "", span)
+            return (priority or 0, str(hold or 0), allocation or "", span)
         case Mount(_, _, span, at, on):
             return (at or 0, on or 0, span)

@@ -24,7 +24,7 @@ from mars_asp.model.declarations import (
     ServiceKind,
     ends_of,
 )
-from mars_asp.reasoning.facts.identifiers import PERIODIC, mode_of, numbered
+from mars_asp.reasoning.facts.identifiers import PERIODIC, hold_of, mode_of, numbered
 from mars_asp.reasoning.project import Project
 
 _READY = Mode("NotifyWhenReady", text="NotifyWhenReady")
@@ -120,7 +120,8 @@ def _data(made: _Changed, terms: list[Symbol]) -> None:
 
 def _control(made: _Changed, terms: list[Symbol]) -> None:
     controlled, controller, *rank = terms
-    priority, hold = ([term.number for term in rank] + [None, None])[:2]
+    priority = rank[0].number if rank else None
+    hold = hold_of(rank[1]) if len(rank) > 1 else None
     ends = made.module(controlled), made.module(controller)
     made.add(Control(*ends, made.span, priority, hold))
 
@@ -152,7 +153,7 @@ def _rank(made: _Changed, terms: list[Symbol]) -> None:
 
 
 def _hold(made: _Changed, terms: list[Symbol]) -> None:
-    number, hold_ms = (term.number for term in terms)
+    number, hold_ms = terms[0].number, hold_of(terms[1])
     stated = made.relationships[number]
     assert isinstance(stated, Control)
     made.relationships[number] = replace(stated, hold_ms=hold_ms)

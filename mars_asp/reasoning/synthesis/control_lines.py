@@ -10,6 +10,7 @@ from clingo import String
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term, text
 from mars_asp.model.declarations import Allocation, Control
+from mars_asp.reasoning.facts.identifiers import hold_of
 from mars_asp.reasoning.synthesis.derived import Derived
 from mars_asp.reasoning.synthesis.draft import Draft
 
@@ -130,7 +131,7 @@ class ControlLines:
                 controller,
                 draft.span,
                 None if priority is None else as_symbol(priority).number,
-                None if hold is None else as_symbol(hold).number,
+                None if hold is None else hold_of(as_symbol(hold)),
                 None if allocation is None else _ALLOCATIONS[text(allocation)],
             )
         )
