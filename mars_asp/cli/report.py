@@ -5,14 +5,16 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from mars_asp.language.text_edits import LineEdit
 
 _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1"}
 #: Further lines of a message are indented less than what belongs to it.
@@ -28,7 +30,7 @@ class Suggestion(NamedTuple):
     """The one repair of a finding: what it does, which lines change, and what then warns."""
 
     message: str
-    edits: tuple[LineEdit, ...]
+    edits: "tuple[LineEdit, ...]"
     warnings: tuple[str, ...] = ()
 
 

@@ -18,10 +18,10 @@ from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis import Derived, Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
-from mars_asp.reasoning.verification import Violation, verify
 
 if TYPE_CHECKING:
     from mars_asp.asp.trace import Explainer
+    from mars_asp.reasoning.verification import Violation
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,10 @@ class Reasoner:
         """
         return self._resolved[0] if resolved or self.is_resolved else self._consequences
 
-    def verify(self, specification: Configuration) -> tuple[Violation, ...]:
+    def verify(self, specification: Configuration) -> "tuple[Violation, ...]":
         """Return what is wrong with a specification of the project; `rulebook` holds `verify`."""
+        from mars_asp.reasoning.verification import verify  # noqa: PLC0415
+
         return verify(specification, self.project, self.rulebook)
 
     @cached_property
