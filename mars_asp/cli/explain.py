@@ -16,6 +16,7 @@ from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.cli.trace_schema import add_schema
+from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -106,6 +107,8 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     project = read_project(arguments)
     subject = arguments.about if arguments.subject is None else arguments.subject
+    # A name may be asked for as the configuration writes it.
+    subject = subject and (read_name(subject) or subject)
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None:
