@@ -77,6 +77,18 @@ def test_a_controllers_next_message_replaces_its_last_and_renews_its_hold() -> N
     assert got == [(0, 1), (90, 2), (190, None)]
 
 
+def test_a_hold_that_is_forever_never_lets_go() -> None:
+    text = (
+        "P is_controlled_by ArbitrationNode\n"
+        "ArbitrationNode is_controlled_by A 0 hold 100\n"
+        "ArbitrationNode is_controlled_by B 1 hold forever"
+    )
+    got, executor = arbitrated({"A": dict.fromkeys(range(0, 3000, 50), 1), "B": {20: 9}}, 3, text)
+    assert [value for _, value in got if value is not None] == [1, 9]
+    held = [h.holder for h in executor.arbiters["ArbitrationNode"].holdings]
+    assert held == ["A", "B"]
+
+
 def test_among_equals_the_latest_wins() -> None:
     text = (
         "P is_controlled_by ArbitrationNode\n"
