@@ -33,7 +33,7 @@ class Diagnostic:
     `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
     names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
     will happen; `help` says what to do; `labels` are other places that help, each with words of its
-    own or none; `excerpt` is the line of the file at `span`.
+    own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing.
     """
 
     code: str

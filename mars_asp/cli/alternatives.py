@@ -42,7 +42,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
         print(
-            "mars-asp: no specification realises this configuration: `mars-asp check` shows why",
+            "mars-asp: no specification realises this configuration; see `check`",
             file=sys.stderr,
         )
         return 1

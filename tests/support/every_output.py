@@ -2,10 +2,17 @@
 
     python -m tests.support.every_output EACH FILE_OR_FOLDER...
 
-prints what is forbidden in the output of every verb over files and the `.mars` files of folders,
-each sentence once, then how many outputs were read and how long single answers of `explain` are.
-Of the questions about what is not there, every EACH-th is asked. Verbs that print what is not for
-reading are left out: `facts`, `export`, `fmt` and the rules themselves.
+prints what is forbidden in the output of every verb over files and the files of folders, each
+sentence once, then how many outputs were read and how long single answers of `explain` are. Of the
+questions about what is not there, every EACH-th is asked.
+
+A `.mars` file is asked about by every verb that takes one, is compared with the next one in its
+folder, and is run in each scenario of its folder. `import` reads `.urdf` files, `rules lint` reads
+`.lp` files, and `extract` what is beside none of these.
+
+Of what `facts`, `fmt`, `export`, `import` and `extract` print only messages are read: the rest is
+text for programs, or the user's own. For the same reason `rules list` and `rules show` are left
+out, and what messages about rules quote. A mistake in headings such as `@module_start` names them.
 """
 
 import io
@@ -26,24 +33,30 @@ from mars_asp.model.declarations import MOTION_FUNCTIONS, NODE_NAMES
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.documents import ROOT
-from tests.support.forbidden import forbidden_in, wider_than
+from tests.support.forbidden import HEADING, forbidden_in, wider_than
 
 WIDTH = 80
 SCENARIO = ROOT / "examples" / "level1" / "scenario.toml"
 #: What prints a file or a table, the lines of which are as long as they are.
 _UNBROKEN = ("synthesise", "draw", "extract")
+#: What prints text for programs, or the user's own: of these only messages are read.
+_MESSAGES_ALONE = ("facts", "fmt", "export", "import", "extract")
 #: A single answer has so many lines at most, but for one of twenty.
 MOST_LINES = 12
+
+#: What is asked about of the files in a folder, by the ends of their names.
+_READ = (".mars", ".urdf", ".lp", ".cpp", ".c", ".hpp", ".py", ".go", ".m")
 
 Command = tuple[Sequence[str], str]
 
 
 def printed(words: Sequence[str], given: str = "") -> str:
-    """Return all that a command prints in this folder, standard input being what is given."""
+    """Return what a command tells in this folder, standard input being what is given."""
     output, before = io.StringIO(), sys.stdin
+    text = io.StringIO() if words[0] in _MESSAGES_ALONE else output
     sys.stdin = io.TextIOWrapper(io.BytesIO(given.encode()))
     try:
-        with redirect_stdout(output), redirect_stderr(output):
+        with redirect_stdout(text), redirect_stderr(output):
             run_here(words)
     except SystemExit:
         pass
@@ -61,6 +74,27 @@ def helps() -> Iterator[Command]:
         yield [verb, "--colour", "always"], ""
 
 
+def of_rules() -> Iterator[Command]:
+    """Yield the commands about all rules, and one that tries cases of them."""
+    yield ["rules", "lint"], ""
+    yield ["rules", "show", "data/divergance"], ""
+    yield ["test", os.path.relpath(ROOT / "tests" / "rules" / "can")], ""
+
+
+def of_file(path: Path, each: int) -> Iterator[Command]:
+    """Yield commands about a file in its folder: of a `.mars` file with every n-th question."""
+    name = path.name
+    if path.suffix == ".mars":
+        yield from of_whole_files(name)
+        yield from questions(name, each)
+    elif path.suffix == ".urdf":
+        yield ["import", "urdf", name], ""
+    elif path.suffix == ".lp":
+        yield ["rules", "lint", name], ""
+    else:
+        yield ["extract", name], ""
+
+
 def of_whole_files(name: str) -> Iterator[Command]:
     """Yield commands about a file as a whole, the specification and files like it among them."""
     for verb in ("check", "analyse", "synthesise", "explain"):
@@ -71,6 +105,13 @@ def of_whole_files(name: str) -> Iterator[Command]:
         yield ["draw", name, "-o", "-", "--as", form], ""
     for options in ("--dry-run", "--why --explain --duration 2"):
         yield ["run", name, "--scenario", os.path.relpath(SCENARIO), *options.split()], ""
+    for scenario in sorted(Path().glob("*.toml")):
+        yield ["run", name, "--scenario", scenario.name, "--why", "--explain"], ""
+    yield ["facts", name], ""
+    yield ["fmt", "--check", name], ""
+    yield ["export", "urdf", name], ""
+    for other in [each.name for each in sorted(Path().glob("*.mars")) if each.name > name][:1]:
+        yield ["diff", name, other], ""
     specification = printed(["synthesise", name, "--quiet"])
     yield ["verify", "-", name], specification
     for text in _shortened(specification):
@@ -126,13 +167,20 @@ def answers(words: Sequence[str], output: str) -> Sequence[str]:
 
 
 def wrong_in(words: Sequence[str], output: str) -> Iterator[str]:
-    """Yield what is forbidden in the output of a command; of a picture its labels are read."""
+    """Yield what is forbidden in the output of a command.
+
+    Of a picture its labels are read, of messages about rules what is not quoted.
+    """
     read = output
     if words[0] == "draw":
         read = "\n".join(re.findall(r"[>\[]\"?([^<>\[\]\"]+)\"?[<\]]", output))
     elif words[0] == "synthesise":
         read = "\n".join(line for line in output.split("\n") if "//" in line or ": " in line)
-    yield from forbidden_in(read)
+    elif words[0] == "rules":
+        read = re.sub(r"`[^`]*`", "``", re.sub(r"^ *\d+ \| .*$", "", output, flags=re.MULTILINE))
+    for wrong in forbidden_in(read):
+        if not (words[0] == "extract" and wrong.startswith(HEADING)):
+            yield wrong
     if words[0] not in _UNBROKEN:
         yield from wider_than(WIDTH, output)
 
@@ -146,8 +194,8 @@ def main(words: Sequence[str]) -> int:
     seen: set[str] = set()
     for path in paths:
         os.chdir(path.parent)
-        commands = chain(of_whole_files(path.name), questions(path.name, each))
-        for asked, given in commands if outputs else chain(helps(), commands):
+        commands = of_file(path, each)
+        for asked, given in commands if outputs else chain(helps(), of_rules(), commands):
             output = printed(asked, given)
             outputs += 1
             lengths.update(len(each.split("\n")) for each in answers(asked, output))
@@ -164,7 +212,9 @@ def main(words: Sequence[str]) -> int:
 
 
 def _files(path: Path) -> Sequence[Path]:
-    return sorted(path.rglob("*.mars")) if path.is_dir() else [path]
+    if not path.is_dir():
+        return [path]
+    return sorted(each for each in path.rglob("*") if each.suffix in _READ and each.is_file())
 
 
 if __name__ == "__main__":

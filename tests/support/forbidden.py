@@ -40,6 +40,8 @@ _QUOTED = re.compile(r"^( +\S+:\d+  | *\d+ \| | +[-+] (?:(?:after|before|behind)
 _EDIT = re.compile(r" +[-+] ")
 #: What users write themselves: how modules are mounted.
 _MOUNTED = re.compile(r"\((?:[xyz_]|-?[\d.]+)(?:,(?:[xyz_]|-?[\d.]+)){2,6}\)")
+#: What an answer is about, which may be a module with a small first letter.
+_SUBJECT = re.compile(r"^(?:No )?\w+\([A-Za-z_][\w.]*\)(?=[:,])")
 #: A word, and what is written between backticks.
 _WORD = re.compile(r"(?:`[^`]*`|\S)+")
 
@@ -47,7 +49,7 @@ _WORD = re.compile(r"(?:`[^`]*`|\S)+")
 def forbidden_in(text: str) -> Iterator[str]:
     """Yield what is forbidden in a text, each with the line where it stands."""
     for line in text.split("\n"):
-        own = _MOUNTED.sub("", _QUOTED.sub(r"\1", line))
+        own = _MOUNTED.sub("", _SUBJECT.sub("", _QUOTED.sub(r"\1", line)))
         shown = own if _EDIT.match(line) else line
         for what, pattern in FORBIDDEN.items():
             if re.search(pattern, shown if what == HEADING else own):

@@ -1,4 +1,4 @@
-"""What is said of a rule that does not give an atom."""
+"""Sentences about rules that do not give an atom."""
 
 import re
 from collections.abc import Sequence
@@ -29,10 +29,10 @@ def nearest(missing: Missing) -> list[Attempt]:
 
 
 def attempt_text(attempt: Attempt) -> str:
-    """Return what a rule would have said; what is not bound is `_`."""
+    """Return that what a rule would say does not hold; what is not bound is `...`."""
     if attempt.message is None:
         return _short(attempt) if isinstance(attempt.cause, Missing) else _test(attempt)
-    return f"not: {_HOLE.sub('_', attempt.message)}"
+    return f"it does not hold that {_HOLE.sub('...', attempt.message)}"
 
 
 def failure(attempt: Attempt, go_on: bool) -> Sequence[Trace | Attempt | str]:

@@ -85,5 +85,10 @@ def unapplied(converter: str, project: Project) -> MarsError:
 
 def wrong_subject(project: Project, message: str, help_text: str) -> MarsError:
     """Return the error that a question is about nothing that could be answered."""
-    place = point(project.configuration.path, 1, 1)
-    return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
+    return wrong_question(project.configuration.path, message, help_text)
+
+
+def wrong_question(path: str, message: str, help_text: str) -> MarsError:
+    """Return an error of a question about a file; no line is quoted, for none shows it."""
+    place = point(path, 1, 1)
+    return MarsError((Diagnostic("subject", "error", message, place, help=help_text, excerpt=""),))

@@ -21,7 +21,7 @@ from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_in, shown_pattern
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.diagnostic import MarsError, Span
 from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.facts.compile import CONSTANTS
@@ -30,6 +30,7 @@ from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
+from mars_asp.reasoning.questions.subject import wrong_question
 from mars_asp.reasoning.questions.vicinity import vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.synthesise import (
@@ -660,8 +661,7 @@ class _Vocabulary:
         return self._wrong(f"there is no {what} `{name}`", help_text)
 
     def _wrong(self, message: str, help_text: str) -> MarsError:
-        place = point(self._path, 1, 1)
-        return MarsError((Diagnostic("subject", "error", message, place, help=help_text),))
+        return wrong_question(self._path, message, help_text)
 
 
 def _receives(name: clingo.Symbol) -> clingo.Symbol:

@@ -66,6 +66,11 @@ def test_each_pattern_finds_something(text: str, what: str) -> None:
     assert f"{what}: {text.strip()}" in list(forbidden_in(text))
 
 
+def test_what_an_answer_is_about_may_be_a_module_with_a_small_first_letter() -> None:
+    assert list(forbidden_in("No ignored_priority(n1): no line of `n1` states one")) == []
+    assert list(forbidden_in("No ignored_priority(n1): no last(n1)"))
+
+
 def test_every_pattern_is_tried() -> None:
     assert {what for _, what in SHOWN} == FORBIDDEN.keys()
 
