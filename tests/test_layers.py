@@ -35,7 +35,7 @@ FILES = {
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
         "proofs explainer absence"
     ),
-    "model": "cycles declarations described ranges modes transformation",
+    "model": "cycles names declarations described ranges modes transformation",
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"

@@ -36,12 +36,15 @@ KINDS = (random_configuration, random_control, random_mounts, random_twins, rand
 _NUMBERED = r"(DataSplitter|DataTransformer|ArbitrationNode|ControlSplitter|InheritanceNode)\d*"
 #: What sentences count, and what shows one of those in a line that is cited.
 _COUNTED = {
-    r"modules|controllers": r"[A-Z]\w*",
+    r"modules|controllers": r"[A-Za-z]\w*",
     r"functions": r"(?:Rotn|Trans)_[XYZ]|Grasp",
     r"lines|relationships|commands|joints|times": r"^.*$",
 }
 #: Words of lines that are no names of modules.
-_KEYWORDS = re.compile(r"@\w+|\b(?:Notify|Request)\w+")
+_KEYWORDS = re.compile(
+    r"@\w+|\b(?:(?:Notify|Request)\w+|uses_data_from|is_\w+_(?:by|on)"
+    r"|hold|forever|period|allocation|root|split|of)\b"
+)
 STAGES = ("resolve", "account")
 
 
