@@ -43,7 +43,7 @@ _COUNTED = {
 #: Words of lines that are no names of modules.
 _KEYWORDS = re.compile(
     r"@\w+|\b(?:(?:Notify|Request)\w+|uses_data_from|is_\w+_(?:by|on)"
-    r"|hold|forever|period|allocation|root|split|of)\b"
+    r"|hold|forever|period|allocation|root|split|of|flat|hierarchical)\b"
 )
 STAGES = ("resolve", "account")
 
