@@ -1,6 +1,5 @@
 """The modules of one source, and everything that is wrong with its annotations."""
 
-import re
 from dataclasses import dataclass, field
 
 from mars_asp.annotations.arguments import FUNCTIONS, read_bounds, read_vertex
@@ -17,8 +16,8 @@ from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Module, Service, Vertex
+from mars_asp.model.names import read_name
 
-_NAME = re.compile(r"[A-Za-z_]\w*")
 #: A file with so many errors is read no further.
 MOST_ERRORS = 500
 
@@ -158,12 +157,12 @@ class _Reader:
         if not rest:
             message = "`@module_name` without a name"
             self.problems.note("MARS105", begin, end, message, "write `@module_name NAME`")
-        elif not _NAME.fullmatch(rest):
+        elif (name := read_name(rest)) is None:
             message = f"expected a module name, found `{rest}`"
-            help_text = "a name is one word of letters, digits and `_`"
+            help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
             self.problems.note("MARS107", begin, end, message, help_text)
         else:
-            module.name, module.place = rest, self.problems.span(begin, end)
+            module.name, module.place = name, self.problems.span(begin, end)
 
     def function(self, module: _Open, directive: Directive) -> None:
         bounds = read_bounds(directive.rest)

@@ -17,7 +17,7 @@ KEYWORDS = (
     "is_controlled_by",
     "uses_data_from",
 )
-_WORDS = ("flat", "hierarchical", "period", "hold", "allocation", "root", "split")
+_WORDS = ("flat", "hierarchical", "period", "hold", "forever", "allocation", "root", "split")
 _SHOWN = {
     "NAME": "a module name",
     "NUMBER": "a number",
@@ -35,6 +35,7 @@ _SHOWN = {
     "_IS_CONTROLLED_BY": "`is_controlled_by`",
     "_USES_DATA_FROM": "`uses_data_from`",
     "_HOLD": "`hold`",
+    "FOREVER": "`forever`",
     "_ALLOCATION": "`allocation`",
     "PROVIDER": "`root` or `split`",
     "_PERIOD": "`period`",

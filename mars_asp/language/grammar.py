@@ -12,6 +12,7 @@ from lark.lexer import TerminalDef
 
 from mars_asp.asp.cache import made_of
 from mars_asp.language.statements import Raw, Word
+from mars_asp.model.names import plain
 
 #: Lists, dicts, words and numbers.
 _Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
@@ -52,7 +53,8 @@ def _word(child: Token | Raw | None) -> Word | Raw | None:
         return child
     assert child.start_pos is not None
     assert child.end_pos is not None
-    return Word(child, child.start_pos, child.end_pos)
+    text = plain(child) if child.type == "NAME" else child
+    return Word(text, child.start_pos, child.end_pos)
 
 
 for _rule in _RULES:

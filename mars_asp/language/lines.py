@@ -8,11 +8,12 @@ from itertools import accumulate
 from typing import TypeAlias
 
 from mars_asp.language.statements import Raw, Word
+from mars_asp.model.names import BARE
 
 #: Where a line's statement begins and ends, and the statement.
 Read: TypeAlias = tuple[int, int, Raw]
 _BLANK = r"[^\S\n]"
-_NAME = r"[A-Za-z_]\w*+"
+_NAME = BARE
 _NUMBER = r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?"
 _GAP = f"{_BLANK}++"
 #: The groups of each alternative are the children of the grammar's rule.
@@ -21,7 +22,7 @@ _LINE = re.compile(
       ({_NAME}){_GAP}uses_data_from{_GAP}({_NAME})
         (?:{_GAP}({_NAME}))?(?:{_GAP}({_NUMBER}))?
     | ({_NAME}){_GAP}is_controlled_by{_GAP}({_NAME})
-        (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}))?
+        (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}|forever))?
         (?:{_GAP}allocation{_GAP}(root|split))?
     | ({_NAME})(?:{_GAP}({_NUMBER}))?{_GAP}is_mounted_on{_GAP}({_NAME})
         (?:{_GAP}({_NUMBER}))?

@@ -13,6 +13,7 @@ from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.lines import Read, read_lines
 from mars_asp.language.statements import Builder, Raw, begin_of
 from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
+from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.spelling import nearest
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
@@ -23,10 +24,11 @@ MOST_ERRORS = 500
 ABSTRACT = "no converter declared"
 _CONVERSION = re.compile(
     r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
-    rf"(?P<converter>[A-Za-z_]\w*|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
+    rf"(?P<converter>{BARE}|{QUOTED}|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
 )
 _STAND_IN = re.compile(
-    r"(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):[ \t]*(?P<module>[A-Za-z_]\w*)[ \t]*(?= -- |$)",
+    rf"(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):"
+    rf"[ \t]*(?P<module>{BARE}|{QUOTED})[ \t]*(?= -- |$)",
     re.MULTILINE,
 )
 
@@ -196,7 +198,7 @@ def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
     return tuple(
         Conversion(
             match["node"],
-            None if match["converter"] == ABSTRACT else match["converter"],
+            None if match["converter"] == ABSTRACT else plain(match["converter"]),
             match["source"],
             match["target"],
             layout.span(match.start("node"), match.end("target")),
@@ -212,7 +214,7 @@ def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
     for match in _STAND_IN.finditer(layout.text):
         if layout.position(match.start())[0] not in inside:
             span = layout.span(match.start("node"), match.end("module"))
-            yield StandIn(match["node"], match["module"], span)
+            yield StandIn(match["node"], plain(match["module"]), span)
 
 
 def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:

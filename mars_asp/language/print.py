@@ -18,6 +18,7 @@ from mars_asp.model.declarations import (
     Transformation,
     Vertex,
 )
+from mars_asp.model.names import written
 
 WIDTH = 72
 
@@ -31,13 +32,13 @@ def print_relationship(relationship: Relationship) -> str:
     """Return the line of a relationship."""
     match relationship:
         case Data(client, source, _, mode, hz):
-            words = [client, "uses_data_from", source]
+            words = [written(client), "uses_data_from", written(source)]
             if mode is not None:
                 words.append(print_mode(mode))
             if hz is not None:
                 words.append(print_number(hz))
         case Control(controlled, controller, _, priority, hold, allocation):
-            words = [controlled, "is_controlled_by", controller]
+            words = [written(controlled), "is_controlled_by", written(controller)]
             if priority is not None:
                 words.append(str(priority))
             if hold is not None:
@@ -45,7 +46,13 @@ def print_relationship(relationship: Relationship) -> str:
             if allocation is not None:
                 words += ["allocation", allocation]
         case Mount(mounting, mounted, _, at, on, transformation):
-            words = [mounting, *_number(at), "is_mounted_on", mounted, *_number(on)]
+            words = [
+                written(mounting),
+                *_number(at),
+                "is_mounted_on",
+                written(mounted),
+                *_number(on),
+            ]
             if transformation is not None:
                 words.append(transformation.text or print_transformation(transformation))
     return " ".join(words)
@@ -94,7 +101,7 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     if configuration.sources:
         paths = [name.text for name in configuration.sources]
         yield from fill("@sources", [*(f"{path}," for path in paths[:-1]), *paths[-1:]])
-    names = [name.text for name in configuration.modules]
+    names = [written(name.text) for name in configuration.modules]
     yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
     conversions = {c.transformer: c for c in configuration.conversions}
     modules = {each.node: each.module for each in configuration.stand_ins if not each.evident}
@@ -103,7 +110,7 @@ def _lines(configuration: Configuration) -> Iterator[str]:
             yield _conversion(conversions[relationship.client])
         if isinstance(relationship, Control) and relationship.controlled in modules:
             node = relationship.controlled
-            yield f"// {node}: {modules.pop(node)}"
+            yield f"// {node}: {written(modules.pop(node))}"
         yield print_relationship(relationship)
     for module in configuration.declared:
         yield ""
@@ -111,7 +118,8 @@ def _lines(configuration: Configuration) -> Iterator[str]:
 
 
 def _conversion(conversion: Conversion) -> str:
-    converter = conversion.converter or ABSTRACT
+    named = conversion.converter
+    converter = ABSTRACT if named is None else written(named)
     return f"// {conversion.transformer}: {converter} ({conversion.source} -> {conversion.target})"
 
 
@@ -121,7 +129,7 @@ def _number(number: int | None) -> tuple[str, ...]:
 
 def _block(module: Module) -> Iterator[str]:
     yield "@module_start"
-    yield f"@module_name {module.name}"
+    yield f"@module_name {written(module.name)}"
     for function in module.functions:
         yield _function(function)
     for vertex in module.vertices:

@@ -7,11 +7,13 @@ from typing import TypeAlias, cast
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.language.layout import Layout
 from mars_asp.model.declarations import (
+    FOREVER,
     Allocation,
     Architecture,
     Configuration,
     Control,
     Data,
+    Hold,
     Mode,
     Mount,
     Name,
@@ -178,7 +180,7 @@ class Builder:
                     str(name),
                     self._span(begin, last),
                     rank,
-                    self._whole(hold, HOLD),
+                    self._hold(hold),
                     None if allocation is None else cast("Allocation", str(allocation)),
                     len(controllers) > 1,
                 )
@@ -217,6 +219,9 @@ class Builder:
             self._note_word(word, found.message, found.help)
             return None
         return found
+
+    def _hold(self, word: "Word | Raw | None") -> Hold | None:
+        return FOREVER if word == FOREVER else self._whole(word, HOLD)
 
     def _whole(self, word: "Word | Raw | None", wanted: Range) -> int | None:
         found = self._number(word, wanted)

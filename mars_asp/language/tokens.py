@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.language.layout import Layout
+from mars_asp.model.names import QUOTED, plain
 
-_TOKEN = re.compile(r"[(),=]|[^\s(),=]+")
+_TOKEN = re.compile(rf"{QUOTED}|[(),=]|[^\s(),=]+")
 _PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
 _LIST = re.compile(r"\s*(@sources|@modules)")
 
@@ -18,6 +19,11 @@ class Token:
     text: str
     begin: int
     end: int
+
+    @property
+    def name(self) -> str:
+        """Return the name that the token writes."""
+        return plain(self.text)
 
 
 def statements(layout: Layout) -> Iterator[tuple[Token, ...]]:

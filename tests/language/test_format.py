@@ -18,6 +18,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.language.format import format_text, meaning
 from mars_asp.model.declarations import Configuration
+from mars_asp.model.names import QUOTED
 from tests.support.documents import ROOT
 from tests.support.strategies import configurations, few
 
@@ -48,7 +49,8 @@ STATEMENTS = (
 
 
 def comments(text: str) -> list[str]:
-    return [match[0].rstrip() for match in re.finditer(r"(?://|#)[^\n]*", text)]
+    found = re.finditer(rf"{QUOTED}|(?://|#)[^\n]*", text)
+    return [match[0].rstrip() for match in found if not match[0].startswith('"')]
 
 
 def noisy(rng: random.Random, text: str, remarks: bool) -> str:
@@ -69,9 +71,10 @@ def noisy(rng: random.Random, text: str, remarks: bool) -> str:
 
     lines = []
     for statement in text.splitlines():
-        pieces = r",|[^,\n]*[^,\s]" if statement.startswith("@sources") else r"[(),=]|[^\s(),=]+"
-        head, _, rest = statement.partition(" ")
-        words = [head, *(match[0].strip() for match in re.finditer(pieces, rest))]
+        pieces = rf"{QUOTED}|[(),=]|[^\s(),=]+"
+        if statement.startswith("@sources"):
+            pieces = r"@sources|,|[^,\n]*[^,\s]"
+        words = [match[0].strip() for match in re.finditer(pieces, statement)]
         line = blank(0) + words[0]
         for before, after in pairwise(words):
             line += (blank(1) if before == "@sources" else gap(before, after)) + after

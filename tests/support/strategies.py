@@ -6,11 +6,11 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
 from mars_asp.diagnostic import point
-from mars_asp.model.declarations import Configuration, Control, Data, Mode, Mount, Name
+from mars_asp.model.declarations import FOREVER, Configuration, Control, Data, Mode, Mount, Name
 from mars_asp.model.ranges import MOST
 
 HERE = point("config.mars", 1, 1)
-NAMES = ("A", "B", "C", "D", "Eye", "Wheel")
+NAMES = ("A", "B", "/robot1/base", "dora-camera", 'the "3 # eyes"', "Wheel")
 few = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
@@ -36,7 +36,7 @@ control = st.builds(
     names,
     names,
     st.none() | st.integers(0, 3) | st.sampled_from([50_000, MOST - 1, MOST]),
-    st.none() | st.integers(1, 500) | st.just(MOST),
+    st.none() | st.integers(1, 500) | st.just(MOST) | st.just(FOREVER),
 )
 mount = st.builds(
     lambda mounting, mounted, vertex: Mount(mounting, mounted, HERE, vertex, vertex),

@@ -31,6 +31,7 @@ from mars_asp.model.declarations import (
     Service,
 )
 from mars_asp.model.described import described_modules
+from mars_asp.model.names import written
 from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
@@ -75,7 +76,7 @@ class Texts:
     def controlled(self) -> Counter[str]:
         """Return how many statements control each module."""
         return Counter(
-            tokens[0].text
+            tokens[0].name
             for tokens in self.statements
             if any(token.text == "is_controlled_by" for token in tokens)
         )
@@ -152,7 +153,7 @@ class _Drafts:
         for edit in self._lists.values():
             edit.write(
                 self.file(self.texts.path),
-                ranked and self.texts.controlled[edit.tokens[0].text] > 1,
+                ranked and self.texts.controlled[edit.tokens[0].name] > 1,
             )
         lines: list[LineEdit] = []
         changed = {}
@@ -280,16 +281,16 @@ def _redirect(drafts: _Drafts, number: Symbol, end: Symbol, module: Symbol) -> N
     if isinstance(stated, Control):
         listed, member = drafts.member(stated)
         if end.name != "first":
-            listed.rename(member, module.string)
+            listed.rename(member, written(module.string))
         elif len(listed.members) == 1:
-            listed.head = module.string
+            listed.head = written(module.string)
         else:
             listed.drop(member)
-            line = f"{module.string} is_controlled_by {member.written()}"
+            line = f"{written(module.string)} is_controlled_by {member.written()}"
             drafts.add(drafts.statement(stated.span), line)
         return
     first, second = drafts.names_of(drafts.statement(stated.span))
-    drafts.replace(first if end.name == "first" else second, module.string)
+    drafts.replace(first if end.name == "first" else second, written(module.string))
 
 
 def _swap(drafts: _Drafts, number: Symbol) -> None:
@@ -297,14 +298,13 @@ def _swap(drafts: _Drafts, number: Symbol) -> None:
     if isinstance(stated, Control):
         listed, member = drafts.member(stated)
         if len(listed.members) == 1:
-            listed.head = stated.controller
-            listed.rename(member, stated.controlled)
+            listed.head = written(stated.controller)
+            listed.rename(member, written(stated.controlled))
         else:
             listed.drop(member)
-            rest = member.written(name=stated.controlled)
-            drafts.add(
-                drafts.statement(stated.span), f"{stated.controller} is_controlled_by {rest}"
-            )
+            rest = member.written(name=written(stated.controlled))
+            line = f"{written(stated.controller)} is_controlled_by {rest}"
+            drafts.add(drafts.statement(stated.span), line)
         return
     first, second = drafts.names_of(drafts.statement(stated.span))
     drafts.replace(first, second.text)
@@ -321,7 +321,7 @@ def _drop(drafts: _Drafts, number: Symbol) -> None:
 
 
 def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
-    line = f"{client.string} uses_data_from {source.string}"
+    line = f"{written(client.string)} uses_data_from {written(source.string)}"
     drafts.add(_neighbour(drafts, client.string), line)
 
 
@@ -374,12 +374,12 @@ def _architecture(drafts: _Drafts, kind: Symbol) -> None:
 
 
 def _name(drafts: _Drafts, module: Symbol) -> None:
-    drafts.members(drafts.headed("@modules")).add(module.string, WIDTH)
+    drafts.members(drafts.headed("@modules")).add(written(module.string), WIDTH)
 
 
 def _unname(drafts: _Drafts, module: Symbol) -> None:
     listed = drafts.members(drafts.headed("@modules"))
-    listed.drop(next(each for each in listed.members if each.name.text == module.string))
+    listed.drop(next(each for each in listed.members if each.name.name == module.string))
 
 
 def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
@@ -387,14 +387,14 @@ def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
         if isinstance(stated, Control):
             if stated.controlled == old.string:
                 listed, _ = drafts.member(stated)
-                listed.head = new.string
+                listed.head = written(new.string)
             if stated.controller == old.string:
                 listed, member = drafts.member(stated)
-                listed.rename(member, new.string)
+                listed.rename(member, written(new.string))
         else:
             for token in drafts.names_of(drafts.statement(stated.span)):
-                if token.text == old.string:
-                    drafts.replace(token, new.string)
+                if token.name == old.string:
+                    drafts.replace(token, written(new.string))
 
 
 def _annotate(drafts: _Drafts, module: Symbol, word: Symbol) -> None:
