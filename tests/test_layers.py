@@ -35,7 +35,7 @@ FILES = {
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
         "proofs explainer absence"
     ),
-    "model": "cycles declarations described ranges modes transformation",
+    "model": "names cycles declarations described ranges modes transformation",
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"
@@ -61,7 +61,7 @@ FILES = {
         "sharing account needs subject alternatives annotation_edits changes evidence preceding "
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
-    "exchange": "yaml_document urdf twist_mux",
+    "exchange": "recognise lift yaml_document urdf twist_mux",
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles elements document read write",
     "draw": (

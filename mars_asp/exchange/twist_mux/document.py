@@ -21,6 +21,7 @@ from mars_asp.exchange.yaml_document import (
     read_yaml,
 )
 from mars_asp.model.declarations import FOREVER, Engine, Hold
+from mars_asp.model.names import read_name, written
 from mars_asp.model.ranges import MOST
 
 Sort: TypeAlias = Literal["topics", "locks", "subscribers"]
@@ -265,6 +266,9 @@ class _Reader:
                     (first[entry.name], "the first one"),
                 )
             first.setdefault(entry.name, entry.span)
+            if read_name(written(entry.name)) is None:
+                message = "the name of an input is empty or has a line break"
+                self.wrong(entry.span, message, "write a name of one line")
             for what, (key, _) in entry.fields.items():
                 if what not in _FIELDS:
                     self.unread.append(Unread("keys of inputs", f"{entry.name}.{what}", key.span))

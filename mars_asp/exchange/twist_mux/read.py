@@ -4,13 +4,12 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from operator import attrgetter
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, point
 from mars_asp.exchange.twist_mux.document import Unread, read_document
+from mars_asp.exchange.yaml_document import MOST_BYTES
 from mars_asp.language import Parsed
 from mars_asp.model.declarations import Configuration, Control, Muxed, Name
 
-#: The code of the notes that list what was not read.
-NOT_READ = "not-read"
 _MOST_NAMED = 5
 
 
@@ -23,6 +22,10 @@ def import_twist_mux(text: str, path: str) -> Parsed:
     Raises:
         MarsError: the file is no YAML, or all that is wrong with its muxes.
     """
+    if len(text) > MOST_BYTES:
+        message = f"the file has more than {MOST_BYTES} characters, which no mux needs"
+        help_text = "give the file with the parameters of the mux alone"
+        raise MarsError((Diagnostic("mux", "error", message, point(path, 1, 1), help=help_text),))
     document = read_document(text, path)
     names: dict[str, Name] = {}
     problems: list[Diagnostic] = []
