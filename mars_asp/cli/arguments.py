@@ -225,7 +225,7 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         "--from",
         dest="from_format",
         choices=FOREIGN,
-        help="what FILE is, where that is not told by what it says",
+        help="the format of FILE, where its content does not show it",
     )
     add("--format", choices=formats, default="text", help="of the output (default text)")
     add(

@@ -230,12 +230,14 @@ def _plain(raw: bytes) -> str:
 
 
 #: Why a file that is no `.mars` file stays as it is.
-_FOREIGN = "repairs are edits of `.mars` files, and it is none"
+_FOREIGN = "repairs are edits of `.mars` files"
 
 
 def _unfixed(path: str, why: str) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
-    help_text = "change it by hand, as the findings say" if why is _FOREIGN else None
+    help_text = (
+        "change it by hand, as the help of each finding suggests" if why is _FOREIGN else None
+    )
     return Diagnostic("unfixed", "error", message, point(path, 1, 1), help=help_text)
 
 

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--contract",
         action="store_true",
-        help="print the configuration behind muxes, not the specification that they are",
+        help="print the configuration that each mux realises, not the mux as a node",
     )
 
 

@@ -75,7 +75,7 @@ def _by_hand(consequence: Consequence) -> str:
     """Return what to do about a finding in a file that is not ours, and where."""
     places = ", ".join(dict.fromkeys(str(span.line) for span in consequence.spans))
     lines = "line" if len(consequence.spans) == 1 else "lines"
-    told = consequence.help or "it is no `.mars` file, so no edit of it is proposed"
+    told = consequence.help or "only `.mars` files are edited here"
     return visible(f"change it by hand, {lines} {places}: {told}")
 
 

@@ -7,7 +7,8 @@ FORMATS = ("mars", "twist_mux")
 _OURS = re.compile(r"^[ \t]*@(?:configuration|specification|modules|module_start)\b", re.MULTILINE)
 #: A key that begins the parameters of a mux, dotted or not.
 _MUX = re.compile(
-    r"^[ \t{\"']*(?:- +)?(?:topics|locks|subscribers|ros__parameters)(?:\.[^\s:]+)?[\"']?[ \t]*:",
+    r"(?:^|[{,])[ \t{\"']*(?:- +)?(?:topics|locks|subscribers|ros__parameters)"
+    r"(?:\.[^\s:]+)?[\"']?[ \t]*:",
     re.MULTILINE,
 )
 

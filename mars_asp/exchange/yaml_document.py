@@ -75,17 +75,19 @@ def read_yaml(text: str, path: str) -> Node:
         place = point(path, 1, 1) if mark is None else point(path, mark.line + 1, mark.column + 1)
         said = error.problem or error.context or "it cannot be read"
         raise _wrong(
-            place, f"this is not YAML: {said}", "mend the line, or what is above it"
+            place, f"this is not YAML: {said}", "fix the line, or what is above it"
         ) from None
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         place = point(path, before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
-        message = f"character U+{int(error.character):04X} cannot stand in YAML"
+        message = f"character U+{int(error.character):04X} is not allowed in YAML"
         raise _wrong(place, message, "is this a text file? if so, save it as UTF-8") from None
     if reader.problems:
         raise MarsError(reader.problems)
     if reader.root is None:
-        raise _wrong(point(path, 1, 1), "the file is empty", "give a file that says something")
+        raise _wrong(
+            point(path, 1, 1), "the file is empty", "give a file with the parameters of a mux"
+        )
     return reader.root
 
 
@@ -118,9 +120,9 @@ class _Reader:
             case yaml.AliasEvent():
                 found = self.anchored.get(event.anchor or "")
                 if found is None:
-                    message = f"alias `*{event.anchor}` stands for nothing that is complete"
+                    message = f"alias `*{event.anchor}` has no complete anchor above it"
                     raise _wrong(
-                        span, message, f"write `&{event.anchor}` before what it stands for"
+                        span, message, f"write `&{event.anchor}` before the value that it repeats"
                     )
                 self.add(*found, span)
             case yaml.ScalarEvent():
@@ -170,7 +172,7 @@ class _Reader:
         if around.size > MOST_NODES:
             message = f"with its aliases the file has more than {MOST_NODES} nodes"
             raise _wrong(
-                span, message, "write out what the aliases stand for, as far as it is needed"
+                span, message, "write values out instead of aliases, as far as they are needed"
             )
 
     def closed(self, of: _Open, span: Span) -> Node:
@@ -187,7 +189,7 @@ class _Reader:
                 merged += _merged(value)
             elif key.text in keys:
                 label = (keys[key.text].span, "and here")
-                message = f"`{key.text}` stands twice in one map"
+                message = f"`{key.text}` is given twice in one map"
                 help_text = "keep one of the two: readers differ in which counts"
                 self.problems.append(
                     Diagnostic("yaml", "error", message, key.span, (label,), help_text)
@@ -206,7 +208,7 @@ def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
     """Yield what a merge key brings in."""
     for each in value.nodes if isinstance(value, Items) else (value,):
         if not isinstance(each, Pairs):
-            raise _wrong(each.span, "`<<` merges what is no map", "name a map after `<<`")
+            raise _wrong(each.span, "`<<` expects a map", "name a map after `<<`")
         yield from each.pairs
 
 

@@ -9,6 +9,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.lift import lifted
+from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.twist_mux import import_twist_mux
 from mars_asp.language import Parsed, parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Control
@@ -51,8 +52,8 @@ REFUSED = [
     ("", ["1:1: error: the file is empty"]),
     ("a: 1\n", [NO_MUX]),
     ("topics:\n", [NO_MUX]),
-    ("topics: 3\n", ["1:9: error: `topics` is no map of inputs"]),
-    ("topics: [3]\n", ["1:10: error: an input of the list is no map"]),
+    ("topics: 3\n", ["1:9: error: `topics` is a scalar, not a map of inputs"]),
+    ("topics: [3]\n", ["1:10: error: an input of the list is not a map"]),
     ("topics:\n- topic: t\n", ["2:3: error: an input of the list has no name"]),
     (
         "topics:\n- {name: a}\n- {name: a}\n",
@@ -97,14 +98,14 @@ REFUSED = [
     ),
     (f'topics: {{"a\\nb": {INPUT}}}\n',
      ["1:10: error: the name of an input is empty or has a line break"]),
-    (MUX + "3\n", ["4:10: error: input `a` is no map"]),
+    (MUX + "3\n", ["4:10: error: input `a` is not a map"]),
     (
         f"{MUX}{INPUT}\n      a: {INPUT}\n",
-        ["5:7: error: `a` stands twice in one map"],
+        ["5:7: error: `a` is given twice in one map"],
     ),
     (
         f"{MUX}{INPUT}\n    topics.a.topic: b\n",
-        ["5:5: error: `topic` of `a` stands twice"],
+        ["5:5: error: `topic` of `a` is given twice"],
     ),
     (
         "m:\n  ros__parameters:\n    topics:\n    - {name: a}\n",
@@ -121,14 +122,14 @@ REFUSED = [
      ["2:1: error: this is not YAML: found character '\\t' that cannot start any token"]),
     ("topics: [\n",
      ["2:1: error: this is not YAML: expected the node content, but found '<stream end>'"]),
-    ("a: *b\n", ["1:4: error: alias `*b` stands for nothing that is complete"]),
-    ("a: &b [*b]\n", ["1:8: error: alias `*b` stands for nothing that is complete"]),
+    ("a: *b\n", ["1:4: error: alias `*b` has no complete anchor above it"]),
+    ("a: &b [*b]\n", ["1:8: error: alias `*b` has no complete anchor above it"]),
     ("a: !!python/object/apply:os.system [ls]\n",
      ["1:4: error: tag `tag:yaml.org,2002:python/object/apply:os.system` is not read"]),
     ("--- {}\n--- {}\n", ["2:1: error: a second document begins here"]),
-    ("a: 1\nb: \0\n", ["2:4: error: character U+0000 cannot stand in YAML"]),
+    ("a: 1\nb: \0\n", ["2:4: error: character U+0000 is not allowed in YAML"]),
     ("[a]: 1\n", ["1:1: error: a key is a list or a map"]),
-    ("<<: 1\n", ["1:5: error: `<<` merges what is no map"]),
+    ("<<: 1\n", ["1:5: error: `<<` expects a map"]),
     ("topics: " + "[" * 100_000, ["1:72: error: lists and maps are nested deeper than 64"]),
     (
         "a0: &a0 [x]\n"
@@ -285,3 +286,22 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
     warned = [r for r in records if r["severity"] == "warning"]
     places = [f"{r['line']}:{r['column']}: {r['message']}" for r in warned]
     assert [p[: len(f)] for p, f in zip(places, findings, strict=True)] == findings
+
+
+@pytest.mark.parametrize(
+    ("text", "format"),
+    [
+        ("topics:\n", "twist_mux"),
+        ("m: {ros__parameters: {}}", "twist_mux"),
+        ("m:\n  ros__parameters:\n    topics.joy.topic: a\n", "twist_mux"),
+        ("subscribers:\n", "twist_mux"),
+        ('{"topics": []}', "twist_mux"),
+        ("@modules a\n// topics: b\n", "mars"),
+        ("# topics: all\n", "mars"),
+        ("@modules a\n@module_start\ntopics:\n@module_end\n", "mars"),
+        ("a is_controlled_by topics\n", "mars"),
+        ("", "mars"),
+    ],
+)
+def test_a_file_is_recognised_by_what_it_says(text: str, format: str) -> None:
+    assert recognised(text) == format

@@ -154,7 +154,7 @@ class _Reader:
                 self.mux(value, names, listed=False)
             else:
                 node = "/".join(names) or PARAMETERS
-                self.unread.append(Unread("nodes that are no mux", node, key.span))
+                self.unread.append(Unread("other nodes", node, key.span))
 
     def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
         """Read one mux; its inputs may be `listed` only where they are no ROS 2 parameters."""
@@ -184,7 +184,11 @@ class _Reader:
                     )
             elif isinstance(value, Scalar) and key.text == head:
                 if value.quoted or value.text.lower() not in ("", "~", "null"):
-                    self.wrong(value.span, f"`{head}` is no map of inputs", "name each input below")
+                    self.wrong(
+                        value.span,
+                        f"`{head}` is a scalar, not a map of inputs",
+                        "name each input below",
+                    )
             else:
                 leaves += _leaves(key, value)
         if span is None:
@@ -195,8 +199,10 @@ class _Reader:
             self.unread.append(Unread("locks", lock.name, lock.span))
         for listening, engine in _ENGINES.items():
             if entries.get(listening):
-                found = self.inputs(entries[listening], engine)
-                self.muxes.append(Mux(engine, "/".join(names), span, output, tuple(found)))
+                found = tuple(self.inputs(entries[listening]))
+                if engine == "twist_mux":
+                    self.warn_of_high(found)
+                self.muxes.append(Mux(engine, "/".join(names), span, output, found))
 
     def listed(self, items: Items) -> Iterator[_Entry]:
         """Yield what stands in a list of maps."""
@@ -204,7 +210,7 @@ class _Reader:
             if not isinstance(item, Pairs):
                 self.wrong(
                     item.span,
-                    "an input of the list is no map",
+                    "an input of the list is not a map",
                     "write `- name: NAME` and below it `topic`, `timeout` and `priority`",
                 )
                 continue
@@ -232,7 +238,7 @@ class _Reader:
                 if not isinstance(value, Pairs):
                     self.wrong(
                         value.span,
-                        f"input `{name}` is no map",
+                        f"input `{name}` is not a map",
                         "write `topic`, `timeout` and `priority` below its name",
                     )
                     continue
@@ -246,7 +252,7 @@ class _Reader:
                 first = found[what][0].span
                 self.wrong(
                     key.span,
-                    f"`{what}` of `{name}` stands twice",
+                    f"`{what}` of `{name}` is given twice",
                     "keep one of the two",
                     (first, "and here"),
                 )
@@ -254,7 +260,7 @@ class _Reader:
         for name, span in spans.items():
             yield _Entry(name, span, fields[name])
 
-    def inputs(self, entries: Sequence[_Entry], engine: Engine) -> Iterator[Input]:
+    def inputs(self, entries: Sequence[_Entry]) -> Iterator[Input]:
         """Yield the inputs of a mux, and note what is wrong with them."""
         first: dict[str, Span] = {}
         for entry in entries:
@@ -281,10 +287,22 @@ class _Reader:
                 )
             topic = self.topic(entry)
             hold = self.hold(entry)
-            priority = self.priority(entry, engine)
+            priority = self.priority(entry)
             if topic is not None and hold is not None and priority is not None:
                 ranked = entry.fields["priority"][1].span
                 yield Input(entry.name, topic, hold, priority, entry.span, ranked)
+
+    def warn_of_high(self, inputs: Sequence[Input]) -> None:
+        """Note the inputs whose priority is more than twist_mux keeps."""
+        high = [each for each in inputs if each.priority > _MOST_TWIST_MUX]
+        if high:
+            first, *others = high
+            message = f"the priority of `{first.name}` is above {_MOST_TWIST_MUX}"
+            labels = tuple((each.ranked, f"so is that of `{each.name}`") for each in others)
+            help_text = f"twist_mux keeps priorities from 0 to {_MOST_TWIST_MUX}"
+            self.problems.append(
+                Diagnostic("mux", "warning", message, first.ranked, labels, help_text)
+            )
 
     def scalar(self, entry: _Entry, what: str, expected: str) -> Scalar | None:
         """Return a field that is a scalar; note where it is none."""
@@ -345,7 +363,7 @@ class _Reader:
             self.problems.append(Diagnostic("mux", "warning", message, value.span, help=help_text))
         return whole
 
-    def priority(self, entry: _Entry, engine: Engine) -> int | None:
+    def priority(self, entry: _Entry) -> int | None:
         """Return the priority of an input."""
         expected = f"a whole number from 0 to {MOST}"
         value = self.scalar(entry, "priority", expected)
@@ -356,10 +374,6 @@ class _Reader:
         if not 0 <= number <= MOST:
             self.mistyped(entry, "priority", value, expected)
             return None
-        if engine == "twist_mux" and number > _MOST_TWIST_MUX:
-            message = f"the priority of `{entry.name}` is {number}, above what twist_mux keeps"
-            help_text = f"its priorities are from 0 to {_MOST_TWIST_MUX}"
-            self.problems.append(Diagnostic("mux", "warning", message, value.span, help=help_text))
         return number
 
 
