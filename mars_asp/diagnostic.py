@@ -6,6 +6,9 @@ from typing import Literal, NamedTuple, TypeAlias
 
 Severity: TypeAlias = Literal["error", "warning", "note"]
 
+#: The code of notes that list what was not read of a file.
+NOT_READ = "not-read"
+
 
 class Span(NamedTuple):
     """A stretch of one file; spans are in the order of their files.

@@ -61,7 +61,8 @@ FILES = {
         "sharing account needs subject alternatives annotation_edits changes evidence preceding "
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
-    "exchange": "urdf",
+    "exchange": "recognise lift yaml_document urdf twist_mux",
+    "exchange/twist_mux": "document read",
     "exchange/urdf": "angles elements document read write",
     "draw": (
         "picture colours ranks order straighten layered packing shapes legend svg page dot "

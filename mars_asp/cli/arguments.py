@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from mars_asp import __version__
+from mars_asp.exchange.recognise import FORMATS as FOREIGN
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
         "fmt": Verb("lay out `.mars` files in one way, comments kept", "fmt config.mars"),
     },
     "Exchange it": {
-        "import": Verb("read a robot from `urdf`", "import urdf robot.urdf -o robot.mars"),
+        "import": Verb(
+            "read a robot from `urdf` or `twist_mux`", "import urdf robot.urdf -o robot.mars"
+        ),
         "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
         "facts": Verb("print the facts as input of clingo", "facts config.mars"),
     },
@@ -217,6 +220,12 @@ def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FOR
         action="append",
         default=[],
         help="more annotated sources; repeatable",
+    )
+    add(
+        "--from",
+        dest="from_format",
+        choices=FOREIGN,
+        help="the format of FILE, where its content does not show it",
     )
     add("--format", choices=formats, default="text", help="of the output (default text)")
     add(

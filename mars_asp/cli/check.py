@@ -25,7 +25,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, Severity, point
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import visible
@@ -125,7 +125,7 @@ def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
     analysis = analyse_project(project, rules(_STAGES), arguments)
     found = findings(analysis)
     sole: tuple[Repair, ...] = ()
-    if found and (arguments.fix or len(analysis.facts) <= _MOST_FACTS):
+    if project.format is None and found and (arguments.fix or len(analysis.facts) <= _MOST_FACTS):
         sole = _sole_repairs(project, rules, arguments)
     if sole and arguments.fix:
         fixed = _fix(project, sole, rules, raw, one, arguments)
@@ -134,8 +134,13 @@ def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
             remember(project.configuration.path, project.text)
             found = findings(analyse_project(project, rules(_STAGES), arguments))
     one.mendable = 0 if arguments.fix else len(sole)
-    one.report(project.diagnostics, arguments)
+    unread = [d for d in project.diagnostics if d.code == NOT_READ]
+    one.report([d for d in project.diagnostics if d.code != NOT_READ], arguments)
     one.report(found, arguments, sole)
+    one.report(unread, arguments)
+    if project.format is not None and arguments.fix:
+        one.report([_unfixed(project.configuration.path, _FOREIGN)], arguments)
+        one.status = 2
     one.status = max(one.status, int(one.counted["error"] > 0))
 
 
@@ -224,9 +229,16 @@ def _plain(raw: bytes) -> str:
     raise ConflictError
 
 
+#: Why a file that is no `.mars` file stays as it is.
+_FOREIGN = "repairs are edits of `.mars` files"
+
+
 def _unfixed(path: str, why: str) -> Diagnostic:
     message = f"`{path}` was not fixed: {why}"
-    return Diagnostic("unfixed", "error", message, point(path, 1, 1))
+    help_text = (
+        "change it by hand, as the help of each finding suggests" if why is _FOREIGN else None
+    )
+    return Diagnostic("unfixed", "error", message, point(path, 1, 1), help=help_text)
 
 
 # ---- What is printed at the end ------------------------------------------------------------------

@@ -9,7 +9,8 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import STANDARD_INPUT
 from mars_asp.cli.report import report_error
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.recognise import recognised
 from mars_asp.language.format import format_text
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.output import visible
@@ -69,7 +70,15 @@ def _format(name: str, check: bool) -> tuple[bool, str]:
     piped = name == STANDARD_INPUT
     raw = read_standard_input() if piped else read_bytes(Path(name))
     shown = "<stdin>" if piped else name
-    text = format_text(decode(raw, shown), shown)
+    before = decode(raw, shown)
+    if recognised(before) != "mars":
+        message = (
+            f"`{shown}` is a file of {recognised(before)}, and `.mars` files alone are laid out"
+        )
+        help_text = f"`mars-asp import {recognised(before)} FILE` prints it as a `.mars` file"
+        place = point(shown, 1, 1)
+        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+    text = format_text(before, shown)
     changed = text.encode() != raw
     if changed and not piped and not check:
         write_file(name, text, raw)

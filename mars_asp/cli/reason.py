@@ -10,11 +10,12 @@ from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.language import Parsed, parse_file, parse_text
-from mars_asp.language.parse import MOST_BYTES, decode
+from mars_asp.exchange.recognise import recognised
+from mars_asp.language import Parsed, parse_text
+from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
-from mars_asp.reasoning.project import Project, load_project, project_facts
+from mars_asp.reasoning.project import Project, described, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 
 STANDARD_INPUT = "-"
@@ -45,15 +46,22 @@ def check_inputs(*paths: str) -> None:
 
 
 def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
-    """Read a `.mars` file without its sources.
+    """Read a robot's file without its sources, one that is not ours as the specification it is.
 
     Raises:
         MarsError: what is wrong with the file.
     """
     with stage(arguments, f"reading {visible(path)}"):
+        text = None
         if path == STANDARD_INPUT:
-            return parse_text(read_input(SHOWN_INPUT), SHOWN_INPUT)
-        return parse_file(Path(path))
+            path = SHOWN_INPUT
+            text = read_input(path)
+        parsed, _, foreign = _parse(arguments, path, text)
+    if foreign is None:
+        return parsed
+    from mars_asp.exchange.lift import lifted
+
+    return parsed._replace(configuration=lifted(parsed.configuration))
 
 
 def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
@@ -72,6 +80,25 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     return project
 
 
+def _parse(
+    arguments: argparse.Namespace, path: str, text: str | None
+) -> tuple[Parsed, str, str | None]:
+    """Return what a file says, its text, and the format that it is in where it is not ours.
+
+    Raises:
+        MarsError: what is wrong with the file.
+    """
+    text = read_text(Path(path)) if text is None else plain_lines(text)
+    # What is wrong with a file is shown in its own lines.
+    remember(path, text)
+    found = arguments.from_format or recognised(text)
+    if found == "mars":
+        return parse_text(text, path), text, None
+    from mars_asp.exchange.twist_mux import import_twist_mux
+
+    return import_twist_mux(text, path), text, found
+
+
 def load(arguments: argparse.Namespace, path: str, text: str | None = None) -> Project:
     """Read a project, whose file's content `text` replaces.
 
@@ -79,9 +106,8 @@ def load(arguments: argparse.Namespace, path: str, text: str | None = None) -> P
         MarsError: what is wrong with its files.
     """
     with stage(arguments, f"reading {visible(path)}"):
-        project = load_project(path, arguments.sources, text)
-    remember(path, project.text)
-    return project
+        parsed, text, foreign = _parse(arguments, path, text)
+        return described(parsed, text, arguments.sources, foreign)
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
@@ -108,4 +134,6 @@ def analyse_project(
 
 def add_file(parser: argparse.ArgumentParser) -> None:
     """Add the FILE argument."""
-    parser.add_argument("file", metavar="FILE", help="a `.mars` file, `-` for standard input")
+    parser.add_argument(
+        "file", metavar="FILE", help="a `.mars` file, or one of a mux; `-` for standard input"
+    )

@@ -33,7 +33,8 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
-        for line in _text(found, colours(arguments, sys.stdout), columns(sys.stdout)):
+        coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
+        for line in _text(found, coloured, width, foreign=project.format is not None):
             print(line)
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
@@ -41,7 +42,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     return int(any(repair.consequence.severity == "error" for repair in found))
 
 
-def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str]:
+def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: bool) -> Iterator[str]:
     if not found:
         yield "nothing to repair"
     printed: dict[tuple[LineEdit, ...], str] = {}
@@ -55,7 +56,9 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str
             here = f"repair {number} of `{consequence.kind}({visible(consequence.subject)})`"
             first = printed.setdefault(mend.lines, here)
             yield from _mend_text(number, mend, first, here, width)
-        if not repair.proposed:
+        if foreign:
+            yield from wrapped(_by_hand(consequence), width, "  ", "    ")
+        elif not repair.proposed:
             yield from wrapped(_unproposed(consequence), width, "  ", "    ")
         elif not repair.mends and not repair.tried and not repair.complete:
             alone = f"{consequence.kind}({visible(consequence.subject)})"
@@ -66,6 +69,14 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int) -> Iterator[str
             tried = counted(repair.tried, "set")
             were = "was" if repair.tried == 1 else "were"
             yield f"  no repair found: {tried} of edits {were} tried{end}"
+
+
+def _by_hand(consequence: Consequence) -> str:
+    """Return what to do about a finding in a file that is not ours, and where."""
+    places = ", ".join(dict.fromkeys(str(span.line) for span in consequence.spans))
+    lines = "line" if len(consequence.spans) == 1 else "lines"
+    told = consequence.help or "only `.mars` files are edited here"
+    return visible(f"change it by hand, {lines} {places}: {told}")
 
 
 def _unproposed(consequence: Consequence) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -69,9 +69,12 @@ def report(
 ) -> None:
     """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes."""
     for diagnostic in diagnostics:
-        if arguments.quiet and diagnostic.severity == "note":
+        for_programs = arguments.format in ("json", "jsonl")
+        # What was not read of a file no program may miss.
+        told = for_programs and diagnostic.code == NOT_READ
+        if arguments.quiet and diagnostic.severity == "note" and not told:
             continue
-        if arguments.format in ("json", "jsonl"):
+        if for_programs:
             found = diagnostic_json(diagnostic, suggestions.get(diagnostic))
             print(encoded(found), file=sys.stderr)
         else:

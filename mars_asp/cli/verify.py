@@ -66,7 +66,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "specification",
         metavar="SPEC",
         nargs="?",
-        help="a `.mars` specification; none with --without",
+        help="a `.mars` specification; none with --without, or where CONFIG is the file of a mux",
     )
     parser.add_argument("file", metavar="CONFIG", help="the configuration it is to realise")
     parser.add_argument(
@@ -84,15 +84,23 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.without is not None:
         return _run_without(arguments)
     if arguments.specification is None:
-        print(
-            "mars-asp verify: SPEC and CONFIG are needed, or --without NODE CONFIG", file=sys.stderr
-        )
-        return 2
-    check_inputs(arguments.specification, arguments.file)
-    parsed = read_configuration(arguments, arguments.specification)
-    specification = parsed.configuration
-    project = read_project(arguments)
-    _report_own(parsed.warnings, project.diagnostics, arguments)
+        project = read_project(arguments)
+        if project.format is None:
+            print(
+                "mars-asp verify: SPEC and CONFIG are needed, or --without NODE CONFIG",
+                file=sys.stderr,
+            )
+            return 2
+        from mars_asp.exchange.lift import lifted
+
+        # The wiring of others is judged against what it is there for.
+        specification = lifted(project.configuration)
+    else:
+        check_inputs(arguments.specification, arguments.file)
+        parsed = read_configuration(arguments, arguments.specification)
+        specification = parsed.configuration
+        project = read_project(arguments)
+        _report_own(parsed.warnings, project.diagnostics, arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
         return 2

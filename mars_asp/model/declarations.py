@@ -166,6 +166,17 @@ class Data:
 
 
 Relationship: TypeAlias = Mount | Control | Data
+#: What muxes in other people's robots run.
+Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
+
+
+@dataclass(frozen=True, slots=True)
+class Muxed:
+    """The commands for `module` pass a mux of another robot's making."""
+
+    module: str
+    engine: Engine
+    span: Span
 
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:
@@ -212,7 +223,7 @@ class Configuration:
 
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
-    once extraction has run, those found in sources.
+    once extraction has run, those found in sources; `muxes` are those of a file that is not ours.
     """
 
     path: str
@@ -227,6 +238,7 @@ class Configuration:
     declared: tuple[Module, ...] = ()
     conversions: tuple[Conversion, ...] = ()
     stand_ins: tuple[StandIn, ...] = ()
+    muxes: tuple[Muxed, ...] = ()
 
 
 NodeKind: TypeAlias = Literal[

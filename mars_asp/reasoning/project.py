@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +28,8 @@ class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
-    are the texts of the configuration's own module blocks.
+    are the texts of the configuration's own module blocks; `format` is what the file is in, where
+    it is no `.mars` file.
     """
 
     configuration: Configuration
@@ -37,6 +38,7 @@ class Project:
     text: str = ""
     found: "Extraction | None" = None
     blocks: tuple[str, ...] = ()
+    format: str | None = None
 
 
 def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
@@ -49,9 +51,21 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
         MarsError: syntax errors of the file, and sources that are missing or wrongly annotated.
     """
     text = read_text(Path(path)) if text is None else plain_lines(text)
-    parsed = parse_text(text, path)
+    return described(parse_text(text, path), text, sources)
+
+
+def described(
+    parsed: Parsed, text: str, sources: Sequence[str] = (), format: str | None = None
+) -> Project:
+    """Return a configuration with the modules of the sources that it and `sources` name.
+
+    `text` is what it was read from, and in which `format`, where that is not ours.
+
+    Raises:
+        MarsError: sources that are missing or wrongly annotated.
+    """
     configuration = parsed.configuration
-    folder = Path(path).parent
+    folder = Path(configuration.path).parent
     problems: list[Diagnostic] = []
     paths: list[Path] = []
     for name in configuration.sources:
@@ -69,7 +83,7 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
         found = extract(paths)
-    return _described(parsed, text, found)
+    return replace(_described(parsed, text, found), format=format)
 
 
 def revised(project: Project, texts: Mapping[str, str]) -> Project:

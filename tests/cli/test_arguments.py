@@ -81,7 +81,7 @@ def completion() -> str:
         (["ch"], ["check"]),
         (["s"], ["synthesise"]),
         (["--v"], ["--version"]),
-        (["check", "--f"], ["--fix", "--format"]),
+        (["check", "--f"], ["--fix", "--format", "--from"]),
         (["explain", "x.mars", "--why"], ["--why-not"]),
         (["check", "x", "--format", ""], ["text", "json"]),
         (["check", "x", "--format", "j"], ["json"]),

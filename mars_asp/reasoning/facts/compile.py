@@ -16,6 +16,7 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Engine,
     Function,
     Mode,
     Module,
@@ -66,7 +67,7 @@ def _names(described: Mapping[str, Module]) -> Names:
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
-HEADING = frozenset({"architecture", "period"})
+HEADING = frozenset({"architecture", "period", "muxed"})
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
     "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
@@ -89,7 +90,7 @@ _MOST_SPELT = 20
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
-    | {ANY.name, NONE.name, "zero", "generic"}
+    | {*get_args(Engine), ANY.name, NONE.name, "zero", "generic"}
 )
 
 
@@ -148,11 +149,13 @@ class Compiler:
                 tell()
 
     def heading(self) -> None:
-        """Add the architecture."""
+        """Add the architecture and the muxes that there are already."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
+        for mux in configuration.muxes:
+            self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
 
     def each_module(self) -> None:
         """Add the modules that the configuration names."""

@@ -135,6 +135,9 @@ def repairs(
         if subject is not None:
             _check_subject(subject, project, rulebook)
         return ()
+    if project.format is not None:
+        # Edits are of `.mars` text.
+        return tuple(Repair(finding, (), 0, 0, True, False) for finding in findings)
     proposed = _proposals(analysis, rulebook)
     most = (MOST_FACTS if most_facts is None else most_facts) // (len(facts) + FACTS_OF_A_TRY)
     search = _Search(project, rulebook, analysis.consequences, findings, deadline)

@@ -1,0 +1,399 @@
+"""The inputs and locks of the muxes of a YAML file, each at its place.
+
+The dialects are those of https://wiki.ros.org/twist_mux (lists of maps), of its ROS 2 port (maps
+under `ros__parameters`, whose keys may be dotted) and of cmd_vel_mux, which has `subscribers`.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Literal, NamedTuple, TypeAlias
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.yaml_document import (
+    DECIMAL,
+    WHOLE,
+    Items,
+    Node,
+    Pairs,
+    Scalar,
+    part_of,
+    read_yaml,
+)
+from mars_asp.model.declarations import FOREVER, Engine, Hold
+from mars_asp.model.names import read_name, written
+from mars_asp.model.ranges import MOST
+
+Sort: TypeAlias = Literal["topics", "locks", "subscribers"]
+#: What the controlled end is called where nothing says otherwise.
+OUTPUT = "cmd_vel_out"
+PARAMETERS = "ros__parameters"
+_SORTS: tuple[Sort, ...] = ("topics", "locks", "subscribers")
+_FIELDS = ("topic", "timeout", "priority")
+_ENGINES: Mapping[Sort, Engine] = {
+    "topics": "twist_mux",
+    "subscribers": "cmd_vel_mux",
+}
+#: What a byte holds, which is what twist_mux keeps a priority in.
+_MOST_TWIST_MUX = 255
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """What a mux listens to; `span` is where its name stands, `ranked` where its priority does."""
+
+    name: str
+    topic: str
+    hold_ms: Hold
+    priority: int
+    span: Span
+    ranked: Span
+
+
+class Unread(NamedTuple):
+    """Something that was not read: what sort of thing, in the plural, its name and place."""
+
+    sort: str
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Mux:
+    """A mux: the engine, the node that is it (empty where none is named) and what it controls."""
+
+    engine: Engine
+    node: str
+    span: Span
+    output: str
+    inputs: tuple[Input, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """The muxes of a file, what was not read of it, and what is noteworthy about the rest."""
+
+    muxes: tuple[Mux, ...]
+    unread: tuple[Unread, ...]
+    warnings: tuple[Diagnostic, ...]
+
+
+class _Entry(NamedTuple):
+    """An input or lock as it is written."""
+
+    name: str
+    span: Span
+    fields: Mapping[str, tuple[Scalar, Node]]
+
+
+class _Leaf(NamedTuple):
+    """A value that no map is, with the parts of the keys that lead to it."""
+
+    parts: tuple[tuple[str, Span], ...]
+    key: Scalar
+    value: Node
+
+
+def read_document(text: str, path: str) -> Document:
+    """Return the muxes of a YAML file.
+
+    Raises:
+        MarsError: it is no YAML, or all that is wrong with its muxes.
+    """
+    root = read_yaml(text, path)
+    reader = _Reader()
+    if isinstance(root, Pairs):
+        reader.find(root, ())
+    if not reader.muxes and not reader.problems:
+        reader.wrong(
+            root.span._replace(end_line=root.span.line, end_column=root.span.column),
+            "the file has no mux: neither `topics` nor `subscribers` with an input",
+            "give the parameters of a twist_mux or cmd_vel_mux",
+        )
+    errors = [d for d in reader.problems if d.severity == "error"]
+    if errors:
+        raise MarsError(reader.problems)
+    return Document(tuple(reader.muxes), tuple(reader.unread), tuple(reader.problems))
+
+
+class _Reader:
+    """Collects muxes and all that is to say about them."""
+
+    def __init__(self) -> None:
+        self.muxes: list[Mux] = []
+        self.unread: list[Unread] = []
+        self.problems: list[Diagnostic] = []
+
+    def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
+        """Note an error."""
+        self.problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
+
+    def find(self, node: Pairs, names: tuple[str, ...]) -> None:
+        """Read the muxes of a map, and of the maps in it, whose nodes have these names."""
+        if any(key.text.partition(".")[0] in _SORTS for key, _ in node.pairs):
+            self.mux(node, names, listed=True)
+            return
+        for key, value in node.pairs:
+            if key.text == PARAMETERS:
+                self.parameters(key, value, names)
+            elif isinstance(value, Pairs):
+                self.find(value, (*names, key.text.strip("/")))
+            else:
+                self.unread.append(Unread("parameters", key.text, key.span))
+
+    def parameters(self, key: Scalar, value: Node, names: tuple[str, ...]) -> None:
+        """Read the mux of a ROS 2 node, if it is one."""
+        if isinstance(value, Items):
+            self.wrong(
+                key.span,
+                f"`{PARAMETERS}` holds a list, which ROS 2 cannot read as parameters",
+                f"write a map below `{PARAMETERS}`: `topics:`, and below it each input by its name",
+            )
+        elif isinstance(value, Pairs):
+            if any(k.text.partition(".")[0] in _SORTS for k, _ in value.pairs):
+                self.mux(value, names, listed=False)
+            else:
+                node = "/".join(names) or PARAMETERS
+                self.unread.append(Unread("other nodes", node, key.span))
+
+    def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
+        """Read one mux; its inputs may be `listed` only where they are no ROS 2 parameters."""
+        entries: dict[Sort, list[_Entry]] = {}
+        leaves: list[_Leaf] = []
+        output, span = OUTPUT, None
+        for key, value in node.pairs:
+            head = key.text.partition(".")[0]
+            sort = next((sort for sort in _SORTS if sort == head), None)
+            if sort is None:
+                if key.text == "publisher" and isinstance(value, Scalar):
+                    output = value.text
+                else:
+                    self.unread.append(Unread("parameters", key.text, key.span))
+                continue
+            span = span or part_of(key, 0, len(head))
+            entries.setdefault(sort, [])
+            if isinstance(value, Items) and key.text == head:
+                if listed:
+                    entries[sort] += self.listed(value)
+                else:
+                    self.wrong(
+                        key.span,
+                        f"`{key.text}` is a list under `{PARAMETERS}`, which ROS 2 cannot read as"
+                        " parameters",
+                        "write a map: each input by its name, without `-` and `name:`",
+                    )
+            elif isinstance(value, Scalar) and key.text == head:
+                if value.quoted or value.text.lower() not in ("", "~", "null"):
+                    self.wrong(
+                        value.span,
+                        f"`{head}` is a scalar, not a map of inputs",
+                        "name each input below",
+                    )
+            else:
+                leaves += _leaves(key, value)
+        if span is None:
+            return
+        for sort in entries:
+            entries[sort] += self.mapped([leaf for leaf in leaves if leaf.parts[0][0] == sort])
+        for lock in entries.get("locks", ()):
+            self.unread.append(Unread("locks", lock.name, lock.span))
+        for listening, engine in _ENGINES.items():
+            if entries.get(listening):
+                found = tuple(self.inputs(entries[listening]))
+                if engine == "twist_mux":
+                    self.warn_of_high(found)
+                self.muxes.append(Mux(engine, "/".join(names), span, output, found))
+
+    def listed(self, items: Items) -> Iterator[_Entry]:
+        """Yield what stands in a list of maps."""
+        for item in items.nodes:
+            if not isinstance(item, Pairs):
+                self.wrong(
+                    item.span,
+                    "an input of the list is not a map",
+                    "write `- name: NAME` and below it `topic`, `timeout` and `priority`",
+                )
+                continue
+            fields = {key.text: (key, value) for key, value in item.pairs}
+            _, name = fields.pop("name", (None, None))
+            if isinstance(name, Scalar) and name.text:
+                yield _Entry(name.text, name.span, fields)
+            else:
+                begin = item.span._replace(end_line=item.span.line, end_column=item.span.column)
+                self.wrong(
+                    begin if name is None else name.span,
+                    "an input of the list has no name",
+                    "add `name: NAME`",
+                )
+
+    def mapped(self, leaves: Sequence[_Leaf]) -> Iterator[_Entry]:
+        """Yield what maps and dotted keys say, in the order of the file."""
+        spans: dict[str, Span] = {}
+        fields: dict[str, dict[str, tuple[Scalar, Node]]] = {}
+        for parts, key, value in leaves:
+            if len(parts) < 2:
+                continue
+            name, span = parts[1]
+            if len(parts) == 2:
+                if not isinstance(value, Pairs):
+                    self.wrong(
+                        value.span,
+                        f"input `{name}` is not a map",
+                        "write `topic`, `timeout` and `priority` below its name",
+                    )
+                    continue
+                fields.setdefault(name, {})
+                spans.setdefault(name, span)
+                continue
+            found = fields.setdefault(name, {})
+            spans.setdefault(name, span)
+            what = ".".join(part for part, _ in parts[2:])
+            if what in found:
+                first = found[what][0].span
+                self.wrong(
+                    key.span,
+                    f"`{what}` of `{name}` is given twice",
+                    "keep one of the two",
+                    (first, "and here"),
+                )
+            found.setdefault(what, (key, value))
+        for name, span in spans.items():
+            yield _Entry(name, span, fields[name])
+
+    def inputs(self, entries: Sequence[_Entry]) -> Iterator[Input]:
+        """Yield the inputs of a mux, and note what is wrong with them."""
+        first: dict[str, Span] = {}
+        for entry in entries:
+            if entry.name in first:
+                self.wrong(
+                    entry.span,
+                    f"two inputs are named `{entry.name}`",
+                    "give each a name of its own",
+                    (first[entry.name], "the first one"),
+                )
+            first.setdefault(entry.name, entry.span)
+            if read_name(written(entry.name)) is None:
+                message = "the name of an input is empty or has a line break"
+                self.wrong(entry.span, message, "write a name of one line")
+            for what, (key, _) in entry.fields.items():
+                if what not in _FIELDS:
+                    self.unread.append(Unread("keys of inputs", f"{entry.name}.{what}", key.span))
+            missing = [what for what in _FIELDS if what not in entry.fields]
+            if missing:
+                self.wrong(
+                    entry.span,
+                    f"input `{entry.name}` has no {' and no '.join(f'`{m}`' for m in missing)}",
+                    "state its topic, its timeout in seconds and its priority",
+                )
+            topic = self.topic(entry)
+            hold = self.hold(entry)
+            priority = self.priority(entry)
+            if topic is not None and hold is not None and priority is not None:
+                ranked = entry.fields["priority"][1].span
+                yield Input(entry.name, topic, hold, priority, entry.span, ranked)
+
+    def warn_of_high(self, inputs: Sequence[Input]) -> None:
+        """Note the inputs whose priority is more than twist_mux keeps."""
+        high = [each for each in inputs if each.priority > _MOST_TWIST_MUX]
+        if high:
+            first, *others = high
+            message = f"the priority of `{first.name}` is above {_MOST_TWIST_MUX}"
+            labels = tuple((each.ranked, f"so is that of `{each.name}`") for each in others)
+            help_text = f"twist_mux keeps priorities from 0 to {_MOST_TWIST_MUX}"
+            self.problems.append(
+                Diagnostic("mux", "warning", message, first.ranked, labels, help_text)
+            )
+
+    def scalar(self, entry: _Entry, what: str, expected: str) -> Scalar | None:
+        """Return a field that is a scalar; note where it is none."""
+        _, value = entry.fields.get(what, (None, None))
+        if value is not None and not isinstance(value, Scalar):
+            self.mistyped(entry, what, value, expected)
+            return None
+        return value
+
+    def mistyped(self, entry: _Entry, what: str, value: Node, expected: str) -> None:
+        """Note a field that holds something else than expected."""
+        match value:
+            case Scalar(text, quoted):
+                shown = text if len(text) <= 40 else f"{text[:37]}..."
+                # What is empty, or quoted where a number belongs, is not seen otherwise.
+                found = f"the text `{shown}`" if quoted else f"`{shown}`" if shown else "nothing"
+            case Items():
+                found = "a list"
+            case _:
+                found = "a map"
+        self.wrong(
+            value.span,
+            f"the {what} of `{entry.name}` is {found}, not {expected}",
+            f"write {expected}",
+        )
+
+    def topic(self, entry: _Entry) -> str | None:
+        """Return the topic of an input."""
+        value = self.scalar(entry, "topic", "the name of a topic")
+        if value is None:
+            return None
+        if not value.text or (not value.quoted and DECIMAL.fullmatch(value.text)):
+            self.mistyped(entry, "topic", value, "the name of a topic")
+            return None
+        return value.text
+
+    def hold(self, entry: _Entry) -> Hold | None:
+        """Return how long a message of an input is in force."""
+        expected = "a number of seconds"
+        value = self.scalar(entry, "timeout", expected)
+        if value is None:
+            return None
+        if value.quoted or not DECIMAL.fullmatch(value.text):
+            self.mistyped(entry, "timeout", value, expected)
+            return None
+        seconds = Decimal(value.text)
+        if seconds.is_zero():
+            return FOREVER
+        most = Decimal(MOST) / 1000
+        if not 0 < seconds <= most:
+            self.mistyped(entry, "timeout", value, f"{expected} from 0 to {most}")
+            return None
+        milliseconds = seconds.scaleb(3)
+        whole = max(1, int(milliseconds.to_integral_value()))
+        if milliseconds != whole:
+            message = f"the timeout of `{entry.name}`, {value.text} s, is taken as {whole} ms"
+            help_text = "holds are whole milliseconds: write at most three decimals"
+            self.problems.append(Diagnostic("mux", "warning", message, value.span, help=help_text))
+        return whole
+
+    def priority(self, entry: _Entry) -> int | None:
+        """Return the priority of an input."""
+        expected = f"a whole number from 0 to {MOST}"
+        value = self.scalar(entry, "priority", expected)
+        if value is None:
+            return None
+        fits = not value.quoted and WHOLE.fullmatch(value.text) and len(value.text) < 20
+        number = int(value.text) if fits else -1
+        if not 0 <= number <= MOST:
+            self.mistyped(entry, "priority", value, expected)
+            return None
+        return number
+
+
+def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
+    """Yield the values of a map, dots in keys being steps as those of maps in maps are."""
+    waiting: list[tuple[tuple[tuple[str, Span], ...], Scalar, Node]] = [((), key, value)]
+    while waiting:
+        before, at, node = waiting.pop()
+        parts = before + _parts(at)
+        if isinstance(node, Pairs) and (node.pairs or len(parts) == 1):
+            waiting += reversed([(parts, inner, below) for inner, below in node.pairs])
+        else:
+            yield _Leaf(parts, at, node)
+
+
+def _parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
+    """Return the parts of a dotted key with their places."""
+    found = []
+    start = 0
+    for part in key.text.split("."):
+        found.append((part, part_of(key, start, start + len(part))))
+        start += len(part) + 1
+    return tuple(found)

@@ -1,0 +1,85 @@
+"""The muxes of a file as a configuration."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from operator import attrgetter
+
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, point
+from mars_asp.exchange.twist_mux.document import Unread, read_document
+from mars_asp.exchange.yaml_document import MOST_BYTES
+from mars_asp.language import Parsed
+from mars_asp.model.declarations import Configuration, Control, Muxed, Name
+
+_MOST_NAMED = 5
+
+
+def import_twist_mux(text: str, path: str) -> Parsed:
+    """Return the configuration of a mux file, with what is noteworthy about it.
+
+    What a mux feeds becomes a module, each input a controller of it with its name as written, its
+    priority and, as hold, its timeout. Notes list what was not read.
+
+    Raises:
+        MarsError: the file is no YAML, or all that is wrong with its muxes.
+    """
+    if len(text) > MOST_BYTES:
+        message = f"the file has more than {MOST_BYTES} characters, which no mux needs"
+        help_text = "give the file with the parameters of the mux alone"
+        raise MarsError((Diagnostic("mux", "error", message, point(path, 1, 1), help=help_text),))
+    document = read_document(text, path)
+    names: dict[str, Name] = {}
+    problems: list[Diagnostic] = []
+    controls, muxed = [], []
+    for mux in document.muxes:
+        # Several muxes of one file may name their inputs alike.
+        before = f"{mux.node}/" if len(document.muxes) > 1 and mux.node else ""
+        controlled = before + mux.output
+        for name, span in (
+            (controlled, mux.span),
+            *((before + i.name, i.span) for i in mux.inputs),
+        ):
+            if name in names:
+                problems.append(_named_twice(Name(name, span), names[name]))
+            names.setdefault(name, Name(name, span))
+        muxed.append(Muxed(controlled, mux.engine, mux.span))
+        controls += [
+            Control(controlled, before + i.name, i.span, i.priority, i.hold_ms) for i in mux.inputs
+        ]
+    if problems:
+        raise MarsError(problems)
+    configuration = Configuration(
+        path,
+        point(path, 1, 1),
+        architecture="hierarchical",
+        stated=True,
+        modules=tuple(names.values()),
+        relationships=tuple(controls),
+        muxes=tuple(muxed),
+    )
+    return Parsed(configuration, (*document.warnings, *_notes(document.unread)))
+
+
+def _named_twice(name: Name, first: Name) -> Diagnostic:
+    return Diagnostic(
+        "mux",
+        "error",
+        f"`{name.text}` is the name of two things",
+        name.span,
+        ((first.span, "the first one"),),
+        "give each input and output a name of its own",
+    )
+
+
+def _notes(unread: Sequence[Unread]) -> Iterator[Diagnostic]:
+    """Yield for each sort of thing how many were not read, and where they stand."""
+    for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
+        first, *others = group
+        names = [f"`{each.name}`" for each in (first, *others)]
+        named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
+        yield Diagnostic(
+            NOT_READ,
+            "note",
+            f"{sort} not read: {len(names)} ({named})",
+            first.span,
+            tuple((other.span, f"`{other.name}`") for other in others),
+        )

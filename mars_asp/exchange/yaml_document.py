@@ -1,0 +1,229 @@
+"""YAML as plain nodes with their places; no value is ever made of it.
+
+Of YAML what robots' files use is read: one document of maps with plain keys, lists and scalars.
+It is read event by event, so that neither depth nor aliases cost more than their limits.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import yaml
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+
+#: A file of parameters has some hundred lines.
+MOST_BYTES = 256 * 1024
+MOST_DEPTH = 64
+#: How many nodes there may be with each alias counted as what it stands for.
+MOST_NODES = 100_000
+_TAGS = frozenset(f"tag:yaml.org,2002:{of}" for of in "str int float bool null map seq".split())
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A scalar as it is written; `quoted` is whether it can only be text."""
+
+    text: str
+    quoted: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Items:
+    """A list."""
+
+    nodes: tuple["Node", ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """A map, its keys in the order of the file; merged ones (`<<`) stand at their own places."""
+
+    pairs: tuple[tuple[Scalar, "Node"], ...]
+    span: Span
+
+
+Node: TypeAlias = Scalar | Items | Pairs
+
+
+@dataclass(slots=True)
+class _Open:
+    """A list or map of which not everything has been read; `size` counts nodes."""
+
+    start: Span
+    is_map: bool
+    anchor: str | None
+    nodes: list[Node] = field(default_factory=list)
+    size: int = 1
+
+
+def read_yaml(text: str, path: str) -> Node:
+    """Return the one document of a YAML text.
+
+    Raises:
+        MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
+    """
+    reader = _Reader(path)
+    try:
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            reader.take(event)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = point(path, 1, 1) if mark is None else point(path, mark.line + 1, mark.column + 1)
+        said = error.problem or error.context or "it cannot be read"
+        raise _wrong(
+            place, f"this is not YAML: {said}", "fix the line, or what is above it"
+        ) from None
+    except yaml.reader.ReaderError as error:
+        before = text[: error.position]
+        place = point(path, before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        message = f"character U+{int(error.character):04X} is not allowed in YAML"
+        raise _wrong(place, message, "is this a text file? if so, save it as UTF-8") from None
+    if reader.problems:
+        raise MarsError(reader.problems)
+    if reader.root is None:
+        raise _wrong(
+            point(path, 1, 1), "the file is empty", "give a file with the parameters of a mux"
+        )
+    return reader.root
+
+
+class _Reader:
+    """Makes nodes of events."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.root: Node | None = None
+        self.problems: list[Diagnostic] = []
+        self.open: list[_Open] = []
+        self.anchored: dict[str, tuple[Node, int]] = {}
+        self.documents = 0
+
+    def take(self, event: yaml.Event) -> None:
+        """Take the next event.
+
+        Raises:
+            MarsError: what is read no further.
+        """
+        span = self.span(event)
+        self.check_tag(event, span)
+        match event:
+            case yaml.DocumentStartEvent():
+                self.documents += 1
+                if self.documents > 1:
+                    raise _wrong(
+                        span, "a second document begins here", "give each a file of its own"
+                    )
+            case yaml.AliasEvent():
+                found = self.anchored.get(event.anchor or "")
+                if found is None:
+                    message = f"alias `*{event.anchor}` has no complete anchor above it"
+                    raise _wrong(
+                        span, message, f"write `&{event.anchor}` before the value that it repeats"
+                    )
+                self.add(*found, span)
+            case yaml.ScalarEvent():
+                scalar = Scalar(event.value, event.style is not None, span)
+                self.keep(event.anchor, scalar, 1)
+                self.add(scalar, 1, span)
+            case yaml.SequenceStartEvent() | yaml.MappingStartEvent():
+                if len(self.open) == MOST_DEPTH:
+                    message = f"lists and maps are nested deeper than {MOST_DEPTH}"
+                    raise _wrong(span, message, "no file of parameters needs that")
+                is_map = isinstance(event, yaml.MappingStartEvent)
+                self.open.append(_Open(span, is_map, event.anchor))
+            case yaml.SequenceEndEvent() | yaml.MappingEndEvent():
+                closed = self.open.pop()
+                node = self.closed(
+                    closed, closed.start._replace(end_line=span.line, end_column=span.column)
+                )
+                self.keep(closed.anchor, node, closed.size)
+                self.add(node, closed.size, span)
+
+    def span(self, event: yaml.Event) -> Span:
+        """Return where an event stands."""
+        start, end = event.start_mark, event.end_mark
+        if start is None or end is None:
+            return point(self.path, 1, 1)
+        return Span(self.path, start.line + 1, start.column + 1, end.line + 1, end.column + 1)
+
+    def check_tag(self, event: yaml.Event, span: Span) -> None:
+        """Raise for a tag that asks for more than plain values."""
+        tag = getattr(event, "tag", None)
+        if tag is not None and tag != "!" and tag not in _TAGS:
+            raise _wrong(span, f"tag `{tag}` is not read", "write the plain value, without a tag")
+
+    def keep(self, anchor: str | None, node: Node, size: int) -> None:
+        """Keep what aliases may stand for."""
+        if anchor is not None:
+            self.anchored[anchor] = node, size
+
+    def add(self, node: Node, size: int, span: Span) -> None:
+        """Add a complete node to what it stands in."""
+        if not self.open:
+            self.root = node
+            return
+        around = self.open[-1]
+        around.nodes.append(node)
+        around.size += size
+        if around.size > MOST_NODES:
+            message = f"with its aliases the file has more than {MOST_NODES} nodes"
+            raise _wrong(
+                span, message, "write values out instead of aliases, as far as they are needed"
+            )
+
+    def closed(self, of: _Open, span: Span) -> Node:
+        """Return a list or map that is complete."""
+        if not of.is_map:
+            return Items(tuple(of.nodes), span)
+        keys: dict[str, Scalar] = {}
+        pairs: list[tuple[Scalar, Node]] = []
+        merged: list[tuple[Scalar, Node]] = []
+        for key, value in zip(of.nodes[::2], of.nodes[1::2], strict=True):
+            if not isinstance(key, Scalar):
+                raise _wrong(key.span, "a key is a list or a map", "write a word as the key")
+            if key.text == "<<" and not key.quoted:
+                merged += _merged(value)
+            elif key.text in keys:
+                label = (keys[key.text].span, "and here")
+                message = f"`{key.text}` is given twice in one map"
+                help_text = "keep one of the two: readers differ in which counts"
+                self.problems.append(
+                    Diagnostic("yaml", "error", message, key.span, (label,), help_text)
+                )
+            else:
+                keys[key.text] = key
+                pairs.append((key, value))
+        for key, value in merged:
+            if key.text not in keys:
+                keys[key.text] = key
+                pairs.append((key, value))
+        return Pairs(tuple(pairs), span)
+
+
+def _merged(value: Node) -> Iterator[tuple[Scalar, Node]]:
+    """Yield what a merge key brings in."""
+    for each in value.nodes if isinstance(value, Items) else (value,):
+        if not isinstance(each, Pairs):
+            raise _wrong(each.span, "`<<` expects a map", "name a map after `<<`")
+        yield from each.pairs
+
+
+def part_of(key: Scalar, start: int, end: int) -> Span:
+    """Return where the characters from `start` to before `end` of a plain key stand."""
+    span = key.span
+    if key.quoted or span.line != span.end_line:
+        return span
+    return span._replace(column=span.column + start, end_column=span.column + end)
+
+
+#: Numbers as every reader of YAML understands them; leading zeros would be octal for some.
+WHOLE = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
+DECIMAL = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+
+def _wrong(span: Span, message: str, help_text: str) -> MarsError:
+    return MarsError((Diagnostic("yaml", "error", message, span, help=help_text),))

@@ -1,0 +1,307 @@
+"""Parameters of muxes: files with what they say beside them, and files that are refused."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.exchange.lift import lifted
+from mars_asp.exchange.recognise import recognised
+from mars_asp.exchange.twist_mux import import_twist_mux
+from mars_asp.language import Parsed, parse_text, print_configuration
+from mars_asp.model.declarations import Configuration, Control
+from tests.support.documents import ROOT
+
+FOLDER = ROOT / "tests" / "twist_mux"
+FILES = sorted(FOLDER.glob("*.yaml"))
+
+
+def place(d: Diagnostic) -> str:
+    return f"{d.span.line}:{d.span.column}: {d.severity}: {d.message}"
+
+
+def said(found: Parsed) -> Iterator[str]:
+    """What a file says: the muxes, a line for each of their inputs, and what is noteworthy."""
+    for mux in found.configuration.muxes:
+        yield f"{mux.span.line}:{mux.span.column}: {mux.engine} before {mux.module}"
+    for line in found.configuration.relationships:
+        assert isinstance(line, Control)
+        at = f"{line.span.line}:{line.span.column}"
+        yield f"{at}: {line.controlled} < {line.controller} {line.priority} {line.hold_ms}"
+    yield from map(place, found.warnings)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
+def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+    text = file.read_text(encoding="utf-8")
+    found = "\n".join(said(import_twist_mux(text, file.name))) + "\n"
+    golden = file.with_suffix(".txt")
+    if update_golden:
+        golden.write_text(found, encoding="utf-8")
+    assert golden.read_text(encoding="utf-8") == found
+
+
+INPUT = "{topic: t, timeout: 0.5, priority: 1}"
+MUX = "m:\n  ros__parameters:\n    topics:\n      a: "
+NO_MUX = "1:1: error: the file has no mux: neither `topics` nor `subscribers` with an input"
+#: A text, and all that is wrong with it.
+REFUSED = [
+    ("", ["1:1: error: the file is empty"]),
+    ("a: 1\n", [NO_MUX]),
+    ("topics:\n", [NO_MUX]),
+    ("topics: 3\n", ["1:9: error: `topics` is a scalar, not a map of inputs"]),
+    ("topics: [3]\n", ["1:10: error: an input of the list is not a map"]),
+    ("topics:\n- topic: t\n", ["2:3: error: an input of the list has no name"]),
+    (
+        "topics:\n- {name: a}\n- {name: a}\n",
+        [
+            "2:10: error: input `a` has no `topic` and no `timeout` and no `priority`",
+            "3:10: error: input `a` has no `topic` and no `timeout` and no `priority`",
+            "3:10: error: two inputs are named `a`",
+        ],
+    ),
+    (
+        MUX + "{topic: 5, timeout: '1', priority: 1.0}\n",
+        [
+            "4:18: error: the topic of `a` is `5`, not the name of a topic",
+            "4:30: error: the timeout of `a` is the text `1`, not a number of seconds",
+            "4:45: error: the priority of `a` is `1.0`, not a whole number from 0 to 2147483647",
+        ],
+    ),
+    (
+        MUX + "{topic: , timeout: [], priority: {}}\n",
+        [
+            "4:17: error: the topic of `a` is nothing, not the name of a topic",
+            "4:29: error: the timeout of `a` is a list, not a number of seconds",
+            "4:43: error: the priority of `a` is a map, not a whole number from 0 to 2147483647",
+        ],
+    ),
+    (
+        MUX + "{topic: t, timeout: -1, priority: 2147483648}\n",
+        [
+            "4:30: error: the timeout of `a` is `-1`,"
+            " not a number of seconds from 0 to 2147483.647",
+            "4:44: error: the priority of `a` is `2147483648`,"
+            " not a whole number from 0 to 2147483647",
+        ],
+    ),
+    (
+        MUX + "{topic: t, timeout: 1e999999999, priority: 010}\n",
+        [
+            "4:30: error: the timeout of `a` is `1e999999999`,"
+            " not a number of seconds from 0 to 2147483.647",
+            "4:53: error: the priority of `a` is `010`, not a whole number from 0 to 2147483647",
+        ],
+    ),
+    (f'topics: {{"a\\nb": {INPUT}}}\n',
+     ["1:10: error: the name of an input is empty or has a line break"]),
+    (MUX + "3\n", ["4:10: error: input `a` is not a map"]),
+    (
+        f"{MUX}{INPUT}\n      a: {INPUT}\n",
+        ["5:7: error: `a` is given twice in one map"],
+    ),
+    (
+        f"{MUX}{INPUT}\n    topics.a.topic: b\n",
+        ["5:5: error: `topic` of `a` is given twice"],
+    ),
+    (
+        "m:\n  ros__parameters:\n    topics:\n    - {name: a}\n",
+        ["3:5: error: `topics` is a list under `ros__parameters`, which ROS 2 cannot read as"
+         " parameters"],
+    ),
+    (
+        "m:\n  ros__parameters:\n  - topics:\n",
+        ["2:3: error: `ros__parameters` holds a list, which ROS 2 cannot read as parameters"],
+    ),
+    (f"topics: {{cmd_vel_out: {INPUT}}}\n",
+     ["1:10: error: `cmd_vel_out` is the name of two things"]),
+    ("topics:\n\t- name: a\n",
+     ["2:1: error: this is not YAML: found character '\\t' that cannot start any token"]),
+    ("topics: [\n",
+     ["2:1: error: this is not YAML: expected the node content, but found '<stream end>'"]),
+    ("a: *b\n", ["1:4: error: alias `*b` has no complete anchor above it"]),
+    ("a: &b [*b]\n", ["1:8: error: alias `*b` has no complete anchor above it"]),
+    ("a: !!python/object/apply:os.system [ls]\n",
+     ["1:4: error: tag `tag:yaml.org,2002:python/object/apply:os.system` is not read"]),
+    ("--- {}\n--- {}\n", ["2:1: error: a second document begins here"]),
+    ("a: 1\nb: \0\n", ["2:4: error: character U+0000 is not allowed in YAML"]),
+    ("[a]: 1\n", ["1:1: error: a key is a list or a map"]),
+    ("<<: 1\n", ["1:5: error: `<<` expects a map"]),
+    ("topics: " + "[" * 100_000, ["1:72: error: lists and maps are nested deeper than 64"]),
+    (
+        "a0: &a0 [x]\n"
+        + "\n".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 9)),
+        ["6:45: error: with its aliases the file has more than 100000 nodes"],
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
+def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list[str]) -> None:
+    with pytest.raises(MarsError) as caught:
+        import_twist_mux(text, "m.yaml")
+    assert [place(d) for d in caught.value.diagnostics] == wrong
+    assert all(d.help for d in caught.value.diagnostics)
+
+
+# ---- The command line ----------------------------------------------------------------------------
+
+SCUTTLE = """topics:
+- {name: bumper response, topic: bump, timeout: 0.5, priority: 7}
+- {name: tablet, topic: tab, timeout: 0.0, priority: 7}
+- {name: idle, topic: idle, timeout: 0.5, priority: 0}
+locks:
+- {name: stop, topic: stop, timeout: 0.0, priority: 255}
+"""
+
+
+@pytest.fixture
+def mux(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("robot.txt")
+    path.write_text(SCUTTLE, encoding="utf-8")
+    return path
+
+
+def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    status = run_here(words.split())
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_findings_and_what_was_not_read_stand_at_lines_of_the_file(
+    mux: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, _, found = told("check robot.txt", capsys)
+    heads = [line.split(": ")[:2] for line in found.splitlines() if line.startswith("robot")]
+    assert heads == [
+        ["robot.txt:2:10", "warning"],
+        ["robot.txt:3:10", "warning"],
+        ["robot.txt:4:10", "warning"],
+        ["robot.txt:6:10", "note"],
+    ]
+    assert status == 0
+    for code in ("muxes/tie-in-twist-mux", "muxes/never-expires", "muxes/never-wins", "not-read"):
+        assert f"[{code}]" in found.replace("\n  ", " ")
+    assert "In twist_mux the first of them in its list wins" in found
+
+
+def test_quiet_hides_what_was_not_read_and_json_never_does(
+    mux: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "not read" not in told("check --quiet robot.txt", capsys)[2]
+    notes = told("check --quiet --format json robot.txt", capsys)[2].splitlines()
+    assert [n for n in notes if '"not-read"' in n and "locks not read: 1 (`stop`)" in n]
+
+
+def test_a_file_of_others_is_never_written(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status, _, found = told("check --fix robot.txt", capsys)
+    assert status == 2
+    assert "`robot.txt` was not fixed" in found
+    status, _, found = told("fmt robot.txt", capsys)
+    assert status == 2
+    assert "`robot.txt` is a file of twist_mux" in found.replace("\n  ", " ")
+    _, repairs, _ = told("explain --repair robot.txt ambiguous_priority", capsys)
+    assert "change it by hand, lines 2, 3: give each controller a priority" in repairs
+    assert mux.read_text(encoding="utf-8") == SCUTTLE
+
+
+def test_who_says_what_a_file_is_is_believed(mux: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "expected" in told("check --from mars robot.txt", capsys)[2]
+    mux.write_text("{ a: 1 }", encoding="utf-8")
+    assert "the file has no mux" in told("check --from twist_mux robot.txt", capsys)[2]
+
+
+def test_the_wiring_of_a_mux_is_judged_against_what_it_is_for(
+    mux: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, judged, _ = told("verify robot.txt", capsys)
+    assert (status, judged) == (0, "the specification realises the configuration and is minimal\n")
+
+
+def test_what_is_imported_says_where_each_line_is_from(
+    mux: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert told("import twist_mux robot.txt --quiet", capsys)[:2] == (
+        0,
+        """@specification hierarchical
+@modules cmd_vel_out, "bumper response", tablet, idle, ArbitrationNode
+cmd_vel_out is_controlled_by ArbitrationNode  // from robot.txt:1
+ArbitrationNode is_controlled_by "bumper response" 7 hold 500  // from robot.txt:2
+ArbitrationNode is_controlled_by tablet 7 hold forever  // from robot.txt:3
+ArbitrationNode is_controlled_by idle 0 hold 500  // from robot.txt:4
+""",
+    )
+
+
+def meaning(of: Configuration) -> tuple[object, ...]:
+    lines = [(r.controlled, r.controller, r.priority, r.hold_ms)
+             for r in of.relationships if isinstance(r, Control)]  # fmt: skip
+    return of.kind, of.architecture, [name.text for name in of.modules], lines
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
+def test_what_is_printed_means_what_was_read(file: Path) -> None:
+    found = import_twist_mux(file.read_text(encoding="utf-8"), file.name).configuration
+    for shape in (found, lifted(found)):
+        assert meaning(parse_text(print_configuration(shape), "a.mars").configuration) == meaning(
+            shape
+        )
+
+
+def test_a_node_is_never_named_like_an_input() -> None:
+    text = f"topics: {{ArbitrationNode: {INPUT}}}"
+    found = lifted(import_twist_mux(text, "m.yaml").configuration)
+    assert [name.text for name in found.modules] == [
+        "cmd_vel_out",
+        "ArbitrationNode",
+        "ArbitrationNode2",
+    ]
+
+
+# ---- Real files ----------------------------------------------------------------------------------
+
+SHARED = ROOT.parents[1] / "shared" / "cases" / "imports" / "twist_mux"
+#: The kinds of findings and their subjects, as the files' README tells them.
+KNOWN = {
+    "twist_mux_sample": (4, ["15:7: `joystick` and `tablet` control"]),
+    "clearpath_common": (4, []),
+    "rmp": (4, ["4:7: `common` has priority 0"]),
+    "scuttle": (5, ["20:13: `joystick` and `tablet` control"]),
+}
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
+@pytest.mark.parametrize("name", KNOWN)
+def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    path = SHARED / f"{name}.yaml"
+    inputs, findings = KNOWN[name]
+    found = import_twist_mux(path.read_text(encoding="utf-8"), str(path)).configuration
+    assert len(found.relationships) == inputs
+    _, _, shown = told(f"check --format json {path}", capsys)
+    records = [json.loads(line) for line in shown.splitlines()]
+    warned = [r for r in records if r["severity"] == "warning"]
+    places = [f"{r['line']}:{r['column']}: {r['message']}" for r in warned]
+    assert [p[: len(f)] for p, f in zip(places, findings, strict=True)] == findings
+
+
+@pytest.mark.parametrize(
+    ("text", "format"),
+    [
+        ("topics:\n", "twist_mux"),
+        ("m: {ros__parameters: {}}", "twist_mux"),
+        ("m:\n  ros__parameters:\n    topics.joy.topic: a\n", "twist_mux"),
+        ("subscribers:\n", "twist_mux"),
+        ('{"topics": []}', "twist_mux"),
+        ("@modules a\n// topics: b\n", "mars"),
+        ("# topics: all\n", "mars"),
+        ("@modules a\n@module_start\ntopics:\n@module_end\n", "mars"),
+        ("a is_controlled_by topics\n", "mars"),
+        ("", "mars"),
+    ],
+)
+def test_a_file_is_recognised_by_what_it_says(text: str, format: str) -> None:
+    assert recognised(text) == format
