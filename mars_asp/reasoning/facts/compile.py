@@ -10,6 +10,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span
 from mars_asp.model.cycles import Knot, knots
 from mars_asp.model.declarations import (
+    FOREVER,
     NODE_NAMES,
     Allocation,
     Architecture,
@@ -90,7 +91,7 @@ _MOST_SPELT = 20
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
-    | {*get_args(Engine), ANY.name, NONE.name, "zero", "generic"}
+    | {*get_args(Engine), FOREVER, ANY.name, NONE.name, "zero", "generic"}
 )
 
 
