@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from mars_asp.diagnostic import Span
@@ -51,6 +52,8 @@ class Service:
 
     `output` and every input are normalised representation names; `None` is unknown (or, for
     `output`, none). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
+    `port` is the name of the output where it is not the function's; `parameters` are the names of
+    the inputs, in their order, `None` where one has none, and may be fewer than the inputs.
     `span` starts at the annotation's `@`.
     """
 
@@ -60,9 +63,11 @@ class Service:
     output: str | None = None
     inputs: tuple[str | None, ...] = ()
     modes: tuple[Mode, ...] = ()
-    hz: Decimal | None = None
+    hz: Fraction | None = None
     commands: tuple[str, ...] = ()
     cost: int = 1
+    port: str | None = None
+    parameters: tuple[str | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +103,7 @@ class Vertex:
 class Module:
     """An annotated or declared module.
 
-    `span` starts at its `@module_start`, `named` where its name stands.
+    `span` starts at its `@module_start`, `named` where its name stands, `guard` at its `@Guard`.
     """
 
     name: str
@@ -107,14 +112,19 @@ class Module:
     functions: tuple[Function, ...] = ()
     vertices: tuple[Vertex, ...] = ()
     named: Span | None = None
+    guard: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A module's name where it is written in a `.mars` file."""
+    """A module's name where it is written in a `.mars` file.
+
+    `described` is the module that describes it, where that is stated: `left: Camera`.
+    """
 
     text: str
     span: Span
+    described: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,13 +166,15 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """`client uses_data_from source mode hz`; what is not stated is `None`."""
+    """`client.port uses_data_from source.port mode hz`; what is not stated is `None`."""
 
     client: str
     source: str
     span: Span
     mode: Mode | None = None
-    hz: Decimal | None = None
+    hz: Fraction | None = None
+    client_port: str | None = None
+    source_port: str | None = None
 
 
 Relationship: TypeAlias = Mount | Control | Data

@@ -1,0 +1,71 @@
+"""Rates of messages: exact, and as they are written."""
+
+from decimal import Decimal
+from fractions import Fraction
+from typing import Self
+
+#: Milliseconds of the units in which a period is written.
+UNITS = {"ms": 1, "s": 1000}
+
+
+class Rate(Fraction):
+    """A rate in Hertz, exact, that is known as somebody wrote it; equal to any equal number."""
+
+    __slots__ = ("written",)
+    written: str
+
+    def __new__(cls, hz: Fraction | Decimal | int, written: str | None = None) -> Self:
+        """Return a rate; without the words for it, it is written in a way that says the same."""
+        rate = super().__new__(cls, hz)
+        rate.written = as_written(rate) if written is None else written
+        return rate
+
+    def __copy__(self) -> Self:
+        """Return the rate itself, which nothing changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Self:
+        """Return the rate itself, which nothing changes."""
+        return self
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Fraction, str]]:
+        """Say how it is made again."""
+        return type(self), (Fraction(self), self.written)
+
+
+def every(period: Decimal | int, unit: str) -> Rate:
+    """Return the rate of one message each period, which is more than zero, in a unit of `UNITS`."""
+    words = f"every {_plain(Fraction(period))} {unit}"
+    return Rate(Fraction(1000) / (Fraction(period) * UNITS[unit]), words)
+
+
+def as_written(hz: Fraction) -> str:
+    """Return how a rate is written: as decimals, or as the period where these would not end."""
+    if isinstance(hz, Rate) and hasattr(hz, "written"):
+        return hz.written
+    if _ends(hz):
+        return _plain(hz)
+    period = 1000 / hz
+    if period.denominator != 1 and not _ends(period):
+        raise ValueError(f"{hz} Hz can be written neither as a rate nor as a period")
+    return f"every {_plain(period)} ms"
+
+
+def _ends(number: Fraction) -> bool:
+    """Whether the decimals of a number end."""
+    rest = number.denominator
+    for prime in (2, 5):
+        while rest % prime == 0:
+            rest //= prime
+    return rest == 1
+
+
+def _plain(number: Fraction) -> str:
+    """Return a number whose decimals end, without an exponent."""
+    whole, rest = divmod(abs(number), 1)
+    sign = "-" if number < 0 else ""
+    digits = ""
+    while rest:
+        digit, rest = divmod(rest * 10, 1)
+        digits += str(digit)
+    return f"{sign}{whole}.{digits}" if digits else f"{sign}{whole}"
