@@ -1,0 +1,34 @@
+"""What was not read of a foreign file, as notes: nothing is dropped in silence."""
+
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+from operator import attrgetter
+from typing import NamedTuple
+
+from mars_asp.diagnostic import NOT_READ, Diagnostic, Span
+
+_MOST_NAMED = 5
+_MOST_PLACES = 100
+
+
+class Unread(NamedTuple):
+    """Something that was not read: what sort of thing, in the plural, its name and place."""
+
+    sort: str
+    name: str
+    span: Span
+
+
+def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
+    """Yield for each sort of thing how many were not read, and where they stand."""
+    for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
+        first, *others = group
+        names = [f"`{each.name}`" for each in (first, *others)]
+        named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
+        yield Diagnostic(
+            NOT_READ,
+            "note",
+            f"{sort} not read: {len(names)} ({named})",
+            first.span,
+            tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
+        )
