@@ -86,6 +86,7 @@ class Launch:
         self.started: list[Started] = []
         self.unread: list[Unread] = []
         self.read: set[Path] = set()
+        self.reached: set[Path] = set()
         self.branches = 0
         self._actions: dict[Path, tuple[Action, ...]] = {}
 
@@ -98,6 +99,7 @@ class Launch:
         self._walk(self._read(file), _Scope(), (file,))
 
     def _read(self, file: Path) -> tuple[Action, ...]:
+        self.reached.add(file)
         if file not in self._actions:
             self.read.add(file)
             text = self.workspace.text(file)

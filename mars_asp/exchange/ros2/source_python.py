@@ -19,6 +19,7 @@ from mars_asp.exchange.unread import Unread
 Find = Callable[[str], "tuple[str, str] | None"]
 _MOST_FILES = 200
 _MOST_TIMERS = 200
+_MOST_SHOWN = 60
 _DEEPEST = 60
 _CALLS = frozenset(
     {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
@@ -240,6 +241,12 @@ class _Unit:
             end = len(text.encode()[: node.end_col_offset].decode(errors="ignore")) + 1
         return Span(self.file.path, line, column, line, end)
 
+    def shown(self, node: ast.expr) -> str:
+        """Return an expression as it is written, of a long one its beginning."""
+        span = self.span(node)
+        line = self.file.lines[span.line - 1] if span.line <= len(self.file.lines) else ""
+        return line[span.column - 1 : span.end_column - 1][:_MOST_SHOWN]
+
     def topics(self) -> Iterator[_Found]:
         """Yield the topics that calls make."""
         for call, keeper in self.calls:
@@ -278,7 +285,7 @@ class _Unit:
         parameter = self.parameter(name)
         text = self.text(name)
         if text is None and parameter is None:
-            self.note("topics named at run time", name, ast.unparse(name)[:60])
+            self.note("topics named at run time", name, self.shown(name))
             return
         topic = Topic(text or "", self.type(kind), self.span(name), parameter)
         yield _Found(topic, keeper, published)
