@@ -5,7 +5,7 @@ from fractions import Fraction
 from typing import Self
 
 #: Milliseconds of the units in which a period is written.
-UNITS = {"ms": 1, "s": 1000}
+_UNITS = {"ms": 1, "s": 1000}
 
 
 class Rate(Fraction):
@@ -34,9 +34,9 @@ class Rate(Fraction):
 
 
 def every(period: Decimal | int, unit: str) -> Rate:
-    """Return the rate of one message each period, which is more than zero, in a unit of `UNITS`."""
+    """Return the rate of one message each period, which is more than zero, in `ms` or `s`."""
     words = f"every {_plain(Fraction(period))} {unit}"
-    return Rate(Fraction(1000) / (Fraction(period) * UNITS[unit]), words)
+    return Rate(Fraction(1000) / (Fraction(period) * _UNITS[unit]), words)
 
 
 def as_written(hz: Fraction) -> str:
