@@ -64,7 +64,7 @@ def _twist_mux(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     remember(shown, text)
     found = import_twist_mux(text, shown)
     shape = found.configuration if arguments.contract else lifted(found.configuration)
-    return found, with_origins(print_configuration(shape), shape)
+    return found, with_origins(shape)
 
 
 def _text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:

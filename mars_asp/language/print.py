@@ -30,6 +30,12 @@ def print_configuration(configuration: Configuration) -> str:
     return "".join(f"{line}\n" for line in _lines(configuration))
 
 
+def print_modules(configuration: Configuration) -> tuple[str, ...]:
+    """Return the blocks of the modules that a configuration declares, each as a text."""
+    named = _named(configuration)
+    return tuple("\n".join(_block(m, m.name in named)) for m in configuration.declared)
+
+
 def print_relationship(relationship: Relationship) -> str:
     """Return the line of a relationship."""
     match relationship:
@@ -121,11 +127,16 @@ def _lines(configuration: Configuration) -> Iterator[str]:
             node = relationship.controlled
             yield f"// {node}: {written(modules.pop(node))}"
         yield print_relationship(relationship)
-    named = {r.client for r in configuration.relationships if isinstance(r, Data) and r.client_port}
-    named |= {n.described for n in configuration.modules if n.described and n.text in named}
-    for module in configuration.declared:
+    for block in print_modules(configuration):
         yield ""
-        yield from _block(module, module.name in named)
+        yield block
+
+
+def _named(configuration: Configuration) -> set[str]:
+    """Return the modules of which some line names an input."""
+    named = {r.client for r in configuration.relationships if isinstance(r, Data) and r.client_port}
+    described = {n.described for n in configuration.modules if n.described and n.text in named}
+    return named.union(filter(None, described))
 
 
 def _conversion(conversion: Conversion) -> str:

@@ -10,6 +10,7 @@ from decimal import Decimal
 from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import (
     DECIMAL,
     WHOLE,
@@ -48,14 +49,6 @@ class Input:
     priority: int
     span: Span
     ranked: Span
-
-
-class Unread(NamedTuple):
-    """Something that was not read: what sort of thing, in the plural, its name and place."""
-
-    sort: str
-    name: str
-    span: Span
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,16 +1,11 @@
 """The muxes of a file as a configuration."""
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby
-from operator import attrgetter
-
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, point
-from mars_asp.exchange.twist_mux.document import Unread, read_document
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.twist_mux.document import read_document
+from mars_asp.exchange.unread import notes
 from mars_asp.exchange.yaml_document import MOST_BYTES
 from mars_asp.language import Parsed
 from mars_asp.model.declarations import Configuration, Control, Muxed, Name
-
-_MOST_NAMED = 5
 
 
 def import_twist_mux(text: str, path: str) -> Parsed:
@@ -56,7 +51,7 @@ def import_twist_mux(text: str, path: str) -> Parsed:
         relationships=tuple(controls),
         muxes=tuple(muxed),
     )
-    return Parsed(configuration, (*document.warnings, *_notes(document.unread)))
+    return Parsed(configuration, (*document.warnings, *notes(document.unread)))
 
 
 def _named_twice(name: Name, first: Name) -> Diagnostic:
@@ -68,18 +63,3 @@ def _named_twice(name: Name, first: Name) -> Diagnostic:
         ((first.span, "the first one"),),
         "give each input and output a name of its own",
     )
-
-
-def _notes(unread: Sequence[Unread]) -> Iterator[Diagnostic]:
-    """Yield for each sort of thing how many were not read, and where they stand."""
-    for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
-        first, *others = group
-        names = [f"`{each.name}`" for each in (first, *others)]
-        named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
-        yield Diagnostic(
-            NOT_READ,
-            "note",
-            f"{sort} not read: {len(names)} ({named})",
-            first.span,
-            tuple((other.span, f"`{other.name}`") for other in others),
-        )
