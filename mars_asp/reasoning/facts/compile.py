@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from fractions import Fraction
 from functools import cached_property
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -44,19 +44,27 @@ from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.spelling import resemblances
 
 
+class TellsAs(NamedTuple):
+    """How ports and rates are told."""
+
+    ends: Ends
+    rates: Rates
+
+
 def configuration_facts(
     configuration: Configuration,
     modules: Mapping[str, Module] | None = None,
     wanted: Set[str] | None = None,
+    told_as: TellsAs | None = None,
 ) -> tuple[Fact, ...]:
     """Turn a configuration and the modules described for it into facts with their places.
 
     `modules` adds to those declared in the configuration itself; only modules that the
     configuration names, and converters, are told. Relationships are identified as `numbered`
     says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
-    made.
+    made. With `told_as`, ports and rates are told as those of another configuration.
     """
-    return Compiler(configuration, modules or {}, wanted).compile()
+    return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
 
 def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
@@ -106,11 +114,13 @@ class Compiler:
         configuration: Configuration,
         modules: Mapping[str, Module],
         wanted: Set[str] | None,
+        told_as: TellsAs | None = None,
     ) -> None:
         self.configuration = configuration
         self.wanted = wanted
         self.modules = modules
         self.facts: list[Fact] = []
+        self._told_as = told_as
 
     @cached_property
     def known(self) -> Mapping[str, Module]:
@@ -125,11 +135,15 @@ class Compiler:
     @cached_property
     def ends(self) -> Ends:
         """Return the outputs and inputs as they are told."""
+        if self._told_as is not None:
+            return self._told_as.ends
         return ends_in(self.configuration, self.described)
 
     @cached_property
     def rates(self) -> Rates:
         """Return how rates are told."""
+        if self._told_as is not None:
+            return self._told_as.rates
         return rates_in(self.configuration, self.described)
 
     @cached_property

@@ -47,12 +47,16 @@ class Ends:
 
     def source(self, data: Data) -> str:
         """Return the name of the output that a line uses."""
-        return self._sources.get((data.source, data.source_port), data.source)
+        port = data.source_port
+        unknown = data.source if port is None else f"{data.source}.{port}"
+        return self._sources.get((data.source, port), unknown)
 
     def entry(self, data: Data) -> str | None:
         """Return the name of the input that a line names, if it names one."""
         port = data.client_port
-        return None if port is None else self._clients[data.client, port]
+        if port is None:
+            return None
+        return self._clients.get((data.client, port), f"{data.client}.{port}")
 
     def output(self, module: str, port: str) -> str:
         """Return the name of an output of a module."""

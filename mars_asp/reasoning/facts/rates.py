@@ -5,7 +5,7 @@ configuration would be told as the same number: rules see two rates in their exa
 equal only where they are.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -21,6 +21,8 @@ class Rates:
 
     _told: Mapping[Fraction, int]
     _meant: Mapping[int, Fraction]
+    #: All numbers by which rates are told.
+    _taken: Set[int]
 
     @property
     def rounded(self) -> Sequence[int]:
@@ -30,7 +32,17 @@ class Rates:
     def millihertz(self, hz: Fraction) -> int:
         """Return the number by which a rate is told."""
         told = self._told.get(hz)
-        return int(hz * 1000) if told is None else told
+        if told is not None:
+            return told
+        millihertz = hz * 1000
+        number = max(round(millihertz), 1)
+        if number == millihertz and number not in self._meant:
+            return number
+        # A rate that is none of these is told as none of them, on its own side of the nearest.
+        step = 1 if self.hertz(number) < hz else -1
+        while number in self._taken and 1 < number < MOST:
+            number += step
+        return number
 
     def hertz(self, millihertz: int) -> Rate:
         """Return the rate that is told by a number."""
@@ -49,7 +61,7 @@ def rates_of(stated: Iterable[Fraction]) -> Rates:
     """Return how rates are told that are compared with each other."""
     every = {hz: hz for hz in stated}
     if all((hz * 1000).denominator == 1 for hz in every):
-        return Rates({}, {})
+        return Rates({}, {}, {int(hz * 1000) for hz in every})
     ordered = sorted(every)
     numbers: list[int] = []
     for hz in ordered:
@@ -58,7 +70,8 @@ def rates_of(stated: Iterable[Fraction]) -> Rates:
     for place, number in enumerate(numbers):
         numbers[place] = min(number, MOST - (len(numbers) - 1 - place))
     moved = {hz: number for hz, number in zip(ordered, numbers, strict=True) if hz * 1000 != number}
-    return Rates(moved, {number: every[hz] for hz, number in moved.items()})
+    meant = {number: every[hz] for hz, number in moved.items()}
+    return Rates(moved, meant, frozenset(numbers))
 
 
 def _stated(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Fraction]:
