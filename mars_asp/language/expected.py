@@ -18,7 +18,17 @@ KEYWORDS = (
     "is_controlled_by",
     "uses_data_from",
 )
-_WORDS = ("flat", "hierarchical", "period", "hold", "forever", "every", "allocation", "root", "split")
+_WORDS = (
+    "flat",
+    "hierarchical",
+    "period",
+    "hold",
+    "forever",
+    "every",
+    "allocation",
+    "root",
+    "split",
+)
 _SHOWN = {
     "NAME": "a module name",
     "NUMBER": "a number",

@@ -200,9 +200,9 @@ def _service(service: Service, named: bool) -> Iterator[str]:
             yield f"@Input {quoted(name)}: {representation or 'auto'}"
     elif None in service.inputs:
         # Only a declaration can leave open what an input is.
-        for index, name in enumerate(service.inputs):
-            if name is not None:
-                yield f"@Input input{index}: {name}"
+        for index, representation in enumerate(service.inputs):
+            if representation is not None:
+                yield f"@Input input{index}: {representation}"
         parameters = ", ".join(f"auto input{index}" for index in range(len(service.inputs)))
     else:
         yield f"@Input {', '.join(filter(None, service.inputs)) or 'none'}"

@@ -65,6 +65,16 @@ def begin_of(raw: Raw) -> int:
     return min(child.begin for child in raw[1] if isinstance(child, Word))
 
 
+def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
+    """Return a name of `@modules` and that of the module which describes it, if that is stated."""
+    if isinstance(child, Word):
+        return child, None
+    word, described = child[1]
+    assert isinstance(word, Word)
+    assert isinstance(described, Word)
+    return word, described
+
+
 def _last(child: "Word | Raw | None") -> "Word | Raw | None":
     """Return the last word of a child."""
     return child[1][-1] if isinstance(child, tuple) else child
@@ -132,23 +142,19 @@ class Builder:
         self._header_span = self._span(kind, kind)
 
     def _add_modules(self, children: list["Word | Raw"]) -> None:
-        named: list[tuple[Word, Word | None]] = []
-        for child in children:
-            word, *described = child[1] if isinstance(child, tuple) else (child,)
-            assert isinstance(word, Word)
-            named.append((word, next((d for d in described if isinstance(d, Word)), None)))
+        named = [_instance(child) for child in children]
         if self._modules is not None:
             self._note_word(
                 named[0][0], "`@modules` occurs twice in the file", "name all modules in one list"
             )
         self._modules = self._modules or {}
-        for word, described in named:
+        for word, description in named:
             if word in self._modules:
                 self._note_word(word, f"`{word}` is named twice in `@modules`", "name it once")
             else:
-                span = self._span(word, described or word)
-                description = None if described is None else str(described)
-                self._modules[str(word)] = Name(str(word), span, description)
+                span = self._span(word, description or word)
+                described = None if description is None else str(description)
+                self._modules[str(word)] = Name(str(word), span, described)
 
     def _add_sources(self, children: list[Word]) -> None:
         for word in children:

@@ -15,11 +15,11 @@ DELIVERING = ("Sense", "DataOut")
 
 
 class Input(NamedTuple):
-    """An input of a module: its name, the number of its service, and its place in that."""
+    """An input of a module: its name, the number of its service, and its place there."""
 
     name: str
     service: int
-    index: int
+    place: int
 
 
 def outputs(module: Module) -> dict[str, int]:

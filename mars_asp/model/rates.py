@@ -51,6 +51,11 @@ def as_written(hz: Fraction) -> str:
     return f"every {_plain(period)} ms"
 
 
+def as_number(hz: Fraction) -> int | float:
+    """Return a rate as JSON has it: whole where it is whole, else the nearest float."""
+    return int(hz) if hz.denominator == 1 else float(hz)
+
+
 def _ends(number: Fraction) -> bool:
     """Whether the decimals of a number end."""
     rest = number.denominator
