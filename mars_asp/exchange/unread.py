@@ -22,12 +22,12 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
     """Yield for each sort of thing how many were not read, and where they stand."""
     for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
         first, *others = group
-        names = [f"`{each.name}`" for each in (first, *others)]
+        names = list(dict.fromkeys(f"`{each.name}`" for each in (first, *others)))
         named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
         yield Diagnostic(
             NOT_READ,
             "note",
-            f"{sort} not read: {len(names)} ({named})",
+            f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others),
         )

@@ -7,7 +7,7 @@ alone (`operator:`) is the node itself.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from mars_asp.annotations.types import representation
@@ -86,7 +86,7 @@ class _Reader:
         self.workers: dict[str, Worker] = {}
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
-        #: Nodes of several operators, and those that are one.
+        #: Nodes that are one operator.
         self.alone: set[str] = set()
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
@@ -100,13 +100,15 @@ class _Reader:
         if not isinstance(nodes, Items) or not nodes.nodes:
             self.wrong(_begin(root.span), "the dataflow has no list of nodes", "write `nodes:`")
             return
-        self.skip(pairs, frozenset({"nodes"}), "settings of the dataflow", "")
+        self.skip(pairs, frozenset({"nodes"}), "settings of the dataflow")
         for node in nodes.nodes:
             if isinstance(node, Pairs):
                 self.node(node)
             else:
                 self.wrong(_begin(node.span), "a node is not a map", "write `- id: NAME`")
-        self.check_wires()
+        for worker in self.workers.values():
+            wires = tuple(self.resolved(wire) for wire in worker.wires)
+            self.workers[worker.name] = replace(worker, wires=wires)
 
     def node(self, node: Pairs) -> None:
         """Read a node and its operators."""
@@ -117,7 +119,7 @@ class _Reader:
         if "/" in named.text:
             self.wrong(named.span, f"the id `{named.text}` holds a `/`", "join words by `-`")
         inside = [part for part in _PARTS if part in pairs]
-        self.skip(pairs, _WIRING.union(_PARTS), "settings of nodes", f"{named.text}.")
+        self.skip(pairs, _WIRING.union(_PARTS), "settings of nodes")
         if not inside:
             self.worker(named.text, named.span, pairs)
         elif inside == ["operators"]:
@@ -128,7 +130,7 @@ class _Reader:
                     called = self.identifier(each, own, "an operator")
                     if called is not None:
                         name = f"{named.text}/{called.text}"
-                        self.skip(own, _WIRING, "settings of nodes", f"{name}.")
+                        self.skip(own, _WIRING, "settings of nodes")
                         self.worker(name, called.span, own)
                 else:
                     self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
@@ -139,7 +141,7 @@ class _Reader:
                 self.wrong(key.span, message, "write one of them, with a map below it")
                 return
             own = {**pairs, **_by_key(part)}
-            self.skip(_by_key(part), _WIRING, "settings of nodes", f"{named.text}.")
+            self.skip(_by_key(part), _WIRING, "settings of nodes")
             if inside == ["operator"]:
                 self.alone.add(named.text)
             self.worker(named.text, named.span, own)
@@ -159,11 +161,10 @@ class _Reader:
         pairs: Mapping[str, tuple[Scalar, Node]],
         read: frozenset[str],
         sort: str,
-        before: str,
     ) -> None:
         """Note keys that are not read."""
         self.unread += (
-            Unread(sort, before + key, at.span) for key, (at, _) in pairs.items() if key not in read
+            Unread(sort, key, at.span) for key, (at, _) in pairs.items() if key not in read
         )
 
     def worker(self, name: str, span: Span, pairs: Mapping[str, tuple[Scalar, Node]]) -> None:
@@ -252,19 +253,13 @@ class _Reader:
                 return Wire(key.text, source.text, "tick", source.span, rate)
         node, _, output = source.text.rpartition("/")
         if timer is not None or not node or not output:
-            message = f"`{source.text[:60]}`, which input `{key.text}` of `{name}` takes, is no output"
+            message = (
+                f"`{source.text[:60]}`, which input `{key.text}` of `{name}` takes, is no output"
+            )
             help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
             self.wrong(source.span, message, help_text)
             return None
         return Wire(key.text, node, output, source.span)
-
-    def check_wires(self) -> None:
-        """Name operators in sources as they are named here, and note outputs that are not there."""
-        for worker in self.workers.values():
-            resolved = tuple(self.resolved(wire) for wire in worker.wires)
-            self.workers[worker.name] = Worker(
-                worker.name, worker.span, worker.inputs, worker.outputs, resolved
-            )
 
     def resolved(self, wire: Wire) -> Wire:
         """Return a wire whose source is named as here: one operator of a node goes by its id."""

@@ -1,6 +1,6 @@
 """A dora dataflow as a configuration: nodes and operators as modules, timers as sensors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange import ports
@@ -9,7 +9,6 @@ from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.language.print import print_modules
 from mars_asp.model.declarations import Configuration, Data, Mode, Module, Name, Service
-from mars_asp.spelling import nearest
 
 _PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
 
@@ -35,8 +34,6 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         if worker.name in workers:
             problems.append(_named_twice(worker, workers[worker.name]))
         workers.setdefault(worker.name, worker)
-    if not problems:
-        problems += _missing_outputs(workers)
     if problems:
         raise MarsError(problems)
     configuration = _configuration(tuple(workers.values()), files[0][1])
@@ -48,28 +45,6 @@ def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
     message = f"two nodes have the id `{worker.name}`"
     labels = ((first.span, "the first one"),)
     return Diagnostic("dora", "error", message, worker.span, labels, "give each an id of its own")
-
-
-def _missing_outputs(workers: dict[str, Worker]) -> Iterator[Diagnostic]:
-    """Yield an error for each wire whose source has no such output: dora starts no such dataflow."""
-    for worker in workers.values():
-        for wire in worker.wires:
-            if wire.rate is not None:
-                continue
-            source = workers.get(wire.source)
-            if source is None:
-                sort, candidates = "node", list(workers)
-                message = f"there is no node `{wire.source}`"
-            elif wire.output in (port.name for port in source.outputs):
-                continue
-            else:
-                sort, candidates = "output", [port.name for port in source.outputs]
-                message = f"`{wire.source}` has no output `{wire.output}`"
-            asked = wire.source if sort == "node" else wire.output
-            near = nearest(asked, candidates)
-            help_text = f"did you mean `{near}`?" if near else f"name one that is there, or add the {sort}"
-            taken = f", which input `{wire.input}` of `{worker.name}` takes"
-            yield Diagnostic("dora", "error", message + taken, wire.span, help=help_text)
 
 
 def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
@@ -96,9 +71,7 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
 def _line(client: str, wire: Wire) -> Data:
     """Return the relationship of a wire."""
     mode = None if wire.rate is None else _PERIODIC
-    return Data(
-        client, wire.source, wire.span, mode, wire.rate, wire.input, wire.output
-    )
+    return Data(client, wire.source, wire.span, mode, wire.rate, wire.input, wire.output)
 
 
 def _module(worker: Worker) -> Module:
@@ -111,7 +84,5 @@ def _module(worker: Worker) -> Module:
 
 def _timer(name: str, span: Span, wire: Wire) -> Module:
     """Return the sensor that a timer is."""
-    service = Service(
-        "Sense", span, "tick", modes=(_PERIODIC,), hz=wire.rate, port=wire.output
-    )
+    service = Service("Sense", span, "tick", modes=(_PERIODIC,), hz=wire.rate, port=wire.output)
     return Module(name, span, (service,), named=span)

@@ -7,6 +7,7 @@ tooltip or URL begins with `topic:`. Such files have no types. rqt_graph/dotcode
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange.rosgraph.dot_tokens import Places, Token, tokens, wrong
@@ -221,7 +222,7 @@ class _Drawing:
             element = self.elements.setdefault(end.text, _Element(end.text, span))
             if len(ends) == 1:
                 element.attributes |= attributes
-        for start, end in zip(ends, ends[1:], strict=False):
+        for start, end in pairwise(ends):
             span = self.places.span(start.begin, end.end)
             self.edges.append(_Edge(start.text, end.text, span, attributes))
 

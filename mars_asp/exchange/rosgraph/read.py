@@ -172,7 +172,7 @@ def _modules(
 ) -> Iterator[Module]:
     """Yield a description of each node but those of which only commands are known.
 
-    A node that is commanded hands commands on, to what is no node: a graph cannot say that it moves.
+    A node that is commanded hands commands on to what is no node: no graph says that it moves.
     """
     by_node: dict[str, list[End]] = {}
     for end in ends:

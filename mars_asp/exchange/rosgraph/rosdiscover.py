@@ -45,7 +45,8 @@ def _read_node(graph: Graph, node: Pairs) -> None:
                 message = f"an entry of `{key}` of `{name}` has no `name`"
                 graph.wrong(beginning(entry.span), message, "add `name: /TOPIC`")
             else:
-                graph.end(name, topic.text, out, type_ and type_.text, topic.span)
+                written = None if type_ is None else type_.text
+                graph.end(name, topic.text, out, written, topic.span)
     for key, sort in _CALLS.items():
         for entry in maps(graph, value(node, key), key):
             called = word(entry, "name")
