@@ -4,10 +4,12 @@ import re
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Configuration, Mode, Service
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.model.declarations import Mode, Service
 from mars_asp.model.names import read_name, written
 
+#: How many inputs and outputs all modules of a file may have: some ten times those of a large robot.
+MOST = 50_000
 _OTHER = re.compile(r"\W+", re.ASCII)
 
 
@@ -46,11 +48,13 @@ def _function(verb: str, name: str) -> str:
     return f"{verb}_{_OTHER.sub('_', name).strip('_')}"
 
 
+def too_many(span: Span) -> MarsError:
+    """Return the error of a file with too many ports, of which `span` is one too many."""
+    message = f"there are more than {MOST} inputs and outputs, which no robot has"
+    help_text = "give the file of one robot alone"
+    return MarsError((Diagnostic("ports", "error", message, span, help=help_text),))
+
+
 def unwritable(names: Iterable[str]) -> Iterator[str]:
     """Yield the names that no configuration can write: empty ones, and those of several lines."""
     return (name for name in names if read_name(written(name)) is None)
-
-
-def names_of(configuration: Configuration) -> frozenset[str]:
-    """Return the names of the modules of a configuration."""
-    return frozenset(name.text for name in configuration.modules)

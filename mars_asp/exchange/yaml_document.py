@@ -20,7 +20,7 @@ MOST_DEPTH = 64
 MOST_NODES = 100_000
 #: The same for the dump of a graph, which a program wrote.
 MOST_BYTES_OF_DUMP = 16 * 1024 * 1024
-MOST_NODES_OF_DUMP = 2_000_000
+MOST_NODES_OF_DUMP = 1_000_000
 _TAGS = frozenset(f"tag:yaml.org,2002:{of}" for of in "str int float bool null map seq".split())
 
 

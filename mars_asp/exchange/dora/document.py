@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.names import read_name, written
@@ -86,6 +87,7 @@ class _Reader:
         self.workers: dict[str, Worker] = {}
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
+        self.ports = 0
         #: Nodes that are one operator.
         self.alone: set[str] = set()
 
@@ -151,10 +153,28 @@ class _Reader:
     ) -> Scalar | None:
         """Return the id of a node or operator; note where it has none."""
         _, named = pairs.get("id", (None, None))
-        if isinstance(named, Scalar) and read_name(written(named.text)) is not None:
+        if isinstance(named, Scalar) and not _is_empty(named):
+            self.check_name(named)
             return named
         self.wrong(_begin(node.span), f"{what} has no id", "add `id: NAME`")
         return None
+
+    def check_name(self, name: Scalar) -> None:
+        """Note a name that no configuration can write, and one port too many."""
+        if read_name(written(name.text)) is None:
+            message = f"`{name.text[:40]}` cannot be a name"
+            self.wrong(name.span, message, "write a name of one line")
+
+    def port(self, name: Scalar) -> None:
+        """Take a port.
+
+        Raises:
+            MarsError: there are more than any robot has.
+        """
+        self.check_name(name)
+        self.ports += 1
+        if self.ports > ports.MOST:
+            raise ports.too_many(name.span)
 
     def skip(
         self,
@@ -207,6 +227,7 @@ class _Reader:
                 self.wrong(each.span, message, "name it once", first)
             else:
                 seen[each.text] = each.span
+                self.port(each)
                 yield each
 
     def inputs(
@@ -229,6 +250,7 @@ class _Reader:
                     if setting != "source":
                         sort = _SETTINGS.get(setting, "settings of inputs")
                         self.unread.append(Unread(sort, f"{name}.{key.text}", at.span))
+            self.port(key)
             if isinstance(source, Scalar) and source.text:
                 yield key, source
             else:

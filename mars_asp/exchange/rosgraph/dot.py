@@ -20,6 +20,7 @@ _TOPIC_URL = ("topic:", "topic_3A")
 _ITSELF = r"\N"
 _BREAK = re.compile(r"\\[nlr]|\n")
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+_MOST_STATEMENTS = 200_000
 _DEFAULTS = frozenset({"graph", "node", "edge"})
 
 
@@ -156,8 +157,13 @@ class _Drawing:
         if opening.text != "{" or opening.sort != "mark":
             raise self.unexpected(opening, "`{`")
         depth = 1
+        statements = 0
         while depth:
             depth += self.statement()
+            statements += 1
+            if statements == _MOST_STATEMENTS:
+                message = f"the graph has more than {_MOST_STATEMENTS} statements"
+                raise wrong(point(self.places.path, 1, 1), message, "no robot needs so many")
             if depth > MOST_DEPTH:
                 assert self.next is not None
                 span = self.places.span(self.next.begin, self.next.end)

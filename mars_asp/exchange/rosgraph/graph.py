@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 
 #: What dumps write where they do not know a type.
@@ -15,7 +16,6 @@ _NO_TYPES = frozenset({"", "any", "*", "unknown type", "unknown"})
 _HOUSEKEEPING = frozenset(
     "rosout rosout_agg clock parameter_events tf tf_static diagnostics diagnostics_agg".split()
 )
-_DEBUG = frozenset({"debug"})
 
 
 class End(NamedTuple):
@@ -34,10 +34,7 @@ class End(NamedTuple):
 
 @dataclass(slots=True)
 class Graph:
-    """Nodes with their places, the ends of topics, and what was not read.
-
-    `untyped` is whether the format has no types, so that none is missing.
-    """
+    """Nodes with their places, the ends of topics, and what was not read."""
 
     nodes: dict[str, Span] = field(default_factory=dict)
     ends: list[End] = field(default_factory=list)
@@ -57,8 +54,14 @@ class Graph:
         span: Span,
         hz: Fraction | None = None,
     ) -> None:
-        """Add an end of a topic, or note that such topics are not read."""
+        """Add an end of a topic, or note that such topics are not read.
+
+        Raises:
+            MarsError: there are more than any robot has.
+        """
         sort = _left_out(topic)
+        if len(self.ends) == ports.MOST:
+            raise ports.too_many(span)
         if sort is None:
             self.ends.append(End(node, topic, out, type_of(written_type), span, hz))
         else:
@@ -80,7 +83,7 @@ def _left_out(topic: str) -> str | None:
         return "housekeeping topics"
     if "_action" in parts or last == "action_topics":
         return "topics of actions"
-    if any(part in _DEBUG or part.startswith("debug_") for part in (*parts, last)):
+    if any(part == "debug" or part.startswith("debug_") for part in (*parts, last)):
         return "debug topics"
     return None
 
