@@ -61,7 +61,13 @@ FILES = {
         "sharing account needs subject alternatives annotation_edits changes evidence preceding "
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
-    "exchange": "recognise lift yaml_document urdf twist_mux",
+    "exchange": (
+        "recognise lift yaml_document unread ports unite urdf twist_mux rosgraph dora foreign"
+    ),
+    "exchange/dora": "document read",
+    "exchange/rosgraph": (
+        "graph lists rosdiscover caret dot_tokens dot node_info topic_info read"
+    ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles elements document read write",
     "draw": (

@@ -4,16 +4,19 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 from typing import TypeAlias
 
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Mode, Transformation
 from mars_asp.model.modes import ModeProblem, parse_mode
-from mars_asp.model.ranges import BOUND, COST, FREQUENCY, RATE, VERTEX, NumberProblem
+from mars_asp.model.ranges import BOUND, COST, FREQUENCY, PERIODS, RATE, VERTEX, NumberProblem
+from mars_asp.model.rates import Rate, every
 from mars_asp.model.transformation import read_transformation
 from mars_asp.spelling import nearest
 
 FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _PERIODIC = "NotifyAtFrequency"
+_PERIOD = re.compile(r"every\s+(\S+)\s+(ms|s)")
 _RATE_POSITION = 2
 _MODES = "write delivery modes, such as `NotifyWhenReady` or `NotifyAtFrequency 25`"
 
@@ -21,7 +24,7 @@ _BRACKETS = re.compile(r"[<([{>)\]}]")
 
 Bounds: TypeAlias = tuple[Decimal | None, Decimal | None, Decimal | None]
 #: Delivery modes, and the frequency of the periodic one.
-Delivery: TypeAlias = tuple[tuple[Mode, ...], Decimal | None]
+Delivery: TypeAlias = tuple[tuple[Mode, ...], Fraction | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +74,7 @@ def read_cost(text: str) -> int | list[Wrong]:
 def read_delivery(text: str) -> Delivery | list[Wrong]:
     """Read `MODES [HZ]`, or return all that is wrong with them."""
     modes: list[Mode] = []
-    hz: tuple[Decimal, int, int] | None = None
+    hz: tuple[Fraction, int, int] | None = None
     wrong: list[Wrong] = []
     for begin, part in parts(text):
         words = re.fullmatch(r"\s*([^\W\d]\w*\s*(?:\([^()]*\))?)\s*(.*)", part)
@@ -89,7 +92,7 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
         if written:
             at = begin + words.start(2)
             end = at + len(written)
-            value = FREQUENCY.read(written)
+            value = read_rate(written)
             if isinstance(value, NumberProblem):
                 wrong.append(Wrong("MARS113", value.message, value.help, at, end))
             elif hz is not None:
@@ -106,6 +109,16 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
         message = f"a frequency without `{_PERIODIC}`"
         wrong.append(Wrong("MARS113", message, FREQUENCY.help, *hz[1:]))
     return wrong or (tuple(modes), hz[0] if hz else None)
+
+
+def read_rate(text: str) -> Rate | NumberProblem:
+    """Read `HZ`, `every N ms` or `every N s`, or return what is wrong with it."""
+    period = _PERIOD.fullmatch(text)
+    if period is None:
+        hz = FREQUENCY.read(text)
+        return hz if isinstance(hz, NumberProblem) else Rate(hz)
+    number = PERIODS[period[2]].read(period[1])
+    return number if isinstance(number, NumberProblem) else every(number, period[2])
 
 
 def _no_mode(found: str, at: int) -> Wrong:

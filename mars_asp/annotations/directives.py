@@ -11,8 +11,8 @@ from mars_asp.annotations.sources import Source
 from mars_asp.model.declarations import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
-OVERRIDES = ("Output", "Input", "Signature")
-WORDS = (*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", *OVERRIDES)
+OVERRIDES = ("Output", "Input", "Port", "Signature")
+WORDS = (*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", "Guard", *OVERRIDES)
 _LOWER = {word.lower(): word for word in WORDS}
 #: A word, what is glued to it, and the rest of the line.
 _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
@@ -20,6 +20,7 @@ _REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _LETTERS = {word: frozenset(word) for word in WORDS}
 _MOST_MISSPELT = 20
+_SHORT = 4
 #: So many different words that are not ours are compared with ours, in one file.
 MOST_OTHERS = 500
 #: What stands behind the word of an annotation may be so long; what goes on longer is cut.
@@ -146,6 +147,8 @@ def nearest(word: str) -> str | None:
     # An edit changes two letters at most.
     alike = (ours for ours, own in _LETTERS.items() if len(letters ^ own) <= 4)
     near = [ours for ours in alike if abs(len(ours) - len(word)) <= 2 and edits(word, ours) <= 2]
+    # A short word has many neighbours that are others' words: `@post` is no `@Port`.
+    near = [ours for ours in near if len(ours) > _SHORT or edits(word, ours) == 1]
     # Of several the one that is nearest whatever the capitals: `@ouput` is no `@Input`.
     return min(near, key=lambda ours: (edits(word.lower(), ours.lower()), ours), default=None)
 

@@ -49,6 +49,7 @@ class _Open:
     functions: dict[str, Function] = field(default_factory=dict)
     vertices: dict[int, Vertex] = field(default_factory=dict)
     moving: Directive | None = None
+    guard: Directive | None = None
 
 
 class _Reader:
@@ -112,6 +113,8 @@ class _Reader:
             self.function(module, directive)
         elif word == "Vertex":
             self.vertex(module, directive)
+        elif word == "Guard":
+            self.guard(module, directive)
         else:
             self.pending.add(directive)
 
@@ -185,6 +188,15 @@ class _Reader:
             span = self.problems.span(directive.offset, directive.end)
             module.vertices[read[0]] = Vertex(*read, span)
 
+    def guard(self, module: _Open, directive: Directive) -> None:
+        if directive.rest:
+            message = f"expected nothing after `@Guard`, found `{directive.rest}`"
+            self.problems.note_word("MARS124", directive, message, "write `@Guard` alone on a line")
+        elif module.guard is not None:
+            self.problems.note_twice(directive, "@Guard")
+        else:
+            module.guard = directive
+
     def end(self, module: _Open, offset: int) -> None:
         """Close a module; keep it where it has a name."""
         module.services += self.pending.settle(offset, closing=True)
@@ -195,6 +207,7 @@ class _Reader:
         if not module.name:
             return
         self.note_moving_sensor(module)
+        self.note_idle_guard(module)
         self.modules.append(
             Module(
                 module.name,
@@ -203,8 +216,19 @@ class _Reader:
                 tuple(module.functions.values()),
                 tuple(module.vertices.values()),
                 module.place,
+                module.guard and self.problems.span(module.guard.offset, module.guard.end),
             )
         )
+
+    def note_idle_guard(self, module: _Open) -> None:
+        kinds = {service.kind for service in module.services}
+        if module.guard is not None and "ControlOut" not in kinds:
+            self.problems.note_word(
+                "MARS123",
+                module.guard,
+                f"`@Guard` in `{module.name}`, which sends no commands",
+                "a guard is a ControlOutAlgorithm: annotate its function with `@ControlOut`",
+            )
 
     def note_moving_sensor(self, module: _Open) -> None:
         sensing = [service for service in module.services if service.kind == "Sense"]

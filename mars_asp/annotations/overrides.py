@@ -1,4 +1,4 @@
-"""`@Output` and `@Input`: what a declaration does not say, or says wrongly."""
+"""`@Output`, `@Input` and `@Port`: what a declaration does not say, or says wrongly."""
 
 import re
 from collections.abc import Sequence
@@ -8,17 +8,25 @@ from mars_asp.annotations.arguments import Wrong, parts
 from mars_asp.annotations.declarations import Declaration
 from mars_asp.annotations.directives import Directive
 from mars_asp.annotations.types import representation
+from mars_asp.model.names import QUOTED, plain, read_name
 
-_ONE_INPUT = re.compile(r"([^\W\d]\w*)\s*:(?!:)\s*(.+)")
+_ONE_INPUT = re.compile(rf"([^\W\d]\w*|{QUOTED})\s*:(?!:)\s*(.+)")
+#: Stands for a representation that is not known.
+_UNKNOWN = "auto"
 
 
 @dataclass(frozen=True, slots=True)
 class Overrides:
-    """What `@Output` and `@Input` say, as written; `inputs` are for all, `named` for one each."""
+    """What `@Output`, `@Input` and `@Port` say; `inputs` are for all, `named` for one each.
+
+    `further` are inputs that no parameter is, by their names.
+    """
 
     output: str | None = None
     inputs: tuple[str, ...] | None = None
     named: dict[str, str] = field(default_factory=dict)
+    port: str | None = None
+    further: dict[str, str] = field(default_factory=dict)
 
 
 def read_overrides(
@@ -27,7 +35,9 @@ def read_overrides(
     """Read the overrides of one declaration, and what is wrong with them."""
     output: str | None = None
     inputs: tuple[str, ...] | None = None
+    port: str | None = None
     named: dict[str, str] = {}
+    further: dict[str, str] = {}
     wrong: list[tuple[Directive, Wrong]] = []
     for directive in found:
         text = directive.rest
@@ -36,6 +46,16 @@ def read_overrides(
         if directive.word == "Output":
             problem = _again("@Output") if output is not None else _unreadable(text, declaration)
             output = output if problem else text
+        elif directive.word == "Port":
+            problem = _again("@Port") if port is not None else _no_name(text)
+            port = port if problem else read_name(text)
+        elif single is not None and single[1].startswith('"'):
+            name = plain(single[1])
+            problem = _again("@Input") if inputs is not None or name in further else None
+            if problem is None and single[2].strip() != _UNKNOWN:
+                problem = _unreadable_part(single.start(2), single[2])
+            if problem is None:
+                further[name] = single[2].strip()
         elif single is not None:
             problem = _again("@Input") if inputs is not None or single[1] in named else None
             problem = problem or _unknown_parameter(single, declaration)
@@ -44,18 +64,25 @@ def read_overrides(
                 named[single[1]] = single[2].strip()
         elif directive.word == "Input":
             pieces = list(parts(text))
-            problem = _again("@Input") if inputs is not None or named else None
+            problem = _again("@Input") if inputs is not None or named or further else None
             for begin, piece in pieces:
                 problem = problem or _unreadable_part(begin, piece)
             if problem is None:
                 inputs = tuple(piece.strip() for _, piece in pieces)
         if problem is not None:
             wrong.append((directive, problem))
-    return Overrides(output, inputs, named), wrong
+    return Overrides(output, inputs, named, port, further), wrong
 
 
 def _again(word: str) -> Wrong:
     return Wrong("MARS210", f"`{word}` repeats an annotation above it", "keep one of the two")
+
+
+def _no_name(text: str) -> Wrong | None:
+    if read_name(text) is not None:
+        return None
+    help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
+    return Wrong("MARS107", f"expected the name of a port, found `{text}`", help_text, 0, len(text))
 
 
 def _unknown_parameter(single: re.Match[str], declaration: Declaration) -> Wrong | None:

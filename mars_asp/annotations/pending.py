@@ -161,6 +161,8 @@ class Pending:
                     function=declaration.name,
                     output=signature.output,
                     inputs=signature.inputs,
+                    port=overrides.port,
+                    parameters=signature.parameters,
                 )
             )
         if declaration.conditional is not None and overrides.inputs is None:

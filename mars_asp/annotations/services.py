@@ -16,10 +16,14 @@ _STATUS = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """Representations of a declaration; a `remark` says what is noteworthy, with its code."""
+    """Representations of a declaration; a `remark` says what is noteworthy, with its code.
+
+    `parameters` are the names of the inputs, where they have names.
+    """
 
     output: str | None
     inputs: tuple[str | None, ...]
+    parameters: tuple[str | None, ...]
     remarks: tuple[tuple[str, str, str], ...]
 
 
@@ -45,13 +49,15 @@ def read_signature(declaration: Declaration, overrides: Overrides, delivers: boo
                     "state its output: `@Output TYPE`",
                 )
             )
-    inputs = tuple(_inputs(parameters, overrides))
+    found = tuple(_inputs(parameters, overrides))
+    inputs = tuple(representation for _, representation in found)
+    names = tuple(name for name, _ in found)
     builtin = [name for name in inputs if name in BUILTIN]
     if delivers and overrides.output is None and output in BUILTIN:
         builtin.insert(0, output)
     if builtin:
         remarks.append(_builtin(list(dict.fromkeys(builtin))))
-    return Signature(output or None, inputs, tuple(remarks))
+    return Signature(output or None, inputs, names, tuple(remarks))
 
 
 def _overridden(
@@ -83,21 +89,30 @@ def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
     )
 
 
-def _inputs(parameters: Sequence[Parameter], overrides: Overrides) -> Iterator[str | None]:
+def _inputs(
+    parameters: Sequence[Parameter], overrides: Overrides
+) -> Iterator[tuple[str | None, str | None]]:
+    """Yield the name and the representation of each input."""
     if overrides.inputs is not None:
-        for written in overrides.inputs:
-            if written != "none":
-                yield representation(written) or None
+        stated = [written for written in overrides.inputs if written != "none"]
+        # Where types are stated of as many inputs as there are parameters, it is of these.
+        own = [parameter.name for parameter in parameters]
+        names = own if len(own) == len(stated) else [None] * len(stated)
+        for name, written in zip(names, stated, strict=True):
+            yield name, representation(written) or None
         return
     for parameter in parameters:
         written = overrides.named.get(parameter.name or "", parameter.type or "")
         if written == "none":
             continue
         if not written:
-            yield None
+            yield parameter.name, None
             continue
         name = representation(written)
         if name is None:
-            yield None
+            yield parameter.name, None
         elif name and name.partition("<")[0].rsplit("::", 1)[-1] not in NOT_INPUTS:
-            yield name
+            yield parameter.name, name
+    for called, written in overrides.further.items():
+        if written != "none":
+            yield called, representation(written) or None

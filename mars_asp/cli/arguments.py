@@ -66,7 +66,8 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
     },
     "Exchange it": {
         "import": Verb(
-            "read a robot from `urdf` or `twist_mux`", "import urdf robot.urdf -o robot.mars"
+            "read a robot from files of others, such as `urdf` and `dora`",
+            "import urdf robot.urdf -o robot.mars",
         ),
         "export": Verb("write the mount tree as `urdf`", "export urdf config.mars -o robot.urdf"),
         "facts": Verb("print the facts as input of clingo", "facts config.mars"),

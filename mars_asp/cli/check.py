@@ -21,6 +21,7 @@ from mars_asp.cli.reason import (
     analyse_project,
     check_inputs,
     load,
+    robots,
     rulebook_for,
 )
 from mars_asp.cli.report import Suggestion, report
@@ -48,6 +49,8 @@ class _Checked:
     """What came of a file: how many diagnostics of each severity, and what was mended."""
 
     path: str
+    #: Files of others that say more of the same robot.
+    further: tuple[str, ...] = ()
     status: int = 0
     counted: Counter[Severity] = field(default_factory=Counter)
     mended: "tuple[Repair, ...]" = ()
@@ -73,7 +76,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="`.mars` files, each a robot of its own; `-` is standard input",
+        help="`.mars` files, each a robot of its own, and files of others, which are one robot;"
+        " `-` is standard input",
     )
     parser.add_argument(
         "--fix",
@@ -89,8 +93,8 @@ def run(arguments: argparse.Namespace) -> int:
     rules = cache(lambda stages: rulebook_for(arguments, stages))
     rules(_STAGES)
     checked = []
-    for name in _each_once(arguments.files):
-        one = _Checked(name)
+    for name, *further in robots(arguments, _each_once(arguments.files)):
+        one = _Checked(name, tuple(further))
         checked.append(one)
         try:
             _check(one, rules, arguments)
@@ -120,7 +124,8 @@ def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
     """
     raw = read_standard_input(MOST_BYTES + 1) if one.path == STANDARD_INPUT else None
     text = None if raw is None else decode(raw, SHOWN_INPUT)
-    project = load(arguments, SHOWN_INPUT if raw is not None else one.path, text)
+    path = SHOWN_INPUT if raw is not None else one.path
+    project = load(arguments, path, text, one.further)
     one.text = text if arguments.fix else None
     analysis = analyse_project(project, rules(_STAGES), arguments)
     found = findings(analysis)
@@ -268,11 +273,12 @@ def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
 def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
     """Yield how much was found and mended in how many files, where there is anything to say."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
+    files = sum(1 + len(one.further) for one in checked)
     mended = sum(len(one.mended) for one in checked)
     mendable = sum(one.mendable for one in checked)
     found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
     if found or mended:
-        parts = [", ".join(found) or "no errors or warnings", f"in {counted(len(checked), 'file')}"]
+        parts = [", ".join(found) or "no errors or warnings", f"in {counted(files, 'file')}"]
         yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
     if mendable:
         has = "has" if mendable == 1 else "have"
@@ -286,6 +292,7 @@ def _json(checked: Sequence[_Checked]) -> dict[str, object]:
         "files": [
             {
                 "path": one.path,
+                "further": list(one.further),
                 "errors": one.counted["error"],
                 "warnings": one.counted["warning"],
                 "fixed": [repair_json(repair) for repair in one.mended],

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.trace import DEPTH
@@ -13,7 +14,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
-from mars_asp.cli.reason import add_file, read_project, rulebook_for
+from mars_asp.cli.reason import STANDARD_INPUT, add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.cli.trace_schema import add_schema
 from mars_asp.model.names import read_name
@@ -101,6 +102,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the traces; 3 where no time was left."""
+    _tell_subject(arguments)
     contradiction = _contradiction(arguments)
     if contradiction is not None:
         print(f"mars-asp explain: {contradiction}", file=sys.stderr)
@@ -165,6 +167,13 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
         about = {answer.subject, *(title.partition("(")[2].removesuffix(")") for title in told)}
         names = [name for name in names if name in about]
     return tuple(absences(reasoner, names, only))
+
+
+def _tell_subject(arguments: argparse.Namespace) -> None:
+    """Take the last word for the subject where it is no file: words before it are files."""
+    *files, last = arguments.files
+    if files and arguments.subject is None and last != STANDARD_INPUT and not Path(last).exists():
+        arguments.files, arguments.subject = files, last
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Iterator
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 
 from mars_asp.annotations.files import Extraction, extract, find_paths
@@ -11,6 +12,8 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
 from mars_asp.model.declarations import Function, Module, Service
 from mars_asp.model.described import module_classes
+from mars_asp.model.ports import parameter_names
+from mars_asp.model.rates import as_written
 from mars_asp.output import visible
 
 
@@ -67,6 +70,8 @@ def _service_json(service: Service) -> dict[str, object]:
         "inputs": list(service.inputs),
         "modes": [mode.text or mode.name for mode in service.modes],
         "hz": _number(service.hz),
+        "port": service.port,
+        "parameters": list(parameter_names(service)),
     }
 
 
@@ -79,7 +84,7 @@ def _function_json(function: Function) -> dict[str, object]:
     }
 
 
-def _number(value: Decimal | None) -> int | float | None:
+def _number(value: Decimal | Fraction | None) -> int | float | None:
     if value is None:
         return None
     return int(value) if value == int(value) else float(value)
@@ -90,7 +95,7 @@ def _text(module: Module) -> Iterator[str]:
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:
         words = [mode.text or mode.name for mode in service.modes] or list(service.commands)
-        rate = "" if service.hz is None else f" {_number(service.hz)}"
+        rate = "" if service.hz is None else f" {as_written(service.hz)}"
         annotation = f"{service.kind} {', '.join(words)}".rstrip() + rate
         inputs = ", ".join(name or "?" for name in service.inputs)
         output = "" if service.kind == "DataIn" else f" -> {service.output or '?'}"

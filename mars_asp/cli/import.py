@@ -5,19 +5,31 @@ from pathlib import Path
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.lines import remember
-from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.foreign import READERS, File, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
+
+_FORMATS = ("urdf", *READERS)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     parser.add_argument(
-        "origin", metavar="FORMAT", choices=("urdf", "twist_mux"), help="`urdf` or `twist_mux`"
+        "origin",
+        metavar="FORMAT",
+        choices=_FORMATS,
+        help=f"{', '.join(f'`{each}`' for each in _FORMATS[:-1])} or `{_FORMATS[-1]}`",
     )
-    parser.add_argument("file", metavar="FILE", help="what to read, `-` for standard input")
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="what to read, `-` for standard input; several are one robot",
+    )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="where to write it")
     parser.add_argument(
         "--contract",
@@ -28,7 +40,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the configuration."""
-    found, printed = (_urdf if arguments.origin == "urdf" else _twist_mux)(arguments)
+    check_inputs(*arguments.files)
+    found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
     report(found.warnings, arguments)
     if arguments.output == "-":
         print(printed, end="")
@@ -46,25 +59,37 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
     from mars_asp.exchange.urdf import import_urdf
 
-    found = import_urdf(*_text(arguments.file, MOST_OF_URDF))
+    document, *others = arguments.files
+    if others:
+        message = f"`{others[0]}` is a second document, and a robot has one in URDF"
+        help_text = "import one at a time"
+        place = point(others[0], 1, 1)
+        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+    found = import_urdf(*_text(document, MOST_OF_URDF))
     return found, print_configuration(found.configuration)
 
 
-def _twist_mux(arguments: argparse.Namespace) -> tuple[Parsed, str]:
-    """Return what the parameters of a mux say, and how that is printed.
+def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
+    """Return what the files of others say, and how that is printed.
 
     Raises:
-        MarsError: what is wrong with the file.
+        MarsError: what is wrong with the files.
     """
     from mars_asp.exchange.lift import lifted, with_origins
-    from mars_asp.exchange.twist_mux import import_twist_mux
 
-    text, shown = _text(arguments.file)
-    text = plain_lines(text)
-    remember(shown, text)
-    found = import_twist_mux(text, shown)
-    shape = found.configuration if arguments.contract else lifted(found.configuration)
-    return found, with_origins(print_configuration(shape), shape)
+    files = []
+    for name in arguments.files:
+        if arguments.origin == "ros2" and Path(name).is_dir():
+            files.append(File(name, "", "ros2"))
+            continue
+        text, shown = _text(name)
+        text = plain_lines(text)
+        remember(shown, text)
+        files.append(File(shown, text, arguments.origin))
+    found = read_foreign(files)
+    contract = arguments.contract or not found.configuration.muxes
+    shape = found.configuration if contract else lifted(found.configuration)
+    return found, with_origins(shape)
 
 
 def _text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:

@@ -1,7 +1,7 @@
 """What the verbs that reason have in common: read, load the rules, analyse."""
 
 import argparse
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -10,6 +10,7 @@ from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.foreign import File, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
@@ -56,8 +57,8 @@ def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
         if path == STANDARD_INPUT:
             path = SHOWN_INPUT
             text = read_input(path)
-        parsed, _, foreign = _parse(arguments, path, text)
-    if foreign is None:
+        parsed, _, _ = _parse(arguments, path, text)
+    if not parsed.configuration.muxes:
         return parsed
     from mars_asp.exchange.lift import lifted
 
@@ -65,48 +66,94 @@ def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
 
 
 def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:
-    """Read the project of a verb's FILE; report what is noteworthy about it.
+    """Read the project of a verb's FILE, or of all of them; report what is noteworthy about it.
 
     Raises:
         MarsError: what is wrong with its files.
     """
-    path = arguments.file if path is None else path
+    path, *further = arguments.files if path is None else (path,)
+    check_inputs(path, *further)
     text = None
     if path == STANDARD_INPUT:
         path = SHOWN_INPUT
         text = read_input(path)
-    project = load(arguments, path, text)
+    project = load(arguments, path, text, further)
     report(project.diagnostics, arguments)
     return project
 
 
 def _parse(
-    arguments: argparse.Namespace, path: str, text: str | None
+    arguments: argparse.Namespace, path: str, text: str | None, further: Sequence[str] = ()
 ) -> tuple[Parsed, str, str | None]:
     """Return what a file says, its text, and the format that it is in where it is not ours.
+
+    `further` are files of others that say more of the same robot.
 
     Raises:
         MarsError: what is wrong with the file.
     """
+    files = [_read(arguments, path, text), *(_read(arguments, each) for each in further)]
+    first = files[0]
+    ours = [file for file in files if file.format == "mars"]
+    if not ours:
+        return read_foreign(files), first.text, first.format
+    if further:
+        message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
+        help_text = "give it alone, or several to `mars-asp check`; only files of others are one"
+        place = point(ours[0].path, 1, 1)
+        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
+    return parse_text(first.text, path), first.text, None
+
+
+def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> File:
+    """Read a file, if that was not done, and see which format it is in.
+
+    Raises:
+        MarsError: it cannot be read.
+    """
+    if text is None and path == STANDARD_INPUT:
+        path = SHOWN_INPUT
+        text = read_input(path)
+    if text is None and Path(path).is_dir():
+        return File(path, "", "ros2")
     text = read_text(Path(path)) if text is None else plain_lines(text)
     # What is wrong with a file is shown in its own lines.
     remember(path, text)
-    found = arguments.from_format or recognised(text)
-    if found == "mars":
-        return parse_text(text, path), text, None
-    from mars_asp.exchange.twist_mux import import_twist_mux
-
-    return import_twist_mux(text, path), text, found
+    return File(path, text, arguments.from_format or recognised(text))
 
 
-def load(arguments: argparse.Namespace, path: str, text: str | None = None) -> Project:
-    """Read a project, whose file's content `text` replaces.
+def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[list[str]]:
+    """Return the files of each robot: those of others are one, at the place of the first."""
+    found: list[list[str]] = []
+    foreign: list[str] = []
+    for path in paths:
+        if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
+            found.append([path])
+        else:
+            if not foreign:
+                found.append(foreign)
+            foreign.append(path)
+    return found
+
+
+def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
+    """Whether a file can be read and is not ours."""
+    try:
+        return _read(arguments, path).format != "mars"
+    except MarsError:
+        return False
+
+
+def load(
+    arguments: argparse.Namespace, path: str, text: str | None = None, further: Sequence[str] = ()
+) -> Project:
+    """Read a project, whose file's content `text` replaces; `further` say more of it.
 
     Raises:
         MarsError: what is wrong with its files.
     """
     with stage(arguments, f"reading {visible(path)}"):
-        parsed, text, foreign = _parse(arguments, path, text)
+        parsed, text, foreign = _parse(arguments, path, text, further)
         return described(parsed, text, arguments.sources, foreign)
 
 
@@ -133,7 +180,11 @@ def analyse_project(
 
 
 def add_file(parser: argparse.ArgumentParser) -> None:
-    """Add the FILE argument."""
+    """Add the argument of the files of a robot."""
     parser.add_argument(
-        "file", metavar="FILE", help="a `.mars` file, or one of a mux; `-` for standard input"
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="a `.mars` file, or files of others that are one robot: of muxes, graphs, dataflows;"
+        " `-` for standard input",
     )

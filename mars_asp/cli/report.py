@@ -21,6 +21,8 @@ _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1
 _FURTHER, _INSIDE = "  ", "    "
 #: So many further places are shown; JSON has all.
 _MOST_PLACES = 10
+#: Of what was not read fewer are: it is no finding.
+_MOST_UNREAD = 2
 #: Of a longer line only what is near the place is quoted, with so many characters before it.
 _LONGEST, _BEFORE = 400, 40
 _TAB = 4
@@ -173,7 +175,8 @@ class _Quoted(NamedTuple):
 
 def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[str]:
     """Yield the lines of files that a diagnostic is about, each marked where that is."""
-    places = [(diagnostic.span, ""), *diagnostic.labels[:_MOST_PLACES]]
+    most = _MOST_UNREAD if diagnostic.code == NOT_READ else _MOST_PLACES
+    places = [(diagnostic.span, ""), *diagnostic.labels[:most]]
     shown = [_quoted(diagnostic.span, diagnostic.excerpt)]
     shown += [_quoted(span) for span, _ in places[1:]]
     numbers = [span.line for (span, _), line in zip(places, shown, strict=True) if line]
@@ -197,7 +200,7 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
         yield from _mark(
             line, visible(label), margin, diagnostic.severity, is_first, coloured, width
         )
-    more = len(diagnostic.labels) - _MOST_PLACES
+    more = len(diagnostic.labels) - most
     if more > 0:
         yield f"{_INSIDE}and {more} more place{'s' * (more > 1)}"
 

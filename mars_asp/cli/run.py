@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
     check_packages(arguments)
-    check_inputs(arguments.file, arguments.scenario)
+    check_inputs(*arguments.files, arguments.scenario)
     project = read_project(arguments)
     scenario = _scenario(arguments)
     if arguments.seed is not None:

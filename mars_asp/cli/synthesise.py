@@ -12,7 +12,6 @@ from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.language import print_configuration
-from mars_asp.language.print import print_number
 from mars_asp.language.relocate import sources_seen_from
 from mars_asp.model.declarations import (
     Configuration,
@@ -24,6 +23,7 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import module_classes
+from mars_asp.model.rates import as_number
 from mars_asp.reasoning.analysis import findings
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -165,8 +165,14 @@ def _kind(module: Module | None) -> str | None:
 
 def _data_json(data: Data) -> dict[str, object]:
     mode = None if data.mode is None else data.mode.text or data.mode.name
-    hz = None if data.hz is None else json.loads(print_number(data.hz))
-    return {"client": data.client, "source": data.source, "mode": mode, "hz": hz}
+    return {
+        "client": data.client,
+        "client_port": data.client_port,
+        "source": data.source,
+        "source_port": data.source_port,
+        "mode": mode,
+        "hz": None if data.hz is None else as_number(data.hz),
+    }
 
 
 def _control_json(control: Control) -> dict[str, object]:

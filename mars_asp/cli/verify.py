@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.without is not None:
         return _run_without(arguments)
     if arguments.specification is None:
-        project = read_project(arguments)
+        project = read_project(arguments, arguments.file)
         if project.format is None:
             print(
                 "mars-asp verify: SPEC and CONFIG are needed, or --without NODE CONFIG",
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_inputs(arguments.specification, arguments.file)
         parsed = read_configuration(arguments, arguments.specification)
         specification = parsed.configuration
-        project = read_project(arguments)
+        project = read_project(arguments, arguments.file)
         _report_own(parsed.warnings, project.diagnostics, arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
@@ -158,7 +158,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
         return 2
     from mars_asp.reasoning.questions.without import without
 
-    project = read_project(arguments)
+    project = read_project(arguments, arguments.file)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
     name = arguments.without
     found = without(name, Reasoner(project, rulebook, Budget(arguments.time_limit)))

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from mars_asp.language.print import print_number, print_relationship
+from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import (
     FOREVER,
     Configuration,
@@ -18,6 +19,7 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import module_classes
+from mars_asp.model.rates import as_written
 from mars_asp.output import visible
 
 LineKind: TypeAlias = Literal["mount", "data", "control"]
@@ -112,7 +114,7 @@ def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
             kind = "data"
             words = [] if relationship.mode is None else [relationship.mode.text]
             if relationship.hz is not None:
-                words.append(f"{print_number(relationship.hz)} Hz")
+                words.append(_rate(relationship.hz))
     return Line(kind, tail, head, _shown(" ".join(words)), _shown(print_relationship(relationship)))
 
 
@@ -126,3 +128,8 @@ def _note(module: Module | None, conversion: Conversion | None) -> str:
 
 def _shown(text: str) -> str:
     return visible(" ".join(text.split()))
+
+
+def _rate(hz: Fraction) -> str:
+    words = as_written(hz)
+    return words if words.startswith("every") else f"{words} Hz"

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import count
 
+from mars_asp.diagnostic import Span
+from mars_asp.language.print import print_configuration, print_modules
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Control, Name, Relationship
 from mars_asp.output import visible
 
@@ -39,16 +41,22 @@ def _arbiters() -> Iterator[str]:
     yield from (f"{stem}{number}" for number in count(2))
 
 
-def with_origins(printed: str, configuration: Configuration) -> str:
-    """Return a configuration as it is printed, each relationship with where it is from.
+def with_origins(configuration: Configuration) -> str:
+    """Return a configuration as it is printed, each relationship and block with where it is from.
 
-    Relationships are printed last, each on a line of its own.
+    Relationships are printed last of the body, each on a line of its own.
     """
-    spans = [line.span for line in configuration.relationships]
+    printed = print_configuration(replace(configuration, declared=()))
     lines = printed.splitlines()
-    heads, related = lines[: -len(spans)], lines[-len(spans) :]
+    first = len(lines) - len(configuration.relationships)
     told = [
-        f"{line}  // from {visible(s.path)}:{s.line}"
-        for line, s in zip(related, spans, strict=True)
+        f"{line}  {_origin(related.span)}"
+        for line, related in zip(lines[first:], configuration.relationships, strict=True)
     ]
-    return "\n".join((*heads, *told, ""))
+    blocks = zip(configuration.declared, print_modules(configuration), strict=True)
+    described = [f"\n{_origin(module.span)}\n{block}" for module, block in blocks]
+    return "\n".join((*lines[:first], *told, *described, ""))
+
+
+def _origin(span: Span) -> str:
+    return f"// from {visible(span.path)}:{span.line}"

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Span, point
+from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.declarations import (
     Configuration,
@@ -21,7 +22,6 @@ from mars_asp.model.declarations import (
     Data,
     Engine,
     Hold,
-    Mode,
     Module,
     Muxed,
     Name,
@@ -41,9 +41,6 @@ _MIDDLEWARE = frozenset(
 _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 #: What dumps write where a type is not known.
 _NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
-_WHEN_READY = Mode("NotifyWhenReady")
-_PERIODIC = Mode("NotifyAtFrequency")
-_NO_IDENTIFIER = re.compile(r"\W+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +156,8 @@ def represented(written: str | None) -> str | None:
     """Return the representation of a message's type, `None` where it is not known."""
     if written is None or written.strip().lower() in _NO_TYPES:
         return None
-    return representation(written) or None
+    # ROS 1 names C++ templates `Image_`.
+    return representation(written.strip().rstrip("_")) or None
 
 
 def is_command(written: str | None) -> bool:
@@ -168,8 +166,11 @@ def is_command(written: str | None) -> bool:
     return known is not None and known.rpartition("::")[2] in COMMANDS
 
 
-def port_of(topic: str) -> str:
-    """Return the port that a topic is, which is its name without the leading slash."""
+def end_of(topic: str) -> str:
+    """Return the module that obeys a topic where no node does: its name without the slash.
+
+    So no node is it, whose names begin with one.
+    """
     return topic.lstrip("/") or topic
 
 
@@ -227,7 +228,7 @@ class _Wiring:
         hearing = tuple(each.node for each in self.subscribed.get(topic, ()))
         if hearing or topic in self.heard:
             return hearing
-        return (port_of(topic),)
+        return (end_of(topic),)
 
     def is_contracted(self, mux: Mux) -> bool:
         """Whether a mux is all that commands one module, which can have its priorities then."""
@@ -322,10 +323,13 @@ def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
         for end in node.subscribed:
             if end.topic in wiring.commands:
                 continue
-            port = port_of(end.topic)
-            for source in wiring.published.get(end.topic, ()):
+            port = end.topic
+            sources = wiring.published.get(port, ())
+            for source in sources:
                 if source.node != node.name:
-                    yield Data(node.name, source.node, end.span, client_port=port, source_port=port)
+                    # Where several publish, each is to be told from the others.
+                    span = (source.end if len(sources) > 1 else end).span
+                    yield Data(node.name, source.node, span, client_port=port, source_port=port)
 
 
 class _Loose(NamedTuple):
@@ -357,38 +361,13 @@ def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
     obeying = [end for end in node.subscribed if end.topic in wiring.commands]
     for end in node.published:
         if end.topic not in wiring.commands or end.topic in loose.outputs:
-            services.append(_output(end))
+            services.append(ports.output(end.topic, represented(end.type), end.span, end.hz))
     for end in node.subscribed:
         if end.topic not in wiring.commands or end.topic in loose.inputs:
-            services.append(_input(end))
+            services.append(ports.taken(end.topic, represented(end.type), end.span))
     if commanding or (obeying and services):
         at = (*commanding, *obeying)[0]
-        services.append(Service("ControlOut", at.span, "command"))
+        services.append(ports.commands(at.topic, at.span))
     if not services and node.guard is None:
         return None
     return Module(node.name, node.span, tuple(services), named=node.span, guard=node.guard)
-
-
-def _output(end: Endpoint) -> Service:
-    port = port_of(end.topic)
-    return Service(
-        "DataOut",
-        end.span,
-        _function(port),
-        represented(end.type),
-        modes=(_WHEN_READY if end.hz is None else _PERIODIC,),
-        hz=end.hz,
-        port=port,
-    )
-
-
-def _input(end: Endpoint) -> Service:
-    port = port_of(end.topic)
-    kind = represented(end.type)
-    return Service("DataIn", end.span, f"take_{_function(port)}", None, (kind,), parameters=(port,))
-
-
-def _function(port: str) -> str:
-    """Return an identifier for what publishes on a port."""
-    name = _NO_IDENTIFIER.sub("_", port)
-    return f"_{name}" if name[:1].isdigit() else name

@@ -1,4 +1,4 @@
-"""What was not read of a foreign file, as notes: nothing is dropped in silence."""
+"""What was not read of a file: grouped, counted, and with the places where it stands."""
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
@@ -23,12 +23,12 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
     """Yield for each sort of thing how many were not read, and where they stand."""
     for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
         first, *others = group
-        names = [f"`{each.name}`" for each in (first, *others)]
+        names = list(dict.fromkeys(f"`{each.name}`" for each in (first, *others)))
         named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
         yield Diagnostic(
             NOT_READ,
             "note",
-            f"{sort} not read: {len(names)} ({named})",
+            f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
         )

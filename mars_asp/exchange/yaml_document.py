@@ -18,6 +18,9 @@ MOST_BYTES = 256 * 1024
 MOST_DEPTH = 64
 #: How many nodes there may be with each alias counted as what it stands for.
 MOST_NODES = 100_000
+#: The same for the dump of a graph, which a program wrote.
+MOST_BYTES_OF_DUMP = 16 * 1024 * 1024
+MOST_NODES_OF_DUMP = 1_000_000
 _TAGS = frozenset(f"tag:yaml.org,2002:{of}" for of in "str int float bool null map seq".split())
 
 
@@ -66,9 +69,32 @@ def read_yaml(text: str, path: str) -> Node:
     Raises:
         MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
     """
-    reader = _Reader(path)
+    return _read(text, path, MOST_NODES, yaml.SafeLoader)
+
+
+def read_dump(text: str, path: str) -> Node:
+    """Return the one document of a YAML text that a program wrote, which may be large.
+
+    Raises:
+        MarsError: as `read_yaml`, and where the text is larger than any dump.
+    """
+    if len(text) > MOST_BYTES_OF_DUMP:
+        message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
+        raise _wrong(point(path, 1, 1), message, "give the file of the graph alone")
+    # The same events some ten times as fast, where PyYAML was built with libyaml.
+    return _read(text, path, MOST_NODES_OF_DUMP, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+
+
+def _read(text: str, path: str, most_nodes: int, loader: type[yaml.SafeLoader]) -> Node:
+    reader = _Reader(path, most_nodes)
+    strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
+    if strange is not None:
+        before = text[: strange.start()]
+        place = point(path, before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
+        raise _wrong(place, message, "is this a text file? if so, save it as UTF-8")
     try:
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        for event in yaml.parse(text, Loader=loader):
             reader.take(event)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -77,25 +103,19 @@ def read_yaml(text: str, path: str) -> Node:
         raise _wrong(
             place, f"this is not YAML: {said}", "fix the line, or what is above it"
         ) from None
-    except yaml.reader.ReaderError as error:
-        before = text[: error.position]
-        place = point(path, before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
-        message = f"character U+{int(error.character):04X} is not allowed in YAML"
-        raise _wrong(place, message, "is this a text file? if so, save it as UTF-8") from None
     if reader.problems:
         raise MarsError(reader.problems)
     if reader.root is None:
-        raise _wrong(
-            point(path, 1, 1), "the file is empty", "give a file with the parameters of a mux"
-        )
+        raise _wrong(point(path, 1, 1), "the file is empty", "give a file that says something")
     return reader.root
 
 
 class _Reader:
     """Makes nodes of events."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, most_nodes: int) -> None:
         self.path = path
+        self.most_nodes = most_nodes
         self.root: Node | None = None
         self.problems: list[Diagnostic] = []
         self.open: list[_Open] = []
@@ -169,8 +189,8 @@ class _Reader:
         around = self.open[-1]
         around.nodes.append(node)
         around.size += size
-        if around.size > MOST_NODES:
-            message = f"with its aliases the file has more than {MOST_NODES} nodes"
+        if around.size > self.most_nodes:
+            message = f"with its aliases the file has more than {self.most_nodes} nodes"
             raise _wrong(
                 span, message, "write values out instead of aliases, as far as they are needed"
             )

@@ -13,14 +13,29 @@ KEYWORDS = (
     "@specification",
     "@modules",
     "@sources",
+    "@include",
     "is_mounted_on",
     "is_controlled_by",
     "uses_data_from",
 )
-_WORDS = ("flat", "hierarchical", "period", "hold", "forever", "allocation", "root", "split")
+_WORDS = (
+    "flat",
+    "hierarchical",
+    "period",
+    "hold",
+    "forever",
+    "every",
+    "allocation",
+    "root",
+    "split",
+)
 _SHOWN = {
     "NAME": "a module name",
     "NUMBER": "a number",
+    "PORT": "`.` and the name of a port",
+    "UNIT": "`ms` or `s`",
+    "_EVERY": "`every`",
+    "COLON": "`:`",
     "MODE": "a delivery mode",
     "SLOT": "an axis, a number or `_`",
     "PATH": "a path",
@@ -41,6 +56,7 @@ _SHOWN = {
     "_PERIOD": "`period`",
     "_MODULES": "`@modules`",
     "_SOURCES": "`@sources`",
+    "_INCLUDE": "`@include`",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
 
@@ -55,7 +71,13 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
     terminals = terminals or getattr(error, "allowed", None) or ()
     wanted = sorted({_SHOWN.get(str(name), str(name)) for name in terminals})
     if not wanted or not piece[:begin].strip():
-        wanted = ["a relationship", "`@configuration`", "`@modules`", "`@sources`"]
+        wanted = [
+            "a relationship",
+            "`@configuration`",
+            "`@include`",
+            "`@modules`",
+            "`@sources`",
+        ]
     expected = (
         f"expected {', '.join(wanted[:-1])} or {wanted[-1]}"
         if wanted[1:]

@@ -137,7 +137,7 @@ def _spaces(tokens: list[Token]) -> list[str]:
     inside = False
     for before, token in pairwise(tokens):
         inside = (inside or before.text == "(") and before.text != ")"
-        closed = token.text in (",", ")", "=") or before.text in ("(", "=")
+        closed = token.text in (",", ")", "=", ":") or before.text in ("(", "=")
         opens_arguments = token.text == "(" and mode
         in_tuple = inside and not mode
         spaces.append("" if closed or opens_arguments or in_tuple else " ")

@@ -19,12 +19,15 @@ _Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 _RULES = (
     "header",
     "modules",
+    "instance",
     "sources",
+    "include",
     "mount",
     "transformation",
     "control",
     "controller",
     "data",
+    "every",
 )
 
 
@@ -53,7 +56,9 @@ def _word(child: Token | Raw | None) -> Word | Raw | None:
         return child
     assert child.start_pos is not None
     assert child.end_pos is not None
-    text = plain(child) if child.type == "NAME" else child
+    text = str(child)
+    if child.type in ("NAME", "PORT"):
+        text = plain(text.removeprefix("."))
     return Word(text, child.start_pos, child.end_pos)
 
 

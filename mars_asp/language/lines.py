@@ -19,7 +19,7 @@ _GAP = f"{_BLANK}++"
 #: The groups of each alternative are the children of the grammar's rule.
 _LINE = re.compile(
     rf"""^{_BLANK}*+(?:
-      ({_NAME}){_GAP}uses_data_from{_GAP}({_NAME})
+      ({_NAME})(?:\.({_NAME}))?{_GAP}uses_data_from{_GAP}({_NAME})(?:\.({_NAME}))?
         (?:{_GAP}({_NAME}))?(?:{_GAP}({_NUMBER}))?
     | ({_NAME}){_GAP}is_controlled_by{_GAP}({_NAME})
         (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}|forever))?
@@ -32,7 +32,7 @@ _LINE = re.compile(
     ){_BLANK}*+$""",
     re.MULTILINE | re.VERBOSE,
 )
-_RULES = (("data", 4), ("control", 5), ("mount", 4), ("header", 3), ("modules", 1))
+_RULES = (("data", 6), ("control", 5), ("mount", 4), ("header", 3), ("modules", 1))
 #: By the last group that matched, the rule and its groups.
 _BY_GROUP = {
     first + number: (rule, range(first, first + count))

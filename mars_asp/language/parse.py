@@ -248,4 +248,6 @@ def _about_nobody(
 
 
 def _unreadable(shown: str, reason: str) -> Diagnostic:
-    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", point(shown, 1, 1))
+    place = point(shown, 1, 1)
+    # To quote a line all of it would be read.
+    return Diagnostic("unreadable", "error", f"`{shown}`: {reason}", place, excerpt="")

@@ -18,7 +18,9 @@ from mars_asp.model.declarations import (
     Transformation,
     Vertex,
 )
-from mars_asp.model.names import written
+from mars_asp.model.names import end, quoted, written
+from mars_asp.model.ports import parameter_names
+from mars_asp.model.rates import as_written
 
 WIDTH = 72
 
@@ -28,15 +30,21 @@ def print_configuration(configuration: Configuration) -> str:
     return "".join(f"{line}\n" for line in _lines(configuration))
 
 
+def print_modules(configuration: Configuration) -> tuple[str, ...]:
+    """Return the blocks of the modules that a configuration declares, each as a text."""
+    named = _named(configuration)
+    return tuple("\n".join(_block(m, m.name in named)) for m in configuration.declared)
+
+
 def print_relationship(relationship: Relationship) -> str:
     """Return the line of a relationship."""
     match relationship:
-        case Data(client, source, _, mode, hz):
-            words = [written(client), "uses_data_from", written(source)]
+        case Data(client, source, _, mode, hz, client_port, source_port):
+            words = [end(client, client_port), "uses_data_from", end(source, source_port)]
             if mode is not None:
                 words.append(print_mode(mode))
             if hz is not None:
-                words.append(print_number(hz))
+                words.append(as_written(hz))
         case Control(controlled, controller, _, priority, hold, allocation):
             words = [written(controlled), "is_controlled_by", written(controller)]
             if priority is not None:
@@ -101,8 +109,15 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     if configuration.sources:
         paths = [name.text for name in configuration.sources]
         yield from fill("@sources", [*(f"{path}," for path in paths[:-1]), *paths[-1:]])
-    names = [written(name.text) for name in configuration.modules]
-    yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
+    for include in configuration.includes:
+        behind = "" if include.name is None else f" as {written(include.name)}"
+        yield f"@include {include.path}{behind}"
+    names = [
+        written(name.text) + ("" if name.described is None else f": {written(name.described)}")
+        for name in configuration.modules
+    ]
+    if names or not configuration.includes:
+        yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
     conversions = {c.transformer: c for c in configuration.conversions}
     modules = {each.node: each.module for each in configuration.stand_ins if not each.evident}
     for relationship in configuration.relationships:
@@ -112,9 +127,16 @@ def _lines(configuration: Configuration) -> Iterator[str]:
             node = relationship.controlled
             yield f"// {node}: {written(modules.pop(node))}"
         yield print_relationship(relationship)
-    for module in configuration.declared:
+    for block in print_modules(configuration):
         yield ""
-        yield from _block(module)
+        yield block
+
+
+def _named(configuration: Configuration) -> set[str]:
+    """Return the modules of which some line names an input."""
+    named = {r.client for r in configuration.relationships if isinstance(r, Data) and r.client_port}
+    described = {n.described for n in configuration.modules if n.described and n.text in named}
+    return named.union(filter(None, described))
 
 
 def _conversion(conversion: Conversion) -> str:
@@ -127,15 +149,17 @@ def _number(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
 
 
-def _block(module: Module) -> Iterator[str]:
+def _block(module: Module, named: bool) -> Iterator[str]:
     yield "@module_start"
     yield f"@module_name {written(module.name)}"
+    if module.guard is not None:
+        yield "@Guard"
     for function in module.functions:
         yield _function(function)
     for vertex in module.vertices:
         yield _vertex(vertex)
     for service in module.services:
-        yield from _service(service)
+        yield from _service(service, named)
     yield "@module_end"
 
 
@@ -153,24 +177,33 @@ def _vertex(vertex: Vertex) -> str:
     return f"@Vertex {vertex.number} {print_transformation(vertex.transformation)}"
 
 
-def _service(service: Service) -> Iterator[str]:
+def _service(service: Service, named: bool) -> Iterator[str]:
     """Yield an annotation and a declaration; what the declaration would say, overrides say."""
     modes = [print_mode(mode) for mode in service.modes]
+    # Names of parameters are printed where lines need them, or where they are no code's.
+    by_name = service.inputs and (
+        named or not all(name is None or name.isidentifier() for name in service.parameters)
+    )
     if service.hz is not None:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")
-        modes[periodic] += f" {print_number(service.hz)}"
+        modes[periodic] += f" {as_written(service.hz)}"
     said = ", ".join((*modes, *service.commands))
     if service.kind == "Converts":
         said = str(service.cost)
     yield f"@{service.kind} {said}".rstrip()
+    if service.port is not None:
+        yield f"@Port {written(service.port)}"
     yield f"@Output {service.output or 'none'}"
-    if None in service.inputs:
+    parameters = ""
+    if by_name:
+        for name, representation in zip(parameter_names(service), service.inputs, strict=True):
+            yield f"@Input {quoted(name)}: {representation or 'auto'}"
+    elif None in service.inputs:
         # Only a declaration can leave open what an input is.
-        for index, name in enumerate(service.inputs):
-            if name is not None:
-                yield f"@Input input{index}: {name}"
+        for index, representation in enumerate(service.inputs):
+            if representation is not None:
+                yield f"@Input input{index}: {representation}"
         parameters = ", ".join(f"auto input{index}" for index in range(len(service.inputs)))
     else:
         yield f"@Input {', '.join(filter(None, service.inputs)) or 'none'}"
-        parameters = ""
     yield f"void {service.function}({parameters});"

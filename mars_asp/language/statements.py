@@ -1,7 +1,9 @@
 """Parsed statements to model values, with the checks that need no more than one statement."""
 
+import re
 from dataclasses import replace
 from decimal import Decimal
+from fractions import Fraction
 from typing import TypeAlias, cast
 
 from mars_asp.diagnostic import Diagnostic, Span
@@ -14,6 +16,7 @@ from mars_asp.model.declarations import (
     Control,
     Data,
     Hold,
+    Include,
     Mode,
     Mount,
     Name,
@@ -21,12 +24,25 @@ from mars_asp.model.declarations import (
     Transformation,
 )
 from mars_asp.model.modes import ModeProblem, parse_mode
-from mars_asp.model.ranges import FREQUENCY, HOLD, PERIOD, PRIORITY, VERTEX, NumberProblem, Range
+from mars_asp.model.names import read_name
+from mars_asp.model.ranges import (
+    FREQUENCY,
+    HOLD,
+    PERIOD,
+    PERIODS,
+    PRIORITY,
+    VERTEX,
+    NumberProblem,
+    Range,
+)
+from mars_asp.model.rates import Rate, every
 from mars_asp.model.transformation import read_transformation
 
 #: The name of a statement's rule and what stands in it: words, absences, statements within.
 Raw: TypeAlias = tuple[str, list["Word | Raw | None"]]
 PERIODIC = "NotifyAtFrequency"
+#: A path, and the name that what it holds stands behind.
+_AS = re.compile(r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)")
 
 
 class Word(str):
@@ -49,6 +65,21 @@ def begin_of(raw: Raw) -> int:
     return min(child.begin for child in raw[1] if isinstance(child, Word))
 
 
+def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
+    """Return a name of `@modules` and that of the module which describes it, if that is stated."""
+    if isinstance(child, Word):
+        return child, None
+    word, described = child[1]
+    assert isinstance(word, Word)
+    assert isinstance(described, Word)
+    return word, described
+
+
+def _last(child: "Word | Raw | None") -> "Word | Raw | None":
+    """Return the last word of a child."""
+    return child[1][-1] if isinstance(child, tuple) else child
+
+
 class Builder:
     """Collects the statements of one file."""
 
@@ -61,6 +92,7 @@ class Builder:
         self._period: int | None = None
         self._header_span = layout.span(0, 0)
         self._modules: dict[str, Name] | None = None
+        self._includes: list[Include] = []
         self._sources: list[Name] = []
         self._relationships: list[Relationship] = []
 
@@ -81,7 +113,7 @@ class Builder:
             self._note(at, at, "the file has no `@configuration`", "begin it with `@configuration`")
             return Configuration(self.layout.path, self._header_span)
         kind, architecture = self._header
-        if self._modules is None and complete:
+        if self._modules is None and not self._includes and complete:
             self._note_word(
                 kind, f"`{kind}` without `@modules`", "name its modules: `@modules A, B`"
             )
@@ -96,6 +128,7 @@ class Builder:
             tuple(self._sources),
             tuple((self._modules or {}).values()),
             tuple(self._relationships),
+            includes=tuple(self._includes),
         )
 
     def _add_header(self, children: list[Word | None]) -> None:
@@ -108,21 +141,38 @@ class Builder:
         self._period = self._whole(period, PERIOD)
         self._header_span = self._span(kind, kind)
 
-    def _add_modules(self, children: list[Word]) -> None:
+    def _add_modules(self, children: list["Word | Raw"]) -> None:
+        named = [_instance(child) for child in children]
         if self._modules is not None:
             self._note_word(
-                children[0], "`@modules` occurs twice in the file", "name all modules in one list"
+                named[0][0], "`@modules` occurs twice in the file", "name all modules in one list"
             )
         self._modules = self._modules or {}
-        for word in children:
+        for word, description in named:
             if word in self._modules:
                 self._note_word(word, f"`{word}` is named twice in `@modules`", "name it once")
             else:
-                self._modules[str(word)] = Name(str(word), self._span(word, word))
+                span = self._span(word, description or word)
+                described = None if description is None else str(description)
+                self._modules[str(word)] = Name(str(word), span, described)
 
     def _add_sources(self, children: list[Word]) -> None:
         for word in children:
             self._sources.append(Name(word.strip(), self._span(word, word)))
+
+    def _add_include(self, children: list[Word]) -> None:
+        (word,) = children
+        path, name = word.strip(), None
+        match = _AS.fullmatch(path)
+        if match is not None:
+            name = read_name(match["name"])
+            path = match["path"]
+            if name is None:
+                begin, end = word.begin + match.start("name"), word.begin + match.end("name")
+                message = f"expected a name after `as`, found `{match['name']}`"
+                help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
+                self._note(self._base + begin, self._base + end, message, help_text)
+        self._includes.append(Include(path, name, self._span(word, word)))
 
     def _add_mount(self, children: list["Word | Raw | None"]) -> None:
         mounting, vertex, mounted, on, transformation = children
@@ -186,10 +236,13 @@ class Builder:
                 )
             )
 
-    def _add_data(self, children: list[Word | None]) -> None:
-        client, source, written, number = children
-        assert client is not None
-        assert source is not None
+    def _add_data(self, children: list["Word | Raw | None"]) -> None:
+        client, client_port, source, source_port, written, number = children
+        assert isinstance(client, Word)
+        assert isinstance(source, Word)
+        assert not isinstance(written, tuple)
+        for name, port in ((client, client_port), (source, source_port)):
+            self._check_port(name, port)
         mode = None
         if written is not None:
             read = parse_mode(str(written))
@@ -197,18 +250,37 @@ class Builder:
                 self._note_offset(written, read)
             else:
                 mode = read
-        hz = self._number(number, FREQUENCY)
-        if number is not None and written is None:
+        hz, stated = self._rate(number)
+        if stated is not None and written is None:
             mode = Mode(PERIODIC, text=PERIODIC)
-        if number is not None and mode is not None and mode.name != PERIODIC:
+        if stated is not None and mode is not None and mode.name != PERIODIC:
             self._note_word(
-                number,
+                stated,
                 f"a frequency after `{mode.text}`",
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )
-        last = next(word for word in (number, written, source) if word is not None)
-        span = self._span(client, last)
-        self._relationships.append(Data(str(client), str(source), span, mode, hz))
+        words = (_last(number), written, source_port, source)
+        span = self._span(client, next(word for word in words if isinstance(word, Word)))
+        ports = (None if port is None else str(port) for port in (client_port, source_port))
+        self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
+
+    def _check_port(self, name: Word, port: "Word | Raw | None") -> None:
+        """Note a port that does not stand right behind the `.` behind its module."""
+        if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
+            begin, end = self._base + name.end, self._base + port.end
+            self._note(
+                begin, end, f"a blank before `.{port}`", "write `MODULE.PORT` without a blank"
+            )
+
+    def _rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
+        """Return the rate that is stated, and the number that stands there."""
+        if isinstance(child, tuple):
+            number, unit = child[1]
+            assert isinstance(number, Word)
+            period = self._whole(number, PERIODS[str(unit)])
+            return (None if period is None else every(period, str(unit))), number
+        found = self._number(child, FREQUENCY)
+        return (None if found is None else Rate(found)), child
 
     def _number(self, word: "Word | Raw | None", wanted: Range) -> Decimal | None:
         """Return the number that a word writes; note what is wrong with it."""

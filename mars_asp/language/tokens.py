@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mars_asp.language.layout import Layout
-from mars_asp.model.names import QUOTED, plain
+from mars_asp.model.names import QUOTED, read_end
 
-_TOKEN = re.compile(rf"{QUOTED}|[(),=]|[^\s(),=]+")
+#: A name and its port are one token.
+_TOKEN = re.compile(rf"[(),=:]|(?:{QUOTED}|[^\s(),=:])+")
 _PATH = re.compile(r",|[^\s,](?:[^,\n]*[^\s,])?")
-_LIST = re.compile(r"\s*(@sources|@modules)")
+_LIST = re.compile(r"\s*(@sources|@include|@modules)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +23,9 @@ class Token:
 
     @property
     def name(self) -> str:
-        """Return the name that the token writes."""
-        return plain(self.text)
+        """Return the name that the token writes, without a port."""
+        found = read_end(self.text)
+        return self.text if found is None else found[0]
 
 
 def statements(layout: Layout) -> Iterator[tuple[Token, ...]]:
@@ -40,7 +42,7 @@ def tokens_of(layout: Layout, begin: int, end: int) -> list[Token]:
     text = layout.grammatical
     head = _LIST.match(text, begin, end)
     spans = [] if head is None else [head.span(1)]
-    names = _PATH if head is not None and head[1] == "@sources" else _TOKEN
+    names = _PATH if head is not None and head[1] != "@modules" else _TOKEN
     rest = names.finditer(text, head.end() if head else begin, end)
     spans += (match.span() for match in rest)
     # A path may hold blanks, where the file may have a line end and even a comment.

@@ -128,6 +128,15 @@ class Name:
 
 
 @dataclass(frozen=True, slots=True)
+class Include:
+    """`@include path as name`: the modules and relationships of another configuration."""
+
+    path: str
+    name: str | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Mount:
     """`mounting vertex is_mounted_on mounted vertex transformation`."""
 
@@ -235,7 +244,8 @@ class Configuration:
 
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
-    once extraction has run, those found in sources; `muxes` are those of a file that is not ours.
+    once extraction has run, those found in sources; `muxes` are those of a file that is not ours;
+    `includes` are other configurations that are still to be taken in.
     """
 
     path: str
@@ -251,6 +261,7 @@ class Configuration:
     conversions: tuple[Conversion, ...] = ()
     stand_ins: tuple[StandIn, ...] = ()
     muxes: tuple[Muxed, ...] = ()
+    includes: tuple[Include, ...] = ()
 
 
 NodeKind: TypeAlias = Literal[

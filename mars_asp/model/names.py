@@ -1,8 +1,8 @@
-r"""Names of modules: how a configuration writes them.
+r"""Names of modules and ports: how a configuration writes them.
 
 Words of letters, digits, `_` and inner `-`, joined by `/`, with or without a leading `/`, are
 written as they are; every other name stands in double quotes, where `\"` is a quote and `\\` a
-backslash.
+backslash. Behind a name, a `.` and a further name are one of the module's ports.
 """
 
 import re
@@ -15,6 +15,8 @@ _BARE = re.compile(BARE)
 _NAME = re.compile(f"{BARE}|{QUOTED}")
 #: What would be read as a number where one may stand.
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
+#: A name, and behind it a port.
+_END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED}))?")
 _ESCAPED = re.compile(r"\\(.)")
 
 
@@ -22,6 +24,11 @@ def written(name: str) -> str:
     """Return a name as a configuration writes it."""
     if _BARE.fullmatch(name) and not _NUMBER.fullmatch(name):
         return name
+    return quoted(name)
+
+
+def quoted(name: str) -> str:
+    """Return a name in quotes."""
     inside = name.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{inside}"'
 
@@ -29,6 +36,19 @@ def written(name: str) -> str:
 def read_name(text: str) -> str | None:
     """Return the name that a text writes; `None` where it writes none."""
     return plain(text) if _NAME.fullmatch(text) else None
+
+
+def end(name: str, port: str | None) -> str:
+    """Return a module, and a port of it if there is one, as a configuration writes them."""
+    return written(name) if port is None else f"{written(name)}.{written(port)}"
+
+
+def read_end(text: str) -> tuple[str, str | None] | None:
+    """Return the module and the port that a text writes; `None` where it writes none."""
+    match = _END.fullmatch(text)
+    if match is None:
+        return None
+    return plain(match[1]), None if match[2] is None else plain(match[2])
 
 
 def plain(text: str) -> str:

@@ -73,15 +73,18 @@ HOLD = _whole("a hold in milliseconds", 1)
 PERIOD = _whole("a period in milliseconds", 1)
 VERTEX = _whole("a vertex", 0)
 COST = _whole("a cost", 1, 1_000_000)
-#: Rules reason with millihertz.
 FREQUENCY = Range(
     "a frequency",
     Decimal(0),
     _FARTHEST,
-    f"write Hz without a unit, above 0, at most {_FARTHEST}, with at most three decimals",
-    3,
+    f"write Hz without a unit, above 0, at most {_FARTHEST}, or a period: `every 17 ms`",
     above=True,
 )
+#: The times between two messages, by their units.
+PERIODS = {
+    "ms": _whole("a period in milliseconds", 1),
+    "s": _whole("a period in seconds", 1, MOST // 1000),
+}
 LENGTH = Range(
     "a length", -_FARTHEST, _FARTHEST, f"write a number of mm from -{_FARTHEST} to {_FARTHEST}"
 )

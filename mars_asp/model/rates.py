@@ -5,7 +5,7 @@ from fractions import Fraction
 from typing import Self
 
 #: Milliseconds of the units in which a period is written.
-UNITS = {"ms": 1, "s": 1000}
+_UNITS = {"ms": 1, "s": 1000}
 
 
 class Rate(Fraction):
@@ -34,9 +34,9 @@ class Rate(Fraction):
 
 
 def every(period: Decimal | int, unit: str) -> Rate:
-    """Return the rate of one message each period, which is more than zero, in a unit of `UNITS`."""
+    """Return the rate of one message each period, which is more than zero, in `ms` or `s`."""
     words = f"every {_plain(Fraction(period))} {unit}"
-    return Rate(Fraction(1000) / (Fraction(period) * UNITS[unit]), words)
+    return Rate(Fraction(1000) / (Fraction(period) * _UNITS[unit]), words)
 
 
 def as_written(hz: Fraction) -> str:
@@ -49,6 +49,11 @@ def as_written(hz: Fraction) -> str:
     if period.denominator != 1 and not _ends(period):
         raise ValueError(f"{hz} Hz can be written neither as a rate nor as a period")
     return f"every {_plain(period)} ms"
+
+
+def as_number(hz: Fraction) -> int | float:
+    """Return a rate as JSON has it: whole where it is whole, else the nearest float."""
+    return int(hz) if hz.denominator == 1 else float(hz)
 
 
 def _ends(number: Fraction) -> bool:

@@ -15,11 +15,15 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.model.declarations import Configuration
+from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.compile import (
+    TellsAs,
     configuration_facts,
     facts_text,
     representation_names,
 )
+from mars_asp.reasoning.facts.ends import ends_in
+from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
@@ -150,7 +154,12 @@ def specification_facts(
 
     Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
     """
-    for fact in configuration_facts(specification, wanted=_judged(rulebook)):
+    described = described_modules(project.configuration, project.modules)
+    told_as = TellsAs(
+        ends_in(project.configuration, described), rates_in(project.configuration, described)
+    )
+    wanted = _judged(rulebook)
+    for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _conversions(specification, project)

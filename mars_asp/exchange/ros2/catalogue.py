@@ -59,7 +59,9 @@ def _entries(text: str, path: str) -> Iterator[Entry]:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         match = _PLACE.match(str(error))
-        place = point(path, int(match["line"]), int(match["column"])) if match else point(path, 1, 1)
+        place = (
+            point(path, int(match["line"]), int(match["column"])) if match else point(path, 1, 1)
+        )
         said = match["said"] if match else str(error)
         raise _wrong(path, f"this is not TOML: {said}", place=place) from None
     for package, programs in document.items():

@@ -78,7 +78,9 @@ def read_cmake(text: str) -> Targets:
             case "rclcpp_components_register_nodes":
                 targets.plugins |= dict.fromkeys(others, first)
             case "install" | "catkin_install_python" if first == "PROGRAMS":
-                programs = others[: others.index("DESTINATION")] if "DESTINATION" in others else others
+                programs = (
+                    others[: others.index("DESTINATION")] if "DESTINATION" in others else others
+                )
                 targets.programs += programs
             case "set_target_properties":
                 for key, value in zip(others, others[1:], strict=False):

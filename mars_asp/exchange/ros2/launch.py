@@ -32,6 +32,8 @@ from mars_asp.exchange.unread import Unread
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
+_MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
+_PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
 
 
@@ -104,8 +106,10 @@ class Launch:
             self.read.add(file)
             text = self.workspace.text(file)
             shown = self.workspace.shown(file)
-            reader = read_python if file.suffix == ".py" else read_markup
-            self._actions[file] = reader(text, shown)
+            is_python = file.suffix == ".py" or (
+                file.suffix not in _MARKUP and _PYTHON.search(text) is not None
+            )
+            self._actions[file] = (read_python if is_python else read_markup)(text, shown)
         return self._actions[file]
 
     def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:

@@ -24,29 +24,31 @@ from mars_asp.exchange.topics import (
     configuration_of,
     joined,
 )
+from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.twist_mux.document import OUTPUT, Document, read_document
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.exchange.yaml_document import read_yaml
 from mars_asp.language import Parsed
+from mars_asp.language.print import print_modules
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
-_HEAD = 64 * 1024
-_MARKS = re.compile(r"def generate_launch_description\b|<launch[\s>]|^launch:", re.MULTILINE)
+#: A folder that does not exist.
+_NOWHERE = Path("/dev/null/nowhere")
 _NAME = re.compile(r"[^\x00-\x1f\x7f]+")
 #: Nodes that hand on one of several commands, by their packages.
 _MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
 _NUMBERED = re.compile(r"\d+")
 
 
-def import_ros2(paths: Sequence[Path], given_muxes: Sequence[tuple[str, str]] = ()) -> Parsed:
-    """Return the configuration of launch files, packages or workspaces, at least one of them.
+def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of launch files and folders, which make up one robot.
 
     Args:
-        paths: Launch files and folders, which make up one robot.
-        given_muxes: Parameters of muxes that a user names beside them, each a text and its path.
+        files: Texts and their paths, at least one that is no mux. Of a folder the text is empty;
+            files with the parameters of muxes are for those that are launched without.
 
     Raises:
         MarsError: what is wrong with a launch file, or that there is none.
@@ -54,26 +56,31 @@ def import_ros2(paths: Sequence[Path], given_muxes: Sequence[tuple[str, str]] = 
     graphs = []
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
-    muxes = [(path, read_document(text, path)) for text, path in given_muxes]
-    for root, members in _by_root(paths).items():
-        robot = _Robot(Workspace(root, members[0]), muxes)
-        graphs.append(robot.graph(members))
+    launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
+    muxes = [
+        (path, read_document(text, path)) for text, path in files if (text, path) not in launched
+    ]
+    for root, members in _by_root(launched).items():
+        workspace = Workspace(root, members[0][1])
+        robot = _Robot(workspace, muxes)
+        graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
         problems += robot.problems
         unread += robot.unread
-    for path, document in muxes:
+    for _, document in muxes:
         unread += document.unread
         problems += document.warnings
     graph = joined(graphs)
     unbound = _unbound(muxes, graph)
     mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *unbound)))
-    return Parsed(mapped.configuration, (*problems, *notes(_once((*unread, *mapped.unread)))))
+    told = (*problems, *notes(_once((*unread, *mapped.unread))))
+    return Parsed(mapped.configuration, told, print_modules(mapped.configuration))
 
 
-def _by_root(paths: Sequence[Path]) -> dict[Path, list[Path]]:
-    """Return paths by the folders of the workspaces in which they lie."""
-    found: dict[Path, list[Path]] = {}
-    for path in paths:
-        found.setdefault(_root(path), []).append(path)
+def _by_root(files: Sequence[tuple[str, str]]) -> dict[Path, list[tuple[str, str]]]:
+    """Return files by the folders of the workspaces in which they lie."""
+    found: dict[Path, list[tuple[str, str]]] = {}
+    for text, path in files:
+        found.setdefault(_root(Path(path)), []).append((text, path))
     return found
 
 
@@ -81,11 +88,15 @@ def _root(path: Path) -> Path:
     """Return the folder that holds all that a path may lead to.
 
     Of a launch file it is the `src` around its package, or else the package, or else its folder.
+    Standard input lies nowhere.
     """
     if path.is_dir():
         return path.resolve()
+    if not path.is_file():
+        return _NOWHERE
     folder = path.resolve().parent
-    package = next((each for each in (folder, *folder.parents) if (each / "package.xml").is_file()), None)
+    above = (folder, *folder.parents)
+    package = next((each for each in above if (each / "package.xml").is_file()), None)
     if package is None:
         return folder
     return next((each for each in package.parents if each.name == "src"), package)
@@ -131,8 +142,7 @@ class _Robot:
             if path.is_dir():
                 self._launch_all(launch)
             else:
-                # What the user names is read, wherever it is linked to.
-                launch.launch(path.resolve())
+                launch.launch(path)
         started = launch.started or list(self._alone(paths))
         if not launch.started:
             launch.unread += self._nothing(launch, paths, started)
@@ -196,7 +206,7 @@ class _Robot:
             if not in_folder:
                 return False
         try:
-            return _MARKS.search(self.workspace.text(file)[:_HEAD]) is not None
+            return is_launch(self.workspace.text(file))
         except MarsError as error:
             self.unread.append(
                 Unread("launch files with errors", file.name, error.diagnostics[0].span)
@@ -263,7 +273,11 @@ class _Robot:
             interface = self.catalogue.interface(*_key(program))
             if interface is not None:
                 self.catalogued.append(started)
-        name = started.name or (interface and interface.node) or re.split("::|/", program.executable)[-1]
+        name = (
+            started.name
+            or (interface and interface.node)
+            or re.split("::|/", program.executable)[-1]
+        )
         if not _NAME.fullmatch(f"{started.namespace}{name}"):
             self.unread.append(Unread("names made at run time", "?", started.span))
             return None, None
@@ -319,9 +333,7 @@ class _Robot:
                 span = topic.span or self._renaming(written, full, started, name) or started.span
                 yield Endpoint(full, topic.type, span, topic.hz)
 
-    def _written(
-        self, topic: Topic, started: Started, values: Mapping[str, str]
-    ) -> Iterator[str]:
+    def _written(self, topic: Topic, started: Started, values: Mapping[str, str]) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
         if topic.parameter is None:
             yield topic.name
@@ -336,8 +348,10 @@ class _Robot:
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""
         for rule in started.remaps:
-            if renamed(written, started.namespace, name, (rule,)) == full != renamed(
-                written, started.namespace, name, ()
+            if (
+                renamed(written, started.namespace, name, (rule,))
+                == full
+                != renamed(written, started.namespace, name, ())
             ):
                 return started.spans.get(rule)
         return None
@@ -374,9 +388,7 @@ class _Robot:
                     "some of what is launched depends on conditions, and every branch was taken:"
                     f" {_counted(len(conditional), 'start')} of a node"
                 )
-                self.problems.append(
-                    Diagnostic("launch", "note", message, conditional[0].span)
-                )
+                self.problems.append(Diagnostic("launch", "note", message, conditional[0].span))
         if self.catalogued:
             spans = {each.name or each.executable: each.span for each in self.catalogued}
             names = ", ".join(f"`{name}`" for name in list(spans)[:5])
@@ -390,9 +402,7 @@ def _key(program: Program) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
 
 
-def _mux(
-    mux: MuxParameters, name: str, namespace: str, remaps: Sequence[tuple[str, str]]
-) -> Mux:
+def _mux(mux: MuxParameters, name: str, namespace: str, remaps: Sequence[tuple[str, str]]) -> Mux:
     """Return a mux by the names of its topics in the robot."""
     node = name.rpartition("/")[2]
     output = mux.output or OUTPUT

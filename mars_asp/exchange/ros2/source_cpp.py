@@ -32,7 +32,9 @@ _MOST_COPIED = 4_000_000
 _MOST_PARAMETERS = 200
 _MOST_INITIALISERS = 4000
 _MOST_TIMERS = 200
-_STRING = re.compile(r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL)
+_STRING = re.compile(
+    r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
+)
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 _NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?|\.\d+)(?:[eE]([-+]?\d+))?(?:f|F|u|l|L)*")
 _UNITS = {
@@ -398,7 +400,9 @@ class _File:
         at = call.at - 1
         while at >= 0 and text_at(tokens, at) in ("->", ".", "::", "this", "node", "node_", "nh"):
             at -= 1
-        while at >= 0 and (is_word(text_at(tokens, at)) or text_at(tokens, at) in ("->", ".", "::")):
+        while at >= 0 and (
+            is_word(text_at(tokens, at)) or text_at(tokens, at) in ("->", ".", "::")
+        ):
             at -= 1
         if text_at(tokens, at) in ("=", "(", "{") and is_word(text_at(tokens, at - 1)):
             return text_at(tokens, at - 1)

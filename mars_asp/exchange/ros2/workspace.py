@@ -40,19 +40,30 @@ class Package:
 class Workspace:
     """The files below a folder."""
 
-    def __init__(self, root: Path, given: Path) -> None:
-        """Take the folder that holds everything, and the path by which the user named it."""
+    def __init__(self, root: Path, named: str) -> None:
+        """Take the folder that holds everything, and a path by which the user named it."""
         self.root = root.resolve()
-        self.given = given
+        self.named = named
         self.unread: list[Unread] = []
+        self._is_absolute = Path(named).is_absolute()
         self._texts: dict[Path, str] = {}
+        self._shown: dict[Path, str] = {}
+
+    def given(self, path: str, text: str) -> Path:
+        """Return the path of a file or folder that the user names, of a file with its text."""
+        there = Path(path).exists()
+        # What the user names is read, wherever it is linked to.
+        found = Path(path).resolve() if there else self.root / path
+        self._shown[found] = path
+        if not found.is_dir():
+            self._texts[found] = text
+        return found
 
     def shown(self, file: Path) -> str:
         """Return a file's path as the user would write it."""
-        try:
-            return os.path.relpath(file) if not self.given.is_absolute() else str(file)
-        except ValueError:
-            return str(file)
+        if file not in self._shown:
+            self._shown[file] = str(file) if self._is_absolute else os.path.relpath(file)
+        return self._shown[file]
 
     @cached_property
     def files(self) -> tuple[Path, ...]:
@@ -80,7 +91,7 @@ class Workspace:
             if len(found) > _MOST_FILES:
                 message = f"more than {_MOST_FILES} files lie below the folder"
                 help_text = "name the folder of a package, or a launch file"
-                place = point(str(self.given), 1, 1)
+                place = point(self.named, 1, 1)
                 raise MarsError((Diagnostic("ros2", "error", message, place, help=help_text),))
         return tuple(found)
 

@@ -1,6 +1,6 @@
 """Parameters of twist_mux and cmd_vel_mux: who commands a base, in which order, for how long."""
 
-from mars_asp.exchange.twist_mux.read import import_twist_mux
+from mars_asp.exchange.twist_mux.read import import_muxes, import_twist_mux
 from mars_asp.exchange.yaml_document import MOST_BYTES
 
-__all__ = ["MOST_BYTES", "import_twist_mux"]
+__all__ = ["MOST_BYTES", "import_muxes", "import_twist_mux"]

@@ -1,18 +1,55 @@
 """The muxes of a file as a configuration."""
 
+from collections.abc import Sequence
+from pathlib import PurePath
+
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.twist_mux.document import read_document
+from mars_asp.exchange.unite import united
 from mars_asp.exchange.unread import notes
 from mars_asp.exchange.yaml_document import MOST_BYTES
 from mars_asp.language import Parsed
 from mars_asp.model.declarations import Configuration, Control, Muxed, Name
 
 
-def import_twist_mux(text: str, path: str) -> Parsed:
+def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of the mux files of one robot, each a text and its path.
+
+    Where two of them use one name, all names stand behind those of their files.
+
+    Raises:
+        MarsError: all that is wrong with them.
+    """
+    parts: list[Parsed] = []
+    problems: list[Diagnostic] = []
+    for text, path in files:
+        try:
+            parts.append(import_twist_mux(text, path))
+        except MarsError as error:
+            problems += error.diagnostics
+    if problems:
+        raise MarsError(problems)
+    names = [name.text for part in parts for name in part.configuration.modules]
+    if len(set(names)) < len(names):
+        before = _apart([path for _, path in files])
+        parts = [
+            import_twist_mux(text, path, f"{name}/")
+            for (text, path), name in zip(files, before, strict=True)
+        ]
+    return united(parts)
+
+
+def _apart(paths: Sequence[str]) -> list[str]:
+    """Return names for files, no two alike: without folders and suffixes, as far as that goes."""
+    stems = [PurePath(path).stem for path in paths]
+    return stems if len(set(stems)) == len(stems) else list(paths)
+
+
+def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     """Return the configuration of a mux file, with what is noteworthy about it.
 
-    What a mux feeds becomes a module, each input a controller of it with its name as written, its
-    priority and, as hold, its timeout. Notes list what was not read.
+    What a mux feeds becomes a module, each input a controller of it with its name as written behind
+    `within`, its priority and, as hold, its timeout. Notes list what was not read.
 
     Raises:
         MarsError: the file is no YAML, or all that is wrong with its muxes.
@@ -27,7 +64,7 @@ def import_twist_mux(text: str, path: str) -> Parsed:
     controls, muxed = [], []
     for mux in document.muxes:
         # Several muxes of one file may name their inputs alike.
-        before = f"{mux.node}/" if len(document.muxes) > 1 and mux.node else ""
+        before = within + (f"{mux.node}/" if len(document.muxes) > 1 and mux.node else "")
         controlled = before + mux.output
         for name, span in (
             (controlled, mux.span),

@@ -1,9 +1,9 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from decimal import Decimal
+from fractions import Fraction
 from functools import cached_property
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -29,33 +29,42 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
+from mars_asp.model.rates import as_written
+from mars_asp.reasoning.facts.ends import Ends, ends_in
 from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
     PERIODIC,
     hold_term,
-    millihertz,
     mode_term,
     numbered,
     numbered_annotations,
-    plain,
 )
+from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.spelling import resemblances
+
+
+class TellsAs(NamedTuple):
+    """How ports and rates are told."""
+
+    ends: Ends
+    rates: Rates
 
 
 def configuration_facts(
     configuration: Configuration,
     modules: Mapping[str, Module] | None = None,
     wanted: Set[str] | None = None,
+    told_as: TellsAs | None = None,
 ) -> tuple[Fact, ...]:
     """Turn a configuration and the modules described for it into facts with their places.
 
     `modules` adds to those declared in the configuration itself; only modules that the
     configuration names, and converters, are told. Relationships are identified as `numbered`
     says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
-    made.
+    made. With `told_as`, ports and rates are told as those of another configuration.
     """
-    return Compiler(configuration, modules or {}, wanted).compile()
+    return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
 
 def representation_names(configuration: Configuration, modules: Mapping[str, Module]) -> Names:
@@ -75,9 +84,11 @@ RELATIONSHIPS = frozenset(
     " required_mode required_rate".split()
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
+#: Those that are told together, of the ports that modules have and lines name.
+PORTS = frozenset("output_of into input_of takes_in".split())
 ANNOTATIONS = frozenset(
-    "described class native place converts commands unknown_input input ambiguous_name delivers"
-    " output offered_mode offered_rate".split()
+    "described class guard native place converts commands unknown_input input ambiguous_name"
+    " delivers output offered_mode offered_rate".split()
 )
 #: Those by which it is told what mounts do to motions.
 FRAMES = frozenset(
@@ -103,11 +114,13 @@ class Compiler:
         configuration: Configuration,
         modules: Mapping[str, Module],
         wanted: Set[str] | None,
+        told_as: TellsAs | None = None,
     ) -> None:
         self.configuration = configuration
         self.wanted = wanted
         self.modules = modules
         self.facts: list[Fact] = []
+        self._told_as = told_as
 
     @cached_property
     def known(self) -> Mapping[str, Module]:
@@ -118,6 +131,29 @@ class Compiler:
     def described(self) -> Mapping[str, Module]:
         """Return the modules that rules are told of."""
         return described_modules(self.configuration, self.modules)
+
+    @cached_property
+    def ends(self) -> Ends:
+        """Return the outputs and inputs as they are told."""
+        if self._told_as is not None:
+            return self._told_as.ends
+        return ends_in(self.configuration, self.described)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """Return how rates are told."""
+        if self._told_as is not None:
+            return self._told_as.rates
+        return rates_in(self.configuration, self.described)
+
+    @cached_property
+    def _called(self) -> Mapping[tuple[str, int], str]:
+        """Return the names of outputs of modules with several, by these and their services."""
+        return {
+            (output.module, id(output.service)): name
+            for name, output in self.ends.outputs.items()
+            if output.service is not None
+        }
 
     @cached_property
     def names(self) -> Names:
@@ -142,6 +178,8 @@ class Compiler:
             (self.relationships, RELATIONSHIPS),
             (self.annotations, ANNOTATIONS),
             (self.words, {"in_words"}),
+            (self.ports, PORTS),
+            (self.exact_rates, {"rounded", "multiple"}),
             (self.resemblances, {"resembles"}),
             (self.knots, {"closed_walk", "entangled", "spelt"}),
         )
@@ -190,6 +228,8 @@ class Compiler:
         self.add(module.named or module.span, "described", module.name)
         for module_class, span in annotated_classes(module).items():
             self.add(span, "class", module.name, Atom(module_class))
+        if module.guard is not None:
+            self.add(module.guard, "guard", module.name)
 
     def annotation(self, number: int, module: Module, annotation: Service | Function) -> None:
         """Add one annotation of a module."""
@@ -212,7 +252,8 @@ class Compiler:
         """Add one relationship."""
         span = relationship.span
         match relationship:
-            case Data(client, source):
+            case Data(client):
+                source = self.ends.source(relationship)
                 self.add(span, "uses_data_from", number, client, source)
                 self.requirement(number, relationship)
             case Control(controlled, controller):
@@ -239,7 +280,7 @@ class Compiler:
         self.add(data.span, "required_mode", number, mode)
         if data.hz is None:
             return
-        self.add(data.span, "required_rate", number, millihertz(data.hz))
+        self.add(data.span, "required_rate", number, self.rates.millihertz(data.hz))
 
     def words(self) -> None:
         """Add once how each mode with its rate is written."""
@@ -251,14 +292,14 @@ class Compiler:
                 continue
             known.add((mode, mode.text, hz, otherwise))
             term = mode_term(mode)
-            rate = otherwise if hz is None else millihertz(hz)
+            rate = otherwise if hz is None else self.rates.millihertz(hz)
             if (str(term), rate) not in told:
                 told.add((str(term), rate))
                 text = mode.text or mode.name
-                words = text if hz is None else f"{text} {plain(hz)}"
+                words = text if hz is None else f"{text} {as_written(hz)}"
                 self.add(span, "in_words", term, rate, words)
 
-    def written_modes(self) -> Iterator[tuple[Mode, Decimal | None, Atom, Span]]:
+    def written_modes(self) -> Iterator[tuple[Mode, Fraction | None, Atom, Span]]:
         """Yield each mode that is required or offered, with its frequency or what stands for it."""
         for _, relationship in self.numbered:
             if isinstance(relationship, Data) and relationship.mode is not None:
@@ -293,6 +334,7 @@ class Compiler:
     def offer(self, number: int, name: str, service: Service) -> None:
         """Add what a module delivers, and how."""
         span = service.span
+        name = self._called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.names.ambiguous:
             self.add(span, "output", number, name, self.names.canonical[service.output])
@@ -301,7 +343,67 @@ class Compiler:
             term = mode_term(mode)
             self.add(span, "offered_mode", number, index, term)
             if mode.name == PERIODIC and service.hz is not None:
-                self.add(span, "offered_rate", number, millihertz(service.hz))
+                self.add(span, "offered_rate", number, self.rates.millihertz(service.hz))
+
+    def ports(self) -> None:
+        """Add which outputs modules with several have, and which inputs lines name."""
+        ends = self.ends
+        places = {name.text: name.span for name in self.configuration.modules}
+        for text, output in ends.outputs.items():
+            place = places.get(output.module, self.configuration.span)
+            span = place if output.service is None else output.service.span
+            self.add(span, "output_of", text, output.module)
+        for number, relationship in self.numbered:
+            if isinstance(relationship, Data):
+                named = ends.entry(relationship)
+                if named is not None:
+                    self.add(relationship.span, "into", number, named)
+        if not ends.entries:
+            return
+        numbers = {
+            (module.name, id(annotation)): number
+            for number, module, annotation in numbered_annotations(
+                self.configuration, self.described
+            )
+        }
+        for text, entry in ends.entries.items():
+            place = places.get(entry.module, self.configuration.span)
+            if entry.found is None:
+                self.add(place, "input_of", text, entry.module)
+                continue
+            service = self.described[entry.module].services[entry.found.service]
+            self.add(service.span, "input_of", text, entry.module)
+            number = numbers[entry.module, id(service)]
+            self.add(service.span, "takes_in", text, number, entry.found.place)
+
+    def exact_rates(self) -> None:
+        """Add which rates are told rounded, and what only exact ones show."""
+        span = self.configuration.span
+        for rate in self.rates.rounded:
+            self.add(span, "rounded", rate)
+        if not self.rates.rounded:
+            return
+        offered = {
+            text: output.service.hz
+            for text, output in self.ends.outputs.items()
+            if output.service is not None
+        }
+        told: set[tuple[int, int]] = set()
+        for _, relationship in self.numbered:
+            if not isinstance(relationship, Data) or relationship.hz is None:
+                continue
+            source = self.ends.source(relationship)
+            if source not in offered:
+                module = self.described.get(source)
+                services = () if module is None else module.services
+                offered[source] = next((s.hz for s in services if s.hz is not None), None)
+            hz = offered[source]
+            if hz is None or (hz / relationship.hz).denominator != 1:
+                continue
+            pair = self.rates.millihertz(hz), self.rates.millihertz(relationship.hz)
+            if pair not in told:
+                told.add(pair)
+                self.add(relationship.span, "multiple", *pair)
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
         """Add what an ambiguous representation could mean."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from fractions import Fraction
 from itertools import groupby
 from operator import attrgetter
 
@@ -71,11 +72,6 @@ def mode_of(term: Symbol) -> Mode:
     return mode
 
 
-def millihertz(hz: Decimal) -> int:
-    """Return a frequency in whole millihertz, which those that were read are."""
-    return int(hz * 1000)
-
-
 def plain(number: Decimal) -> str:
     """Return a number without exponent and without trailing zeros."""
     text = format(number, "f")
@@ -111,8 +107,9 @@ _ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = 
 def _content(relationship: Relationship) -> tuple[object, ...]:
     """Return what a relationship says of its two modules, and where."""
     match relationship:
-        case Data(_, _, span, mode, hz):
-            return (str(mode_term(mode)) if mode else "", hz or Decimal(0), span)
+        case Data(_, _, span, mode, hz, client_port, source_port):
+            ports = (client_port or "", source_port or "")
+            return (*ports, str(mode_term(mode)) if mode else "", hz or Fraction(0), span)
         case Control(_, _, span, priority, hold, allocation):
             return (priority or 0, str(hold or 0), allocation or "", span)
         case Mount(_, _, span, at, on):

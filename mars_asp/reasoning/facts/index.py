@@ -11,8 +11,8 @@ from itertools import accumulate
 from typing import TypeAlias
 
 from mars_asp.asp.solve.atoms import Fact, Term
-from mars_asp.model.declarations import Configuration, Module, Name, ends_of
-from mars_asp.reasoning.facts.compile import ANNOTATIONS, FRAMES, RELATIONSHIPS, Compiler
+from mars_asp.model.declarations import Configuration, Data, Module, Name, ends_of
+from mars_asp.reasoning.facts.compile import ANNOTATIONS, FRAMES, PORTS, RELATIONSHIPS, Compiler
 from mars_asp.reasoning.facts.identifiers import annotations_of
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
@@ -84,7 +84,7 @@ class Lookup:
 
         What is told together stands for itself, by what no module is called.
         """
-        if value is None:
+        if value is None or name in PORTS:
             return (f"{name}/",)
         if isinstance(value, int):
             if value > len(self._configuration.relationships):
@@ -96,7 +96,9 @@ class Lookup:
             return self._names.get(value, ())
         if name in RELATIONSHIPS:
             return self._ends.get(value, ())
-        return (value,) if value in self._compiler.described else ()
+        output = self._compiler.ends.outputs.get(value)
+        owner = value if output is None else output.module
+        return (owner,) if owner in self._compiler.described else ()
 
     def _tell(self, thing: int | Name | str) -> None:
         compiler = self._compiler
@@ -140,8 +142,11 @@ class Lookup:
         for number, relationship in self._compiler.numbered:
             left, right = ends_of(relationship)
             found.setdefault(left, []).append(number)
-            if right != left:
-                found.setdefault(right, []).append(number)
+            others = {right}
+            if isinstance(relationship, Data):
+                others.add(self._compiler.ends.source(relationship))
+            for other in others - {left}:
+                found.setdefault(other, []).append(number)
         return found
 
     @cached_property

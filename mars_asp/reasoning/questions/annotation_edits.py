@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass
-from decimal import Decimal
+from fractions import Fraction
 
 from mars_asp.annotations.arguments import FUNCTIONS, parts
 from mars_asp.annotations.declarations import Declaration
@@ -12,15 +12,16 @@ from mars_asp.annotations.overrides import Overrides
 from mars_asp.annotations.services import read_signature
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Span
-from mars_asp.language.print import print_number
 from mars_asp.language.text_edits import Draft
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Mode, Module, Service
+from mars_asp.model.rates import as_written
 
 #: What begins a comment in a language, where no other comment shows how its author does.
 _MARKS = {"python": "# ", "matlab": "% "}
 _LINE_MARK = re.compile(r"\s*(?://[/!]?|#+|%+|\*)?\s*")
 _BLOCK_MARK = re.compile(r"(\s*)/\*[*!]?\s*")
-_NUMBER = re.compile(r"[+-]?[\d.]+\s*$")
+#: A frequency or a period at the end of a mode.
+_NUMBER = re.compile(r"(?:\bevery\s+\S+\s+m?s|[+-]?[\d.]+)\s*$")
 _PLAIN = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
 
 
@@ -61,11 +62,11 @@ class Annotations:
         self._places = read.places
         self._draft = draft
 
-    def offer(self, service: Service, mode: Mode, hz: Decimal | None) -> None:
+    def offer(self, service: Service, mode: Mode, hz: Fraction | None) -> None:
         """Let an annotation state a mode, too, or another frequency."""
         directive = self._found[self._index(service.span)]
         if mode not in service.modes:
-            rate = "" if hz is None else f" {print_number(hz)}"
+            rate = "" if hz is None else f" {as_written(hz)}"
             at = self._at(directive, len(directive.rest))
             self._draft.put(at, at, f", {mode.text}{rate}")
         elif hz is not None:
@@ -74,7 +75,7 @@ class Annotations:
                 if number is not None:
                     first, last = begin + number.start(), begin + len(part.rstrip())
                     self._draft.put(
-                        self._at(directive, first), self._at(directive, last), print_number(hz)
+                        self._at(directive, first), self._at(directive, last), as_written(hz)
                     )
 
     def remove(self, annotation: Service | Function) -> None:

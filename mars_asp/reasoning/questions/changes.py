@@ -6,7 +6,7 @@ see what follows: nobody writes them into a file, as they leave open which modul
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from decimal import Decimal
+from fractions import Fraction
 
 from clingo import Symbol, SymbolType
 
@@ -24,7 +24,10 @@ from mars_asp.model.declarations import (
     ServiceKind,
     ends_of,
 )
+from mars_asp.model.described import described_modules
+from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import PERIODIC, hold_of, mode_of, numbered
+from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.project import Project
 
 _READY = Mode("NotifyWhenReady", text="NotifyWhenReady")
@@ -58,6 +61,9 @@ class _Changed:
             **{module.name: module for module in self.configuration.declared},
         }
         self.renewed: set[str] = set()
+        known = described_modules(self.configuration, project.modules)
+        self.ends = ends_in(self.configuration, known)
+        self.rates = rates_in(self.configuration, known)
         ends = (ends_of(each) for each in self.configuration.relationships)
         self.taken = {*self.names, *self.described, *(name for two in ends for name in two)}
 
@@ -88,6 +94,12 @@ class _Changed:
             self.names.append(name)
         return name
 
+    def output(self, term: Symbol) -> tuple[str, str | None]:
+        """Return the module and the port of an output, or a new module."""
+        if term.type == SymbolType.String and term.string in self.ends.outputs:
+            return self.ends.written(term.string)
+        return self.module(term), None
+
     def add(self, relationship: Relationship) -> None:
         self.relationships[max(self.relationships, default=0) + 1] = relationship
 
@@ -114,8 +126,9 @@ def _both(made: _Changed, terms: Iterable[Symbol]) -> None:
 
 def _data(made: _Changed, terms: list[Symbol]) -> None:
     client, source, *required = terms
-    mode, hz = (mode_of(required[0]), _hertz(required[1])) if required else (None, None)
-    made.add(Data(made.module(client), made.module(source), made.span, mode, hz))
+    mode, hz = (mode_of(required[0]), _hertz(made, required[1])) if required else (None, None)
+    output, port = made.output(source)
+    made.add(Data(made.module(client), output, made.span, mode, hz, source_port=port))
 
 
 def _control(made: _Changed, terms: list[Symbol]) -> None:
@@ -163,7 +176,7 @@ def _require(made: _Changed, terms: list[Symbol]) -> None:
     number, mode, rate = terms
     stated = made.relationships[number.number]
     assert isinstance(stated, Data)
-    made.relationships[number.number] = replace(stated, mode=mode_of(mode), hz=_hertz(rate))
+    made.relationships[number.number] = replace(stated, mode=mode_of(mode), hz=_hertz(made, rate))
 
 
 def _architecture(made: _Changed, terms: list[Symbol]) -> None:
@@ -193,7 +206,7 @@ def _commands(made: _Changed, terms: list[Symbol]) -> None:
 
 def _sends(made: _Changed, terms: list[Symbol]) -> None:
     sender, rate = terms
-    service = replace(_service(made, "DataOut"), modes=(_PERIODIC,), hz=_hertz(rate))
+    service = replace(_service(made, "DataOut"), modes=(_PERIODIC,), hz=_hertz(made, rate))
     made.annotate(sender, service)
 
 
@@ -223,8 +236,8 @@ def _service(made: _Changed, kind: ServiceKind) -> Service:
     return Service(kind, made.span, "f", modes=modes)
 
 
-def _hertz(rate: Symbol) -> Decimal | None:
-    return Decimal(rate.number) / 1000 if rate.type == SymbolType.Number else None
+def _hertz(made: _Changed, rate: Symbol) -> Fraction | None:
+    return made.rates.hertz(rate.number) if rate.type == SymbolType.Number else None
 
 
 _CHANGES: Mapping[str, Callable[[_Changed, list[Symbol]], None]] = {

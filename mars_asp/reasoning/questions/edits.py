@@ -7,7 +7,7 @@ import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from decimal import Decimal
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from mars_asp.annotations.blocks import block_source, read_blocks
 from mars_asp.annotations.files import read_source
 from mars_asp.diagnostic import Span
 from mars_asp.language.layout import Layout, lay_out
-from mars_asp.language.print import WIDTH, print_number
+from mars_asp.language.print import WIDTH
 from mars_asp.language.statement_edits import ListEdit, Member
 from mars_asp.language.text_edits import ConflictError, Draft, LineEdit, apply_lines
 from mars_asp.language.tokens import Token, statements
@@ -32,7 +32,9 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import written
+from mars_asp.model.rates import as_written
 from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
+from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
 
@@ -71,6 +73,16 @@ class Texts:
     def statements(self) -> list[tuple[Token, ...]]:
         """Return the tokens of each statement of the configuration."""
         return list(statements(self.layout))
+
+    def hertz(self, rate: Symbol) -> Fraction | None:
+        """Return the rate of a term; `None` where it stands for none."""
+        return self._rates.hertz(rate.number) if rate.type == SymbolType.Number else None
+
+    @cached_property
+    def _rates(self) -> Rates:
+        configuration = self.project.configuration
+        known = described_modules(configuration, self.project.modules)
+        return rates_in(configuration, known)
 
     @cached_property
     def controlled(self) -> Counter[str]:
@@ -252,8 +264,8 @@ class _Drafts:
 def _require(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     wanted = mode_of(mode)
-    hz = _hertz(rate)
-    words = [wanted.text, *([] if hz is None else [print_number(hz)])]
+    hz = drafts.texts.hertz(rate)
+    words = [wanted.text, *([] if hz is None else [as_written(hz)])]
     at = drafts.statement(stated.span)
     tokens = drafts.texts.statements[at]
     if len(tokens) > 3:
@@ -273,7 +285,7 @@ def _free(drafts: _Drafts, number: Symbol) -> None:
 def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
     service = drafts.texts.annotations[number.number]
     assert isinstance(service, Service)
-    drafts.annotations(service.span).offer(service, mode_of(mode), _hertz(rate))
+    drafts.annotations(service.span).offer(service, mode_of(mode), drafts.texts.hertz(rate))
 
 
 def _redirect(drafts: _Drafts, number: Symbol, end: Symbol, module: Symbol) -> None:
@@ -447,7 +459,3 @@ _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("remove", 1): _remove,
     ("declare", 2): _declare,
 }
-
-
-def _hertz(rate: Symbol) -> Decimal | None:
-    return Decimal(rate.number) / 1000 if rate.type == SymbolType.Number else None

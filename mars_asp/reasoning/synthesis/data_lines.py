@@ -4,7 +4,7 @@ Which lines there are, and what they state, `rules/specify` says.
 """
 
 from collections.abc import Mapping
-from decimal import Decimal
+from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
@@ -40,7 +40,7 @@ class DataLines:
 
     def write(self, relationship: Data) -> None:
         """Write all lines of a relationship's source, unless they are written already."""
-        source = as_term(String(relationship.source))
+        source = as_term(String(self._draft.ends.source(relationship)))
         if source in self._done:
             return
         self._done.add(source)
@@ -77,9 +77,20 @@ class DataLines:
         client = draft.name(line.client, self._derived)
         mode, hz = self._service(line.line)
         feeder = draft.name(line.feeder, self._derived)
-        draft.lines.append(Data(client, feeder, draft.span, mode, hz))
+        source, source_port = draft.ends.written(feeder)
+        stated = self._stated(line.line)
+        client_port = None if stated is None else stated.client_port
+        ports = client_port, source_port
+        draft.lines.append(Data(client, source, draft.span, mode, hz, *ports))
 
-    def _service(self, line: TermId) -> tuple[Mode | None, Decimal | None]:
+    def _stated(self, line: TermId) -> Data | None:
+        """Return the relationship that a line to a client stands for."""
+        if line not in self._places or line in self._derived.kinds:
+            return None
+        stated = self._draft.relationships[self._places[line]]
+        return stated if isinstance(stated, Data) else None
+
+    def _service(self, line: TermId) -> tuple[Mode | None, Fraction | None]:
         """Return the mode and frequency that a line states, in the words of its relationship."""
         if line not in self._modes:
             return None, None
@@ -87,13 +98,11 @@ class DataLines:
             stated = self._draft.relationships[self._places[line]]
             if isinstance(stated, Data) and stated.mode is not None:
                 return stated.mode, stated.hz
-        return _mode(self._modes[line]), _hertz(self._rates.get(line))
+        rate = self._rates.get(line)
+        hz = None if rate is None else self._draft.rates.hertz(as_symbol(rate).number)
+        return _mode(self._modes[line]), hz
 
 
 @cache
 def _mode(term: TermId) -> Mode:
     return mode_of(as_symbol(term))
-
-
-def _hertz(rate: TermId | None) -> Decimal | None:
-    return None if rate is None else Decimal(as_symbol(rate).number) / 1000

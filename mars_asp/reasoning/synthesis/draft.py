@@ -11,7 +11,9 @@ from mars_asp.model.declarations import (
     Service,
 )
 from mars_asp.model.described import described_modules
+from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
+from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.derived import Derived
 
@@ -45,6 +47,8 @@ class Draft:
         #: The place of each relationship in the file, by its identifier.
         self.place = {number: places[id(r)] for number, r in numbered(self.relationships)}
         described = described_modules(configuration, modules)
+        self.ends = ends_in(configuration, described)
+        self.rates = rates_in(configuration, described)
         self.services: dict[int, tuple[str, Service]] = {
             number: (module.name, annotation)
             for number, module, annotation in numbered_annotations(configuration, described)

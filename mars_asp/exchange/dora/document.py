@@ -1,0 +1,318 @@
+"""The nodes of a dora dataflow, each with its inputs and outputs at their places.
+
+https://github.com/dora-rs/dora/blob/main/docs/yaml-spec.md; a node of older files has its inputs
+and outputs below `custom:`. An operator is a node of its own, `NODE/OPERATOR`, and one that is
+alone (`operator:`) is the node itself.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from mars_asp.annotations.types import representation
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange import ports
+from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
+from mars_asp.model.names import read_name, written
+from mars_asp.model.ranges import MOST
+from mars_asp.model.rates import Rate, every
+
+#: The part of a file that a single operator is in a source: `webcam/op/image`.
+_ALONE = "op"
+_TIMER = re.compile(r"a?dora/timer/(?P<unit>\w+)/(?P<number>[^/]+)")
+_WIRING = frozenset({"id", "inputs", "outputs", "input_types", "output_types"})
+_PARTS = ("custom", "operator", "operators")
+#: What of an input is no source.
+_SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
+#: `[sample_type=f32]` behind a type.
+_PARAMETERS = re.compile(r"\[[^\]]*\]")
+
+
+class Port(NamedTuple):
+    """An input or output: its name, its type where that is stated, and where it stands."""
+
+    name: str
+    type: str | None
+    span: Span
+
+
+class Wire(NamedTuple):
+    """What an input takes: the output of a node, or what a timer with a rate ticks."""
+
+    input: str
+    source: str
+    output: str
+    span: Span
+    rate: Rate | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """A node, or an operator of one."""
+
+    name: str
+    span: Span
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    wires: tuple[Wire, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Dataflow:
+    """What takes part in a dataflow, and what was not read of it."""
+
+    workers: tuple[Worker, ...]
+    unread: tuple[Unread, ...]
+
+
+def read_dataflow(text: str, path: str) -> Dataflow:
+    """Return the dataflow of a file.
+
+    Raises:
+        MarsError: it is no YAML, or all that is wrong with its nodes.
+    """
+    reader = _Reader()
+    reader.read(read_dump(text, path))
+    if reader.problems:
+        raise MarsError(reader.problems)
+    return Dataflow(tuple(reader.workers.values()), tuple(reader.unread))
+
+
+class _Reader:
+    """Collects what takes part in a dataflow."""
+
+    def __init__(self) -> None:
+        self.workers: dict[str, Worker] = {}
+        self.unread: list[Unread] = []
+        self.problems: list[Diagnostic] = []
+        self.ports = 0
+        #: Nodes that are one operator.
+        self.alone: set[str] = set()
+
+    def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
+        """Note an error."""
+        self.problems.append(Diagnostic("dora", "error", message, span, labels, help_text))
+
+    def read(self, root: Node) -> None:
+        """Read a whole file."""
+        pairs = _by_key(root)
+        _, nodes = pairs.get("nodes", (None, None))
+        if not isinstance(nodes, Items) or not nodes.nodes:
+            self.wrong(_begin(root.span), "the dataflow has no list of nodes", "write `nodes:`")
+            return
+        self.skip(pairs, frozenset({"nodes"}), "settings of the dataflow")
+        for node in nodes.nodes:
+            if isinstance(node, Pairs):
+                self.node(node)
+            else:
+                self.wrong(_begin(node.span), "a node is not a map", "write `- id: NAME`")
+        for worker in self.workers.values():
+            wires = tuple(self.resolved(wire) for wire in worker.wires)
+            self.workers[worker.name] = replace(worker, wires=wires)
+
+    def node(self, node: Pairs) -> None:
+        """Read a node and its operators."""
+        pairs = _by_key(node)
+        named = self.identifier(node, pairs, "a node")
+        if named is None:
+            return
+        if "/" in named.text:
+            self.wrong(named.span, f"the id `{named.text}` holds a `/`", "join words by `-`")
+        inside = [part for part in _PARTS if part in pairs]
+        self.skip(pairs, _WIRING.union(_PARTS), "settings of nodes")
+        if not inside:
+            self.worker(named.text, named.span, pairs)
+        elif inside == ["operators"]:
+            _, operators = pairs["operators"]
+            for each in operators.nodes if isinstance(operators, Items) else ():
+                if isinstance(each, Pairs):
+                    own = _by_key(each)
+                    called = self.identifier(each, own, "an operator")
+                    if called is not None:
+                        name = f"{named.text}/{called.text}"
+                        self.skip(own, _WIRING, "settings of nodes")
+                        self.worker(name, called.span, own)
+                else:
+                    self.wrong(_begin(each.span), "an operator is not a map", "write `- id: NAME`")
+        else:
+            key, part = pairs[inside[0]]
+            if len(inside) > 1 or not isinstance(part, Pairs):
+                message = f"`{named.text}` is not one of `custom`, `operator` and `operators`"
+                self.wrong(key.span, message, "write one of them, with a map below it")
+                return
+            own = {**pairs, **_by_key(part)}
+            self.skip(_by_key(part), _WIRING, "settings of nodes")
+            if inside == ["operator"]:
+                self.alone.add(named.text)
+            self.worker(named.text, named.span, own)
+
+    def identifier(
+        self, node: Pairs, pairs: Mapping[str, tuple[Scalar, Node]], what: str
+    ) -> Scalar | None:
+        """Return the id of a node or operator; note where it has none."""
+        _, named = pairs.get("id", (None, None))
+        if isinstance(named, Scalar) and not _is_empty(named):
+            self.check_name(named)
+            return named
+        self.wrong(_begin(node.span), f"{what} has no id", "add `id: NAME`")
+        return None
+
+    def check_name(self, name: Scalar) -> None:
+        """Note a name that no configuration can write, and one port too many."""
+        if read_name(written(name.text)) is None:
+            message = f"`{name.text[:40]}` cannot be a name"
+            self.wrong(name.span, message, "write a name of one line")
+
+    def port(self, name: Scalar) -> None:
+        """Take a port.
+
+        Raises:
+            MarsError: there are more than any robot has.
+        """
+        self.check_name(name)
+        self.ports += 1
+        if self.ports > ports.MOST:
+            raise ports.too_many(name.span)
+
+    def skip(
+        self,
+        pairs: Mapping[str, tuple[Scalar, Node]],
+        read: frozenset[str],
+        sort: str,
+    ) -> None:
+        """Note keys that are not read."""
+        self.unread += (
+            Unread(sort, key, at.span) for key, (at, _) in pairs.items() if key not in read
+        )
+
+    def worker(self, name: str, span: Span, pairs: Mapping[str, tuple[Scalar, Node]]) -> None:
+        """Read the ports of a node or an operator."""
+        if name in self.workers:
+            first = self.workers[name].span, "the first one"
+            help_text = "give each an id of its own"
+            self.wrong(span, f"two nodes have the id `{name}`", help_text, first)
+            return
+        types = {key: self.types(pairs, key) for key in ("input_types", "output_types")}
+        outputs = [
+            Port(each.text, types["output_types"].get(each.text), each.span)
+            for each in self.outputs(name, pairs)
+        ]
+        inputs, wires = [], []
+        for key, source in self.inputs(name, pairs):
+            inputs.append(Port(key.text, types["input_types"].get(key.text), key.span))
+            wire = self.wire(name, key, source)
+            if wire is not None:
+                wires.append(wire)
+        self.workers[name] = Worker(name, span, tuple(inputs), tuple(outputs), tuple(wires))
+
+    def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
+        """Yield the outputs of a node."""
+        key, listed = pairs.get("outputs", (None, None))
+        if listed is None or _is_empty(listed):
+            return
+        if not isinstance(listed, Items) or key is None:
+            message = f"the outputs of `{name}` are not a list"
+            self.wrong(_begin(listed.span), message, "write `- OUTPUT`")
+            return
+        seen: dict[str, Span] = {}
+        for each in listed.nodes:
+            if not isinstance(each, Scalar) or not each.text:
+                message = f"an output of `{name}` is not a name"
+                self.wrong(_begin(each.span), message, "write `- OUTPUT`")
+            elif each.text in seen:
+                message = f"`{name}` has two outputs `{each.text}`"
+                first = seen[each.text], "the first one"
+                self.wrong(each.span, message, "name it once", first)
+            else:
+                seen[each.text] = each.span
+                self.port(each)
+                yield each
+
+    def inputs(
+        self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]
+    ) -> Iterator[tuple[Scalar, Scalar]]:
+        """Yield the names of inputs, each with its source."""
+        _, mapped = pairs.get("inputs", (None, None))
+        if mapped is None or _is_empty(mapped):
+            return
+        if not isinstance(mapped, Pairs):
+            message = f"the inputs of `{name}` are not a map"
+            self.wrong(_begin(mapped.span), message, "write `INPUT: NODE/OUTPUT`")
+            return
+        for key, value in mapped.pairs:
+            source: Node | None = value
+            if isinstance(value, Pairs):
+                settings = _by_key(value)
+                _, source = settings.get("source", (None, None))
+                for setting, (at, _) in settings.items():
+                    if setting != "source":
+                        sort = _SETTINGS.get(setting, "settings of inputs")
+                        self.unread.append(Unread(sort, f"{name}.{key.text}", at.span))
+            self.port(key)
+            if isinstance(source, Scalar) and source.text:
+                yield key, source
+            else:
+                message = f"input `{key.text}` of `{name}` has no source"
+                self.wrong(key.span, message, "write `INPUT: NODE/OUTPUT`")
+
+    def types(self, pairs: Mapping[str, tuple[Scalar, Node]], key: str) -> dict[str, str | None]:
+        """Return the types that are stated, by port."""
+        _, stated = pairs.get(key, (None, None))
+        return {
+            port.text: representation(_PARAMETERS.sub("", type_.text)) or None
+            for port, type_ in (stated.pairs if isinstance(stated, Pairs) else ())
+            if isinstance(type_, Scalar)
+        }
+
+    def wire(self, name: str, key: Scalar, source: Scalar) -> Wire | None:
+        """Return what an input takes; note what is no source."""
+        timer = _TIMER.fullmatch(source.text)
+        if timer is not None:
+            rate = _rate(timer["unit"], timer["number"])
+            if rate is not None:
+                return Wire(key.text, source.text, "tick", source.span, rate)
+        node, _, output = source.text.rpartition("/")
+        if timer is not None or not node or not output:
+            message = (
+                f"`{source.text[:60]}`, which input `{key.text}` of `{name}` takes, is no output"
+            )
+            help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
+            self.wrong(source.span, message, help_text)
+            return None
+        return Wire(key.text, node, output, source.span)
+
+    def resolved(self, wire: Wire) -> Wire:
+        """Return a wire whose source is named as here: one operator of a node goes by its id."""
+        node, _, operator = wire.source.rpartition("/")
+        if operator == _ALONE and node in self.alone:
+            return wire._replace(source=node)
+        return wire
+
+
+def _rate(unit: str, number: str) -> Rate | None:
+    """Return the rate of a timer; `None` where it cannot be said."""
+    if not number.isascii() or not number.isdecimal() or len(number) > len(str(MOST)):
+        return None
+    count = int(number)
+    most = {"millis": MOST, "secs": MOST // 1000, "hz": MOST // 1000}.get(unit, 0)
+    if not 0 < count <= most:
+        return None
+    if unit == "hz":
+        return Rate(count)
+    return every(count, "ms" if unit == "millis" else "s")
+
+
+def _by_key(node: Node) -> dict[str, tuple[Scalar, Node]]:
+    pairs: Sequence[tuple[Scalar, Node]] = node.pairs if isinstance(node, Pairs) else ()
+    return {key.text: (key, value) for key, value in pairs}
+
+
+def _is_empty(node: Node) -> bool:
+    """Whether nothing stands behind a key."""
+    return isinstance(node, Scalar) and not node.quoted and node.text in ("", "~", "null")
+
+
+def _begin(span: Span) -> Span:
+    return span._replace(end_line=span.line, end_column=span.column)

@@ -1,0 +1,88 @@
+"""A dora dataflow as a configuration: nodes and operators as modules, timers as sensors."""
+
+from collections.abc import Sequence
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange import ports
+from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflow
+from mars_asp.exchange.unread import Unread, notes
+from mars_asp.language import Parsed
+from mars_asp.language.print import print_modules
+from mars_asp.model.declarations import Configuration, Data, Mode, Module, Name, Service
+
+_PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
+
+
+def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of the dataflows of one robot, each a text and its path.
+
+    Each input is a line that names both ports; a timer is a sensor by its own name that delivers at
+    its rate. Notes list what was not read.
+
+    Raises:
+        MarsError: all that is wrong with the files.
+    """
+    dataflows: list[Dataflow] = []
+    problems: list[Diagnostic] = []
+    for text, path in files:
+        try:
+            dataflows.append(read_dataflow(text, path))
+        except MarsError as error:
+            problems += error.diagnostics
+    workers: dict[str, Worker] = {}
+    for worker in (worker for dataflow in dataflows for worker in dataflow.workers):
+        if worker.name in workers:
+            problems.append(_named_twice(worker, workers[worker.name]))
+        workers.setdefault(worker.name, worker)
+    if problems:
+        raise MarsError(problems)
+    configuration = _configuration(tuple(workers.values()), files[0][1])
+    unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
+    return Parsed(configuration, tuple(notes(unread)), print_modules(configuration))
+
+
+def _named_twice(worker: Worker, first: Worker) -> Diagnostic:
+    message = f"two nodes have the id `{worker.name}`"
+    labels = ((first.span, "the first one"),)
+    return Diagnostic("dora", "error", message, worker.span, labels, "give each an id of its own")
+
+
+def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
+    timers: dict[str, Wire] = {}
+    for wire in (wire for worker in workers for wire in worker.wires):
+        if wire.rate is not None:
+            timers.setdefault(wire.source, wire)
+    names = [Name(worker.name, worker.span) for worker in workers]
+    names += [Name(name, wire.span) for name, wire in timers.items()]
+    return Configuration(
+        path,
+        point(path, 1, 1),
+        architecture="hierarchical",
+        stated=True,
+        modules=tuple(names),
+        relationships=tuple(_line(w.name, wire) for w in workers for wire in w.wires),
+        declared=(
+            *(_module(worker) for worker in workers),
+            *(_timer(name, wire.span, wire) for name, wire in timers.items()),
+        ),
+    )
+
+
+def _line(client: str, wire: Wire) -> Data:
+    """Return the relationship of a wire."""
+    mode = None if wire.rate is None else _PERIODIC
+    return Data(client, wire.source, wire.span, mode, wire.rate, wire.input, wire.output)
+
+
+def _module(worker: Worker) -> Module:
+    services = (
+        *(ports.output(port.name, port.type, port.span, None) for port in worker.outputs),
+        *(ports.taken(port.name, port.type, port.span) for port in worker.inputs),
+    )
+    return Module(worker.name, worker.span, services, named=worker.span)
+
+
+def _timer(name: str, span: Span, wire: Wire) -> Module:
+    """Return the sensor that a timer is."""
+    service = Service("Sense", span, "tick", modes=(_PERIODIC,), hz=wire.rate, port=wire.output)
+    return Module(name, span, (service,), named=span)

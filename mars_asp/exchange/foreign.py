@@ -1,0 +1,57 @@
+"""Files that are not ours, in whichever of the formats that are read, as one robot."""
+
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import NamedTuple, TypeAlias
+
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.exchange.unite import united
+from mars_asp.language import Parsed
+
+_Reader: TypeAlias = Callable[[Sequence[tuple[str, str]]], Parsed]
+#: Where what reads a format is, from texts and their paths. Only what is needed is loaded.
+READERS: Mapping[str, tuple[str, str]] = {
+    "twist_mux": ("mars_asp.exchange.twist_mux", "import_muxes"),
+    "rosgraph": ("mars_asp.exchange.rosgraph", "import_rosgraph"),
+    "dora": ("mars_asp.exchange.dora", "import_dora"),
+    "ros2": ("mars_asp.exchange.ros2", "import_ros2"),
+}
+#: Formats whose files say more of what another format reads, which then reads them, too.
+_READ_WITH: Mapping[str, str] = {"twist_mux": "ros2"}
+
+
+class File(NamedTuple):
+    """A file that was read: how it is shown, its text, and the format that it is in."""
+
+    path: str
+    text: str
+    format: str
+
+
+def read_foreign(files: Sequence[File]) -> Parsed:
+    """Return the configuration of files that together are one robot; of a mux what it is for.
+
+    Raises:
+        MarsError: all that is wrong with them.
+    """
+    found: list[Parsed] = []
+    problems: list[Diagnostic] = []
+    formats = dict.fromkeys(file.format for file in files)
+    for format in formats:
+        if _READ_WITH.get(format) in formats:
+            continue
+        read = {format, *(other for other in formats if _READ_WITH.get(other) == format)}
+        own = [(file.text, file.path) for file in files if file.format in read]
+        try:
+            found.append(_reader(format)(own))
+        except MarsError as error:
+            problems += error.diagnostics
+    if problems:
+        raise MarsError(problems)
+    return united(found)
+
+
+def _reader(format: str) -> _Reader:
+    module, function = READERS[format]
+    reader: _Reader = getattr(import_module(module), function)
+    return reader

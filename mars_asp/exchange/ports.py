@@ -1,0 +1,60 @@
+"""Modules by the ports that somebody else's file gives them, each a service of its own."""
+
+import re
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.model.declarations import Mode, Service
+from mars_asp.model.names import read_name, written
+
+#: How many inputs and outputs all modules of a file may have: some ten times those of a large robot.
+MOST = 50_000
+_OTHER = re.compile(r"\W+", re.ASCII)
+
+
+def output(name: str, representation: str | None, span: Span, hz: Fraction | None) -> Service:
+    """Return the output of a module; with a rate it delivers at that, else when it has data."""
+    mode = "NotifyWhenReady" if hz is None else "NotifyAtFrequency"
+    return Service(
+        "DataOut",
+        span,
+        function=_function("send", name),
+        output=representation,
+        modes=(Mode(mode, text=mode),),
+        hz=hz,
+        port=name,
+    )
+
+
+def taken(name: str, representation: str | None, span: Span) -> Service:
+    """Return the input of a module."""
+    return Service(
+        "DataIn",
+        span,
+        function=_function("take", name),
+        inputs=(representation,),
+        parameters=(name,),
+    )
+
+
+def commands(name: str, span: Span) -> Service:
+    """Return what makes a module one that commands flow through."""
+    return Service("ControlOut", span, function=_function("command", name))
+
+
+def _function(verb: str, name: str) -> str:
+    """Return a function's name; the verb keeps it from being a word of C++."""
+    return f"{verb}_{_OTHER.sub('_', name).strip('_')}"
+
+
+def too_many(span: Span) -> MarsError:
+    """Return the error of a file with too many ports, of which `span` is one too many."""
+    message = f"there are more than {MOST} inputs and outputs, which no robot has"
+    help_text = "give the file of one robot alone"
+    return MarsError((Diagnostic("ports", "error", message, span, help=help_text),))
+
+
+def unwritable(names: Iterable[str]) -> Iterator[str]:
+    """Yield the names that no configuration can write: empty ones, and those of several lines."""
+    return (name for name in names if read_name(written(name)) is None)

@@ -1,0 +1,274 @@
+"""Graphs that rqt_graph and rosgraph save as DOT: nodes as ellipses, topics as boxes or on edges.
+
+rqt_graph draws either nodes with topics on the edges between them, or nodes and topics; a topic's
+tooltip or URL begins with `topic:`. Such files have no types. rqt_graph/dotcode.py, qt_dotgraph.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from mars_asp.diagnostic import Span, point
+from mars_asp.exchange.rosgraph.dot_tokens import Places, Token, tokens, wrong
+from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
+
+_BOXES = frozenset({"box", "box3d", "rect", "rectangle"})
+_TOPIC_URL = ("topic:", "topic_3A")
+#: What stands for the name of the node itself in its label.
+_ITSELF = r"\N"
+_BREAK = re.compile(r"\\[nlr]|\n")
+_ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+_MOST_STATEMENTS = 200_000
+_DEFAULTS = frozenset({"graph", "node", "edge"})
+
+
+@dataclass(slots=True)
+class _Element:
+    """A node of the drawing: its identifier, where it stands first, and its attributes."""
+
+    id: str
+    span: Span
+    attributes: dict[str, Token] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    start: str
+    end: str
+    span: Span
+    attributes: dict[str, Token]
+
+
+def read_dot(text: str, path: str) -> Graph:
+    """Return the graph of nodes and topics that a drawing shows.
+
+    Raises:
+        MarsError: it is no DOT, or more than this reads of it.
+    """
+    if len(text) > MOST_BYTES_OF_DUMP:
+        message = f"the file has more than {MOST_BYTES_OF_DUMP} characters, which no robot needs"
+        raise wrong(point(path, 1, 1), message, "give the file of the graph alone")
+    drawing = _Drawing(text, path)
+    drawing.read()
+    graph = Graph()
+    topics = set(_topics(drawing.elements))
+    names = {each.id: _name(each, drawing.places) for each in drawing.elements.values()}
+    for element in drawing.elements.values():
+        if element.id not in topics:
+            graph.node(names[element.id], element.span)
+    for edge in drawing.edges:
+        start, end = names[edge.start], names[edge.end]
+        match edge.start in topics, edge.end in topics:
+            case False, True:
+                graph.end(start, end, True, None, edge.span)
+            case True, False:
+                graph.end(end, start, False, None, edge.span)
+            case False, False:
+                topic = _topic_of(edge, drawing.places)
+                if topic:
+                    graph.end(start, topic, True, None, edge.span)
+                    graph.end(end, topic, False, None, edge.span)
+                else:
+                    graph.skip("edges without a topic", f"{start} -> {end}", edge.span)
+            case _:
+                graph.skip("edges between topics", f"{start} -> {end}", edge.span)
+    if not drawing.edges:
+        graph.wrong(point(path, 1, 1), "the graph has no edges", "save it with nodes and topics")
+    return graph
+
+
+def _topics(elements: dict[str, _Element]) -> Iterator[str]:
+    """Yield the identifiers of topics: those that are marked as such, else the boxes of several."""
+    marked = [
+        each.id
+        for each in elements.values()
+        if any(_said(each.attributes, key).startswith(_TOPIC_URL) for key in ("tooltip", "URL"))
+    ]
+    boxes = [each.id for each in elements.values() if _said(each.attributes, "shape") in _BOXES]
+    yield from marked or (boxes if len(boxes) < len(elements) else ())
+
+
+def _said(attributes: dict[str, Token], key: str) -> str:
+    return attributes[key].text if key in attributes else ""
+
+
+def _name(element: _Element, places: Places) -> str:
+    """Return what an element is called: its label, else its tooltip, else its identifier."""
+    label = _label(element.attributes, places)
+    if label:
+        return label
+    tooltip = _said(element.attributes, "tooltip").removeprefix("topic:")
+    if tooltip:
+        return tooltip
+    # rqt_graph writes `/` as `__`.
+    for prefix in ("n_", "t_"):
+        if element.id.startswith(prefix):
+            return element.id.removeprefix(prefix).replace("__", "/")
+    return element.id
+
+
+def _topic_of(edge: _Edge, places: Places) -> str:
+    """Return the topic that the label of an edge says; empty where it says none."""
+    return _label(edge.attributes, places)
+
+
+def _label(attributes: dict[str, Token], places: Places) -> str:
+    """Return the first line of a label; statistics stand in further ones.
+
+    Raises:
+        MarsError: it is in HTML.
+    """
+    label = attributes.get("label")
+    if label is None or label.text == _ITSELF:
+        return ""
+    if label.sort == "html":
+        message = "a label in HTML, which is not read"
+        raise wrong(places.span(label.begin, label.begin + 1), message, "write it as plain text")
+    return _ESCAPED.sub(r"\1", _BREAK.split(label.text)[0]).strip()
+
+
+class _Drawing:
+    """The elements and edges of a text in DOT."""
+
+    def __init__(self, text: str, path: str) -> None:
+        self.places = Places(text, path)
+        self.text = text
+        self.elements: dict[str, _Element] = {}
+        self.edges: list[_Edge] = []
+        self.rest = tokens(text, self.places)
+        self.next: Token | None = next(self.rest, None)
+
+    def read(self) -> None:
+        """Read the one graph.
+
+        Raises:
+            MarsError: it is no DOT.
+        """
+        head = self.take()
+        if head.text.lower() == "strict":
+            head = self.take()
+        if head.text.lower() not in ("graph", "digraph"):
+            raise self.unexpected(head, "`digraph`")
+        opening = self.take()
+        if opening.text != "{" or opening.sort != "mark":
+            opening = self.take()
+        if opening.text != "{" or opening.sort != "mark":
+            raise self.unexpected(opening, "`{`")
+        depth = 1
+        statements = 0
+        while depth:
+            depth += self.statement()
+            statements += 1
+            if statements == _MOST_STATEMENTS:
+                message = f"the graph has more than {_MOST_STATEMENTS} statements"
+                raise wrong(point(self.places.path, 1, 1), message, "no robot needs so many")
+            if depth > MOST_DEPTH:
+                assert self.next is not None
+                span = self.places.span(self.next.begin, self.next.end)
+                message = f"subgraphs are nested deeper than {MOST_DEPTH}"
+                raise wrong(span, message, "no graph of a robot needs that")
+
+    def take(self) -> Token:
+        """Take the next token.
+
+        Raises:
+            MarsError: there is none.
+        """
+        if self.next is None:
+            end = len(self.text)
+            message = "the text ends within the graph"
+            raise wrong(self.places.span(end, end), message, "write `}` where the graph ends")
+        token, self.next = self.next, next(self.rest, None)
+        return token
+
+    def at(self, *marks: str) -> bool:
+        """Whether one of these marks stands next."""
+        return self.next is not None and self.next.sort == "mark" and self.next.text in marks
+
+    def statement(self) -> int:
+        """Read a statement, or a bracket around several; return how much deeper it leads."""
+        token = self.take()
+        if token.sort == "mark":
+            if token.text in "{};,":
+                return {"{": 1, "}": -1}.get(token.text, 0)
+            raise self.unexpected(token, "a name")
+        if token.sort == "word" and token.text.lower() == "subgraph":
+            if self.next is not None and self.next.sort != "mark":
+                self.take()
+            return 0
+        if token.sort == "word" and token.text.lower() in _DEFAULTS and self.at("["):
+            self.attributes()
+        elif self.at("="):
+            self.take()
+            self.take()
+        else:
+            self.path(token)
+        return 0
+
+    def path(self, first: Token) -> None:
+        """Read a node, or edges from node to node."""
+        ends = [first]
+        self.port()
+        while self.at("->", "--"):
+            arrow = self.take()
+            if arrow.text == "--":
+                span = self.places.span(arrow.begin, arrow.end)
+                message = "an edge without a direction says nothing of who publishes"
+                raise wrong(span, message, "write `->`")
+            following = self.take()
+            if following.sort == "mark" or following.text.lower() == "subgraph":
+                raise self.unexpected(following, "the name of a node")
+            ends.append(following)
+            self.port()
+        attributes = self.attributes()
+        for end in ends:
+            span = self.places.span(end.begin, end.end)
+            element = self.elements.setdefault(end.text, _Element(end.text, span))
+            if len(ends) == 1:
+                element.attributes |= attributes
+        for start, end in pairwise(ends):
+            span = self.places.span(start.begin, end.end)
+            self.edges.append(_Edge(start.text, end.text, span, attributes))
+
+    def port(self) -> None:
+        """Pass over where at a node an edge ends."""
+        while self.at(":"):
+            self.take()
+            self.take()
+
+    def attributes(self) -> dict[str, Token]:
+        """Read lists of attributes."""
+        found: dict[str, Token] = {}
+        while self.at("["):
+            self.take()
+            while not self.at("]"):
+                key = self.take()
+                if key.sort == "mark":
+                    if key.text in ";,":
+                        continue
+                    raise self.unexpected(key, "the name of an attribute")
+                if self.at("="):
+                    self.take()
+                    found[key.text] = self.value()
+            self.take()
+        return found
+
+    def value(self) -> Token:
+        """Read what an attribute says, which may be several texts joined by `+`."""
+        token = self.take()
+        if token.sort == "mark":
+            raise self.unexpected(token, "a value")
+        parts = [token]
+        while self.at("+"):
+            self.take()
+            parts.append(self.take())
+        joined = "".join(part.text for part in parts)
+        return Token(token.sort, joined, token.begin, parts[-1].end)
+
+    def unexpected(self, token: Token, wanted: str) -> Exception:
+        """Return the error of a token that cannot stand where it does."""
+        shown = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
+        span = self.places.span(token.begin, token.end)
+        return wrong(span, f"expected {wanted}, found `{shown}`", "is this a graph in DOT?")

@@ -1,0 +1,39 @@
+"""What ROSDiscover and CARET have in common: YAML lists of maps with words in them."""
+
+from collections.abc import Iterator
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
+
+
+def value(pairs: Pairs, *keys: str) -> Node | None:
+    """Return what stands behind the first of these keys that a map has."""
+    found = {key.text: node for key, node in pairs.pairs}
+    return next((found[key] for key in keys if key in found), None)
+
+
+def word(pairs: Pairs, *keys: str) -> Scalar | None:
+    """Return the word behind the first of these keys; `None` where no word stands there."""
+    found = value(pairs, *keys)
+    return found if isinstance(found, Scalar) and found.text else None
+
+
+def maps(graph: Graph, node: Node | None, what: str) -> Iterator[Pairs]:
+    """Yield the maps of a list, which may be missing or empty; note what is no map."""
+    if node is None or (isinstance(node, Scalar) and node.text in ("", "~", "null", "UNDEFINED")):
+        return
+    if not isinstance(node, Items):
+        graph.wrong(beginning(node.span), f"`{what}` is not a list", f"write a list of {what}")
+        return
+    for each in node.nodes:
+        if isinstance(each, Pairs):
+            yield each
+        else:
+            message = f"an entry of `{what}` is not a map"
+            graph.wrong(beginning(each.span), message, "write `- KEY: VALUE`")
+
+
+def beginning(span: Span) -> Span:
+    """Return where a stretch begins."""
+    return span._replace(end_line=span.line, end_column=span.column)

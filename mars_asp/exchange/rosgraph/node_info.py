@@ -1,0 +1,62 @@
+"""What `ros2 node info` prints, of any number of nodes one below the other."""
+
+import re
+from itertools import pairwise
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.rosgraph.graph import Graph
+
+_SECTION = re.compile(r"[ \t]*(\w+(?: \w+)?):[ \t]*")
+_NODE = re.compile(r"[ \t]*(/[^\s:]*)[ \t]*")
+_ENTRY = re.compile(r"[ \t]*(?P<name>/[^\s:]+)[ \t]*:[ \t]*(?P<types>[^\n]*?)[ \t]*")
+_OUT = {"Publishers": True, "Subscribers": False}
+_CALLS = {
+    "Service Servers": "services",
+    "Service Clients": "services",
+    "Action Servers": "actions",
+    "Action Clients": "actions",
+}
+#: The command itself, where it was copied, too.
+_PROMPT = re.compile(r"[^\n]*\bros2[ \t]+node[ \t]+(?:info|list)\b")
+_HELP = "give what `ros2 node info /NODE` prints, each node below the one before"
+
+
+def read_node_info(text: str, path: str) -> Graph:
+    """Return the graph that the output of `ros2 node info` tells."""
+    graph = Graph()
+    node = section = None
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    for (number, line), (_, following) in pairwise((*lines, (0, ""))):
+        head, named, entry = (p.fullmatch(line) for p in (_SECTION, _NODE, _ENTRY))
+        if head and head[1] in (*_OUT, *_CALLS):
+            section = head[1]
+            if node is None:
+                message = f"`{section}` of a node without a name"
+                graph.wrong(_span(path, number, head), message, _HELP)
+                node = ""
+        elif named and _heads_section(following):
+            node, section = named[1], None
+            graph.node(node, _span(path, number, named))
+        elif entry and section is not None and node is not None:
+            types = entry["types"].split(",")
+            # With several types nobody knows which is meant.
+            type_ = types[0] if len(types) == 1 else None
+            span = _span(path, number, entry)
+            if section in _CALLS:
+                graph.skip(_CALLS[section], entry["name"], span)
+            elif node:
+                graph.end(node, entry["name"], _OUT[section], type_, span)
+        elif not _PROMPT.match(line):
+            begin = len(line) - len(line.lstrip()) + 1
+            graph.skip("lines", line.strip()[:40], Span(path, number, begin, number, len(line) + 1))
+    return graph
+
+
+def _heads_section(line: str) -> bool:
+    head = _SECTION.fullmatch(line)
+    return head is not None and head[1] in (*_OUT, *_CALLS)
+
+
+def _span(path: str, number: int, match: re.Match[str]) -> Span:
+    """Return where the first group of a match stands in its line."""
+    return Span(path, number, match.start(1) + 1, number, match.end(1) + 1)

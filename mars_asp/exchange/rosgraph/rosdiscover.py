@@ -1,0 +1,68 @@
+"""The graphs that ROSDiscover recovers: a list of nodes with what they publish and subscribe to.
+
+https://github.com/rosqual/rosdiscover
+"""
+
+from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.lists import beginning, maps, value, word
+from mars_asp.exchange.yaml_document import Items, Pairs, Scalar, read_dump
+
+_CALLS = {
+    "provides": "services",
+    "uses": "services",
+    "action-servers": "actions",
+    "action-clients": "actions",
+}
+_PARAMETERS = ("reads", "writes")
+
+
+def read_rosdiscover(text: str, path: str) -> Graph:
+    """Return the graph of a dump of ROSDiscover.
+
+    Raises:
+        MarsError: it is no YAML.
+    """
+    graph = Graph()
+    root = read_dump(text, path)
+    if not isinstance(root, Items):
+        graph.wrong(beginning(root.span), "the dump is not a list of nodes", "write `- fullname:`")
+    for node in maps(graph, root if isinstance(root, Items) else None, "nodes"):
+        _read_node(graph, node)
+    return graph
+
+
+def _read_node(graph: Graph, node: Pairs) -> None:
+    named = word(node, "fullname") or word(node, "name")
+    if named is None:
+        graph.wrong(beginning(node.span), "a node has no `fullname`", "add `fullname: /NODE`")
+        return
+    name = _full_name(node, named)
+    graph.node(name, named.span)
+    for key, out in (("pubs", True), ("subs", False)):
+        for entry in maps(graph, value(node, key), key):
+            topic, type_ = word(entry, "name"), word(entry, "format")
+            if topic is None:
+                message = f"an entry of `{key}` of `{name}` has no `name`"
+                graph.wrong(beginning(entry.span), message, "add `name: /TOPIC`")
+            else:
+                written = None if type_ is None else type_.text
+                graph.end(name, topic.text, out, written, topic.span)
+    for key, sort in _CALLS.items():
+        for entry in maps(graph, value(node, key), key):
+            called = word(entry, "name")
+            if called is not None:
+                graph.skip(sort, called.text, called.span)
+    for key in _PARAMETERS:
+        listed = value(node, key)
+        for each in listed.nodes if isinstance(listed, Items) else ():
+            parameter = word(each, "name") if isinstance(each, Pairs) else each
+            if isinstance(parameter, Scalar):
+                graph.skip("parameters", parameter.text, parameter.span)
+
+
+def _full_name(node: Pairs, named: Scalar) -> str:
+    """Return the name of a node with its namespace, which `fullname` has already."""
+    if named.text.startswith("/"):
+        return named.text
+    space = word(node, "namespace")
+    return f"{'/' if space is None else space.text.rstrip('/') + '/'}{named.text}"

@@ -1,0 +1,126 @@
+"""What `ros2 topic info -v` prints: who publishes a topic, and who subscribes to it.
+
+The topic itself is not among it, so it is taken from the line above, as from the command where
+that was copied, too, or from the name of the file.
+"""
+
+import re
+from pathlib import PurePath
+
+from mars_asp.diagnostic import Span, point
+from mars_asp.exchange.rosgraph.graph import Graph
+
+_FIELD = re.compile(r"[ \t]*(?P<key>[A-Za-z][\w ()]*?)[ \t]*:[ \t]*(?P<value>[^\n]*?)[ \t]*")
+_TOPIC = re.compile(r"(?<![\w./~])(/\w+(?:/\w+)*)(?![\w./])")
+_STEM = re.compile(r"\w+")
+_UNKNOWN = re.compile(r"_(?:NODE_NAME|NODE_NAMESPACE)_UNKNOWN_|_CREATED_BY_BARE_DDS_APP_")
+_OUT = {"PUBLISHER": True, "SUBSCRIPTION": False}
+_COUNTS = {"Publisher count": True, "Subscription count": False, "Subscriber count": False}
+_VERBOSE = "give what `ros2 topic info -v /TOPIC` prints: without -v it names no nodes"
+_NAME_IT = (
+    "write the topic on the line above, as in `$ ros2 topic info -v /TOPIC`,"
+    " or name the file after it: `TOPIC.txt`"
+)
+
+
+def read_topic_info(text: str, path: str) -> Graph:
+    """Return the graph that the output of `ros2 topic info -v` tells, of one topic or several."""
+    reader = _Reader(path, sum(line.lstrip().startswith("Type:") for line in text.split("\n")))
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.strip():
+            reader.take(number, line)
+    reader.finish_topic()
+    return reader.graph
+
+
+class _Reader:
+    """Collects the ends of topics, line by line."""
+
+    def __init__(self, path: str, topics: int) -> None:
+        self.graph = Graph()
+        self.path = path
+        self.topics = topics
+        #: What stands above the next `Type:`.
+        self.above = ""
+        self.topic: str | None = None
+        self.type: str | None = None
+        #: Whether publishers are told, and how many; that nothing was told is an error.
+        self.out = True
+        self.promised: dict[bool, tuple[int, Span]] = {}
+        self.told = 0
+        self.node: tuple[str, Span] | None = None
+        self.space = "/"
+
+    def take(self, number: int, line: str) -> None:
+        """Take a line that is not empty."""
+        field = _FIELD.fullmatch(line)
+        key = field["key"] if field else ""
+        value = field["value"] if field else ""
+        span = _value_span(self.path, number, field) if field else point(self.path, number, 1)
+        match key:
+            case "Type":
+                self.begin_topic(value, span)
+            case "Publisher count" | "Subscription count" | "Subscriber count":
+                self.finish_node()
+                self.out = _COUNTS[key]
+                if value.isdecimal():
+                    self.promised[self.out] = int(value[:9]), span
+            case "Node name":
+                self.finish_node()
+                self.node = value, span
+            case "Node namespace":
+                self.space = value
+            case "Endpoint type":
+                self.out = _OUT.get(value.partition(" ")[0], self.out)
+            case "QoS profile":
+                if self.node is not None:
+                    self.graph.skip("QoS profiles", self.full_name(), self.node[1])
+            case _:
+                self.above = line
+
+    def begin_topic(self, type_: str, span: Span) -> None:
+        """Begin with the next topic."""
+        self.finish_topic()
+        named = _TOPIC.findall(self.above)
+        self.above = ""
+        self.type = None if type_.startswith("[") else type_
+        self.topic = named[-1] if named else self.topic_of_file(span)
+
+    def topic_of_file(self, span: Span) -> str | None:
+        """Return the topic that a file is named after; note where it cannot be."""
+        stem = PurePath(self.path).stem
+        if self.topics == 1 and _STEM.fullmatch(stem):
+            return "/" + stem.strip("_").replace("__", "/")
+        self.graph.wrong(span, "nothing says which topic this is about", _NAME_IT)
+        return None
+
+    def finish_topic(self) -> None:
+        """Note a topic of which no node is told though there are some."""
+        self.finish_node()
+        most = max(self.promised.values(), default=(0, point(self.path, 1, 1)))
+        if self.topic is not None and most[0] > 0 and not self.told:
+            message = f"the nodes at `{self.topic}` are counted, but not named"
+            self.graph.wrong(most[1], message, _VERBOSE)
+        self.promised, self.told, self.out = {}, 0, True
+
+    def finish_node(self) -> None:
+        """Add the end that was told last."""
+        if self.node is None:
+            return
+        name, span = self.node
+        self.told += 1
+        if _UNKNOWN.search(name + self.space) or not name:
+            self.graph.skip("endpoints of unknown nodes", name or "?", span)
+        elif self.topic is not None:
+            self.graph.node(self.full_name(), span)
+            self.graph.end(self.full_name(), self.topic, self.out, self.type, span)
+        self.node, self.space = None, "/"
+
+    def full_name(self) -> str:
+        """Return the name of the node that is being told."""
+        name = self.node[0] if self.node else ""
+        return name if name.startswith("/") else f"{self.space.rstrip('/')}/{name}"
+
+
+def _value_span(path: str, number: int, field: re.Match[str]) -> Span:
+    return Span(path, number, field.start("value") + 1, number, field.end("value") + 1)

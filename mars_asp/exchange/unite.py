@@ -1,0 +1,42 @@
+"""What several files say of one robot, as one configuration."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from mars_asp.language import Parsed
+from mars_asp.language.print import print_modules
+from mars_asp.model.declarations import Module, Name
+
+
+def united(parts: Sequence[Parsed]) -> Parsed:
+    """Return parts of one robot as one; modules of the same name are the same module."""
+    if len(parts) == 1:
+        return parts[0]
+    first, *others = (part.configuration for part in parts)
+    every = (first, *others)
+    configuration = replace(
+        first,
+        modules=_each_once(name for each in every for name in each.modules),
+        relationships=tuple(line for each in every for line in each.relationships),
+        declared=_merged(module for each in every for module in each.declared),
+        muxes=tuple(mux for each in every for mux in each.muxes),
+    )
+    warnings = tuple(warning for part in parts for warning in part.warnings)
+    return Parsed(configuration, warnings, print_modules(configuration))
+
+
+def _each_once(names: Iterable[Name]) -> tuple[Name, ...]:
+    first: dict[str, Name] = {}
+    for name in names:
+        first.setdefault(name.text, name)
+    return tuple(first.values())
+
+
+def _merged(modules: Iterable[Module]) -> tuple[Module, ...]:
+    """Return modules by their names, those of one name as one with the services of both."""
+    found: dict[str, Module] = {}
+    for module in modules:
+        known = found.setdefault(module.name, module)
+        if known is not module:
+            found[module.name] = replace(known, services=known.services + module.services)
+    return tuple(found.values())

@@ -1,0 +1,138 @@
+"""Outputs and inputs as rules are told of them: by one name each.
+
+An output is called like its module, and where this has several, `MODULE.PORT`. What lines name of a
+module that nothing describes is taken at its word; of any other it has to be there, which rules
+see.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mars_asp.model.declarations import Configuration, Data, Module, Service
+from mars_asp.model.names import end
+from mars_asp.model.ports import Input, inputs, outputs
+
+
+class Output(NamedTuple):
+    """An output: its module, its port, and the service that delivers it, if one is described."""
+
+    module: str
+    port: str
+    service: Service | None
+
+
+class Entry(NamedTuple):
+    """An input: its module, its port, and where that is described."""
+
+    module: str
+    port: str
+    found: Input | None
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What lines of a configuration name; `outputs` are those of modules with several.
+
+    `entries` are the inputs of modules of which a line names one.
+    """
+
+    outputs: Mapping[str, Output]
+    entries: Mapping[str, Entry]
+    #: By module and port, and by module alone, the name of an output.
+    _sources: Mapping[tuple[str, str | None], str]
+    _clients: Mapping[tuple[str, str], str]
+    #: By the name of an output, the port that lines state.
+    _stated: Mapping[str, str]
+
+    def source(self, data: Data) -> str:
+        """Return the name of the output that a line uses."""
+        port = data.source_port
+        unknown = data.source if port is None else f"{data.source}.{port}"
+        return self._sources.get((data.source, port), unknown)
+
+    def entry(self, data: Data) -> str | None:
+        """Return the name of the input that a line names, if it names one."""
+        port = data.client_port
+        if port is None:
+            return None
+        return self._clients.get((data.client, port), f"{data.client}.{port}")
+
+    def output(self, module: str, port: str) -> str:
+        """Return the name of an output of a module."""
+        return self._sources.get((module, port), module)
+
+    def written(self, name: str) -> tuple[str, str | None]:
+        """Return the module and the port that a line states for an output."""
+        found = self.outputs.get(name)
+        return (name, self._stated.get(name)) if found is None else (found.module, found.port)
+
+
+def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> Ends:
+    """Return what the data lines of a configuration name."""
+    lines = [each for each in configuration.relationships if isinstance(each, Data)]
+    named: dict[str, dict[str, None]] = {}
+    entered: dict[str, dict[str, None]] = {}
+    for line in lines:
+        if line.source_port is not None:
+            named.setdefault(line.source, {})[line.source_port] = None
+        if line.client_port is not None:
+            entered.setdefault(line.client, {})[line.client_port] = None
+    taken = {name.text for name in configuration.modules}
+    every: dict[str, Output] = {}
+    sources: dict[tuple[str, str | None], str] = {}
+    stated: dict[str, str] = {}
+    several = {name for name, module in described.items() if _delivers_several(module)}
+    for name in sorted(several | named.keys()):
+        found = _outputs(name, described.get(name), named.get(name, ()))
+        own = [output for output in found if name not in described or output.service is not None]
+        for output in found:
+            if own == [output]:
+                sources[name, output.port] = name
+                stated[name] = output.port
+            else:
+                text = _free(taken, name, output.port)
+                sources[name, output.port] = text
+                every[text] = output
+    entries: dict[str, Entry] = {}
+    clients: dict[tuple[str, str], str] = {}
+    for name, ports in sorted(entered.items()):
+        known = inputs(described[name]) if name in described else {}
+        for port in dict.fromkeys((*known, *ports)):
+            text = clients[name, port] = _free(taken, name, port)
+            entries[text] = Entry(name, port, known.get(port))
+    return Ends(every, entries, sources, clients, stated)
+
+
+def _delivers_several(module: Module) -> bool:
+    if len(module.services) < 2:
+        return False
+    return sum(service.kind in ("Sense", "DataOut") for service in module.services) > 1
+
+
+def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence[Output]:
+    """Return the outputs that a module has, and those that lines name."""
+    known = {} if module is None else outputs(module)
+    services: Sequence[Service] = () if module is None else module.services
+    return [
+        Output(name, port, services[known[port]] if port in known else None)
+        for port in dict.fromkeys((*known, *named))
+    ]
+
+
+def _free(taken: set[str], module: str, port: str) -> str:
+    """Return the name of a port that nothing else has, and take it."""
+    for text in _spellings(module, port):
+        if text not in taken:
+            break
+    taken.add(text)
+    return text
+
+
+def _spellings(module: str, port: str) -> Iterator[str]:
+    text = f"{module}.{port}"
+    yield text
+    yield end(module, port)
+    while True:
+        text += "'"
+        yield text

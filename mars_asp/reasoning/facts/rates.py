@@ -1,0 +1,84 @@
+"""Exact rates as the whole millihertz that rules compare.
+
+A rate that is no whole number of millihertz is rounded, and moved further where another rate of the
+configuration would be told as the same number: rules see two rates in their exact order, and as
+equal only where they are.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+
+from mars_asp.model.declarations import Configuration, Data, Module
+from mars_asp.model.ranges import MOST
+from mars_asp.model.rates import Rate
+
+
+@dataclass(frozen=True)
+class Rates:
+    """The rates that are told as other numbers than their millihertz, and these numbers."""
+
+    _told: Mapping[Fraction, int]
+    _meant: Mapping[int, Fraction]
+    #: All numbers by which rates are told.
+    _taken: Set[int]
+
+    @property
+    def rounded(self) -> Sequence[int]:
+        """Return the numbers by which rates are told that they do not equal, in order."""
+        return sorted(self._meant)
+
+    def millihertz(self, hz: Fraction) -> int:
+        """Return the number by which a rate is told."""
+        told = self._told.get(hz)
+        if told is not None:
+            return told
+        millihertz = hz * 1000
+        number = max(round(millihertz), 1)
+        if number == millihertz and number not in self._meant:
+            return number
+        # A rate that is none of these is told as none of them, on its own side of the nearest.
+        step = 1 if self.hertz(number) < hz else -1
+        while number in self._taken and 1 < number < MOST:
+            number += step
+        return number
+
+    def hertz(self, millihertz: int) -> Rate:
+        """Return the rate that is told by a number."""
+        meant = self._meant.get(millihertz)
+        if meant is None:
+            return Rate(Decimal(millihertz) / 1000)
+        return meant if isinstance(meant, Rate) else Rate(meant)
+
+
+def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> Rates:
+    """Return how the rates that lines and annotations state are told."""
+    return rates_of(_stated(configuration, described))
+
+
+def rates_of(stated: Iterable[Fraction]) -> Rates:
+    """Return how rates are told that are compared with each other."""
+    every = {hz: hz for hz in stated}
+    if all((hz * 1000).denominator == 1 for hz in every):
+        return Rates({}, {}, {int(hz * 1000) for hz in every})
+    ordered = sorted(every)
+    numbers: list[int] = []
+    for hz in ordered:
+        numbers.append(max(round(hz * 1000), numbers[-1] + 1 if numbers else 1))
+    # At the upper end there may be no room above.
+    for place, number in enumerate(numbers):
+        numbers[place] = min(number, MOST - (len(numbers) - 1 - place))
+    moved = {hz: number for hz, number in zip(ordered, numbers, strict=True) if hz * 1000 != number}
+    meant = {number: every[hz] for hz, number in moved.items()}
+    return Rates(moved, meant, frozenset(numbers))
+
+
+def _stated(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Fraction]:
+    for relationship in configuration.relationships:
+        if isinstance(relationship, Data) and relationship.hz is not None:
+            yield relationship.hz
+    for module in described.values():
+        for service in module.services:
+            if service.hz is not None:
+                yield service.hz
