@@ -26,8 +26,8 @@ def _key(names: str) -> re.Pattern[str]:
 
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
 _LAUNCH = re.compile(
-    r"^def generate_launch_description\b|\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<launch[\s/>]"
-    r"|^launch:",
+    r"^def generate_launch_description\b|^launch:"
+    r"|\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<launch[\s/>]",
     re.MULTILINE,
 )
 _NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)

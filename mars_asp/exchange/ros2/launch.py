@@ -23,9 +23,9 @@ from mars_asp.exchange.ros2.actions import (
     Start,
     Text,
 )
-from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.launch_python import read_python
+from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 

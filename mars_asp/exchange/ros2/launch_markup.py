@@ -1,4 +1,4 @@
-"""Launch files in XML and YAML as actions, those of ROS 1 too: both are elements with attributes."""
+"""Launch files in XML and YAML, those of ROS 1 too, as actions: elements with attributes."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -110,7 +110,7 @@ class Plain:
     span: Span
 
 
-Value: TypeAlias = None | Plain | Call | Listed | Mapped | Local
+Value: TypeAlias = Plain | Call | Listed | Mapped | Local | None
 _Names: TypeAlias = dict[str, Value]
 
 
@@ -194,7 +194,7 @@ class _Reader:
                 returned = _either(returned, found)
         return returned
 
-    def statement(self, node: ast.stmt, names: _Names) -> Value:
+    def statement(self, node: ast.stmt, names: _Names) -> Value:  # noqa: C901 -- one case each
         """Run one statement; return what it returns."""
         match node:
             case ast.FunctionDef(name=name):
@@ -271,7 +271,9 @@ class _Reader:
 
     # ---- Expressions
 
-    def value(self, node: ast.expr, names: _Names, depth: int = 0) -> Value:
+    def value(  # noqa: C901 -- one case for each sort of expression
+        self, node: ast.expr, names: _Names, depth: int = 0
+    ) -> Value:
         """Return what an expression stands for, `None` where only a run would know."""
         self.steps += 1
         if self.steps > _MOST_STEPS or depth > _DEEPEST:
@@ -390,7 +392,7 @@ class _Reader:
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
             done = self.method(node.func, arguments, names, depth)
-            if done is not _NOT_DONE:
+            if not isinstance(done, _NotDone):
                 return done
             name = node.func.attr
         elif isinstance(node.func, ast.Name):
@@ -540,8 +542,8 @@ class _Reader:
                 source, target = _text(call.get("src", 0)), _text(call.get("dst", 1))
                 yield SetRemap(Remap(source, target, call.span))
             case "SetParameter":
-                name, given = _text(call.get("name", 0)), _text(call.get("value", 1))
-                yield SetParameters((), (Parameter(name, given),))
+                value = _text(call.get("value", 1))
+                yield SetParameters((), (Parameter(_text(call.get("name", 0)), value),))
             case "SetParametersFromFile":
                 yield SetParameters((_text(call.get("filename", 0)),), ())
             case "DeclareLaunchArgument":
@@ -552,9 +554,11 @@ class _Reader:
                     yield Declare(name, _text(call.get("value", 1)), forced=True)
             case "IncludeLaunchDescription":
                 source = call.get("launch_description_source", 0)
-                path = _text(source.get("launch_file_path", 0) if _is_call(source) else source)
-                given = tuple(_parameters(call.get("launch_arguments", 1)))
-                yield Include(path, call.span, given, conditional)
+                if isinstance(source, Call):
+                    source = source.get("launch_file_path", 0)
+                path = _text(source)
+                passed = tuple(_parameters(call.get("launch_arguments", 1)))
+                yield Include(path, call.span, passed, conditional)
             case "OpaqueFunction":
                 function = call.get("function", 0)
                 if isinstance(function, Local):
@@ -578,8 +582,8 @@ class _Reader:
         conditional = conditional or "condition" in call.named
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
-                name = _plain(_text(call.get("name"))) or "?"
-                yield NotRead("containers of components", name, call.span)
+                called = _plain(_text(call.get("name"))) or "?"
+                yield NotRead("containers of components", called, call.span)
             components = call.get("composable_node_descriptions")
             yield from self.interpret(components, conditional)
             return
@@ -660,10 +664,6 @@ def _called(node: ast.Call) -> str:
     if isinstance(func, ast.Attribute):
         return func.attr
     return func.id if isinstance(func, ast.Name) else ""
-
-
-def _is_call(value: Value) -> "bool":
-    return isinstance(value, Call)
 
 
 def _text(value: Value) -> Text:
@@ -783,14 +783,14 @@ def _given(value: Value) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
 def _flat(value: Mapped, before: Text) -> Iterator[Parameter]:
     for key, held in value.pairs:
         name = text_of(before, ".", _text(key)) if before else _text(key)
-        if isinstance(held, Mapped) and len(name) < _MOST_PARTS and UNKNOWN != name:
+        if isinstance(held, Mapped) and len(name) < _MOST_PARTS and name != UNKNOWN:
             yield from _flat(held, name)
         else:
             yield Parameter(name, _text(held))
 
 
 def _remaps(call: Call) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
-    """Return the remappings of a node that are written out, and the places of those that are not."""
+    """Return the remappings that are written out, and the places of those that are not."""
     found: list[Remap] = []
     unread: list[tuple[str, Span]] = []
     value = call.named.get("remappings")

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from mars_asp.annotations.declarations.tokens import text_at, tokenise
 from mars_asp.annotations.comments import blanked
+from mars_asp.annotations.declarations.tokens import text_at, tokenise
 from mars_asp.diagnostic import MarsError
 from mars_asp.exchange.ros2.cmake import Targets, read_cmake
 from mars_asp.exchange.ros2.interface import Interface

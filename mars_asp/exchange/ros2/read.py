@@ -7,8 +7,9 @@ from functools import cache
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
-from mars_asp.exchange.ros2.interface import Interface, Topic
+from mars_asp.exchange.ros2.interface import Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
 from mars_asp.exchange.ros2.names import joined as name_in
 from mars_asp.exchange.ros2.names import renamed
@@ -24,7 +25,6 @@ from mars_asp.exchange.topics import (
     configuration_of,
     joined,
 )
-from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.twist_mux.document import OUTPUT, Document, read_document
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import Unread, notes
@@ -156,8 +156,8 @@ class _Robot:
                 self._add(nodes, each, node)
         self._note(launch)
         self.unread += (*launch.unread, *self.workspace.unread)
-        path = self.workspace.shown(paths[0])
-        return Graph(path, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
+        first = self.workspace.shown(paths[0])
+        return Graph(first, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
 
     def _catalogue(self) -> Catalogue:
         own = [file for file in self.workspace.files if file.name == OWN]
@@ -304,7 +304,7 @@ class _Robot:
             document = self.document(file)
             if document is not None:
                 found |= values_for(document, full)
-        return found | started.parameters
+        return {**found, **started.parameters}
 
     def _document(self, file: Path) -> YamlNode | None:
         shown = self.workspace.shown(file)
@@ -358,7 +358,7 @@ class _Robot:
 
     def _mux(self, started: Started, name: str, full: str) -> Mux | None:
         """Return the mux that a node is, by the parameters that it is given."""
-        own = []
+        own: list[MuxParameters] = []
         for file in started.files:
             text, shown = self.workspace.text(file), self.workspace.shown(file)
             try:
@@ -393,7 +393,8 @@ class _Robot:
             spans = {each.name or each.executable: each.span for each in self.catalogued}
             names = ", ".join(f"`{name}`" for name in list(spans)[:5])
             more = ", ..." if len(spans) > 5 else ""
-            message = f"the topics of {_counted(len(spans), 'node')} are from the catalogue: {names}{more}"
+            described = _counted(len(spans), "node")
+            message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))
             self.problems.append(Diagnostic("catalogue", "note", message, first))
 

@@ -169,7 +169,8 @@ class _File:
         for at, token in enumerate(tokens):
             if not is_word(token.text) or token.text in _KEYWORDS:
                 continue
-            behind, types = at + 1, ()
+            behind = at + 1
+            types: tuple[str, ...] = ()
             if text_at(tokens, behind) == "<" and _may_call(token.text):
                 end = angle(tokens, behind)
                 if end is not None:
@@ -231,7 +232,9 @@ class _File:
                 continue
             if value.text is not None or value.parameter is not None:
                 found[token.text] = value
-        defaults = {v.parameter: v.text for v in found.values() if v.parameter and v.text}
+        defaults: dict[str | None, str | None] = {
+            value.parameter: value.text for value in found.values() if value.parameter
+        }
         for call in self.calls:
             if call.name in _PARAMETERS and len(call.arguments) >= 2:
                 self._parameter(call, found, defaults)

@@ -91,10 +91,10 @@ def _parsed(text: str, path: str, module: str) -> _File | None:
                 file.imports.update((n.asname or n.name, f"{base}.{n.name}") for n in names)
     for statement in _flat(tree.body):
         match statement:
-            case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
-                file.outer[name] = statement
-            case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                file.constants.setdefault(name, value)
+            case ast.FunctionDef(name=defined) | ast.ClassDef(name=defined):
+                file.outer[defined] = statement
+            case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
+                file.constants.setdefault(assigned, value)
     return file
 
 
@@ -311,9 +311,9 @@ class _Unit:
             case ast.Attribute(value=inner, attr="value" | "string_value"):
                 return self.parameter(inner, depth + 1)
             case ast.Call() if _called(node) in ("get_parameter_value", "as_string", "str"):
-                inner = node.func.value if isinstance(node.func, ast.Attribute) else None
-                inner = inner or (node.args[0] if node.args else None)
-                return None if inner is None else self.parameter(inner, depth + 1)
+                if isinstance(node.func, ast.Attribute):
+                    return self.parameter(node.func.value, depth + 1)
+                return self.parameter(node.args[0], depth + 1) if node.args else None
             case ast.Call() if _called(node) in (
                 "get_parameter",
                 "declare_parameter",
@@ -412,14 +412,14 @@ class _Unit:
                     if hz is not None:
                         yield hz, self.functions(callback)
             elif name in ("Rate", "create_rate") and call.args:
-                hz = self.number(call.args[0])
-                if hz and hz > 0:
-                    yield hz, [each for each in self.bodies() if _encloses(each, call)]
+                number = self.number(call.args[0])
+                if number and number > 0:
+                    yield number, [each for each in self.bodies() if _encloses(each, call)]
 
     def bodies(self) -> Iterator[ast.AST]:
         """Yield the functions in this part of the program, or all of it."""
-        functions = [each for each in ast.walk(self.node) if isinstance(each, ast.FunctionDef)]
-        yield from functions or [self.node]
+        every = list(ast.walk(self.node))
+        yield from [each for each in every if isinstance(each, ast.FunctionDef)] or every[:1]
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
         """Return what a callback is."""
