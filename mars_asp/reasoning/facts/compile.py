@@ -358,7 +358,7 @@ class Compiler:
                 named = ends.entry(relationship)
                 if named is not None:
                     self.add(relationship.span, "into", number, named)
-        if not ends.entries:
+        if not ends.entries or self._told_as is not None:
             return
         numbers = {
             (module.name, id(annotation)): number
