@@ -52,8 +52,7 @@ def read_overrides(
         elif single is not None and single[1].startswith('"'):
             name = plain(single[1])
             problem = _again("@Input") if inputs is not None or name in further else None
-            if problem is None and single[2].strip() != _UNKNOWN:
-                problem = _unreadable_part(single.start(2), single[2])
+            problem = problem or _unreadable_part(single.start(2), single[2])
             if problem is None:
                 further[name] = single[2].strip()
         elif single is not None:
@@ -106,7 +105,7 @@ def _unreadable(text: str, declaration: Declaration) -> Wrong | None:
 
 def _unreadable_part(begin: int, text: str) -> Wrong | None:
     written = text.strip()
-    if written == "none" or representation(written):
+    if written in ("none", _UNKNOWN) or representation(written):
         return None
     at = begin + len(text) - len(text.lstrip())
     return Wrong(

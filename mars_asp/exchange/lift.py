@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import count
 
 from mars_asp.diagnostic import Span
-from mars_asp.language.print import print_configuration, print_modules
+from mars_asp.language.print import print_configuration, print_module
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Control, Name, Relationship
 from mars_asp.output import visible
 
@@ -53,8 +53,7 @@ def with_origins(configuration: Configuration) -> str:
         f"{line}  {_origin(related.span)}"
         for line, related in zip(lines[first:], configuration.relationships, strict=True)
     ]
-    blocks = zip(configuration.declared, print_modules(configuration), strict=True)
-    described = [f"\n{_origin(module.span)}\n{block}" for module, block in blocks]
+    described = [f"\n{_origin(m.span)}\n{print_module(m)}" for m in configuration.declared]
     return "\n".join((*lines[:first], *told, *described, ""))
 
 

@@ -8,7 +8,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import Mode, Service
 from mars_asp.model.names import read_name, written
 
-#: How many inputs and outputs all modules of a file may have: some ten times those of a large robot.
+#: How many inputs and outputs the modules of a file may have: ten times those of a large robot.
 MOST = 50_000
 _OTHER = re.compile(r"\W+", re.ASCII)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_modules
+from mars_asp.language.print import print_module
 from mars_asp.model.declarations import Module, Name
 
 
@@ -22,7 +22,7 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         muxes=tuple(mux for each in every for mux in each.muxes),
     )
     warnings = tuple(warning for part in parts for warning in part.warnings)
-    return Parsed(configuration, warnings, print_modules(configuration))
+    return Parsed(configuration, warnings, tuple(map(print_module, configuration.declared)))
 
 
 def _each_once(names: Iterable[Name]) -> tuple[Name, ...]:

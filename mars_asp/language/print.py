@@ -23,6 +23,11 @@ from mars_asp.model.ports import parameter_names
 from mars_asp.model.rates import as_written
 
 WIDTH = 72
+#: Words of C++ types, which no parameter is called.
+_TYPE_WORDS = frozenset(
+    "auto bool char class const double enum float inline int long mutable register short signed"
+    " static struct this typename union unsigned void volatile self".split()
+)
 
 
 def print_configuration(configuration: Configuration) -> str:
@@ -30,10 +35,9 @@ def print_configuration(configuration: Configuration) -> str:
     return "".join(f"{line}\n" for line in _lines(configuration))
 
 
-def print_modules(configuration: Configuration) -> tuple[str, ...]:
-    """Return the blocks of the modules that a configuration declares, each as a text."""
-    named = _named(configuration)
-    return tuple("\n".join(_block(m, m.name in named)) for m in configuration.declared)
+def print_module(module: Module) -> str:
+    """Return the block of a module, without a line end behind it."""
+    return "\n".join(_block(module))
 
 
 def print_relationship(relationship: Relationship) -> str:
@@ -127,16 +131,9 @@ def _lines(configuration: Configuration) -> Iterator[str]:
             node = relationship.controlled
             yield f"// {node}: {written(modules.pop(node))}"
         yield print_relationship(relationship)
-    for block in print_modules(configuration):
+    for module in configuration.declared:
         yield ""
-        yield block
-
-
-def _named(configuration: Configuration) -> set[str]:
-    """Return the modules of which some line names an input."""
-    named = {r.client for r in configuration.relationships if isinstance(r, Data) and r.client_port}
-    described = {n.described for n in configuration.modules if n.described and n.text in named}
-    return named.union(filter(None, described))
+        yield print_module(module)
 
 
 def _conversion(conversion: Conversion) -> str:
@@ -149,7 +146,7 @@ def _number(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
 
 
-def _block(module: Module, named: bool) -> Iterator[str]:
+def _block(module: Module) -> Iterator[str]:
     yield "@module_start"
     yield f"@module_name {written(module.name)}"
     if module.guard is not None:
@@ -159,7 +156,7 @@ def _block(module: Module, named: bool) -> Iterator[str]:
     for vertex in module.vertices:
         yield _vertex(vertex)
     for service in module.services:
-        yield from _service(service, named)
+        yield from _service(service)
     yield "@module_end"
 
 
@@ -177,13 +174,9 @@ def _vertex(vertex: Vertex) -> str:
     return f"@Vertex {vertex.number} {print_transformation(vertex.transformation)}"
 
 
-def _service(service: Service, named: bool) -> Iterator[str]:
+def _service(service: Service) -> Iterator[str]:
     """Yield an annotation and a declaration; what the declaration would say, overrides say."""
     modes = [print_mode(mode) for mode in service.modes]
-    # Names of parameters are printed where lines need them, or where they are no code's.
-    by_name = service.inputs and (
-        named or not all(name is None or name.isidentifier() for name in service.parameters)
-    )
     if service.hz is not None:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")
         modes[periodic] += f" {as_written(service.hz)}"
@@ -194,16 +187,18 @@ def _service(service: Service, named: bool) -> Iterator[str]:
     if service.port is not None:
         yield f"@Port {written(service.port)}"
     yield f"@Output {service.output or 'none'}"
-    parameters = ""
-    if by_name:
-        for name, representation in zip(parameter_names(service), service.inputs, strict=True):
-            yield f"@Input {quoted(name)}: {representation or 'auto'}"
-    elif None in service.inputs:
-        # Only a declaration can leave open what an input is.
-        for index, representation in enumerate(service.inputs):
-            if representation is not None:
-                yield f"@Input input{index}: {representation}"
-        parameters = ", ".join(f"auto input{index}" for index in range(len(service.inputs)))
+    inputs = [representation or "auto" for representation in service.inputs]
+    names = service.parameters
+    if any(name is not None and not _is_parameter(name) for name in names):
+        for name, representation in zip(parameter_names(service), inputs, strict=True):
+            yield f"@Input {quoted(name)}: {representation}"
+        names = ()
     else:
-        yield f"@Input {', '.join(filter(None, service.inputs)) or 'none'}"
-    yield f"void {service.function}({parameters});"
+        yield f"@Input {', '.join(inputs) or 'none'}"
+    parameters = [f"auto {name or ''}".rstrip() for name in names] if any(names) else []
+    yield f"void {service.function}({', '.join(parameters)});"
+
+
+def _is_parameter(name: str) -> bool:
+    """Whether a declaration can have a parameter of this name."""
+    return name.isascii() and name.isidentifier() and name not in _TYPE_WORDS

@@ -25,6 +25,7 @@ from mars_asp.model.declarations import (
     Transformation,
     Vertex,
 )
+from mars_asp.model.rates import Rate, every
 from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
 from tests.support.documents import ROOT
 from tests.support.robots import HERE
@@ -95,6 +96,8 @@ functions = st.builds(
 representations = st.sampled_from(
     ["RawImage", "nav::Odometry", "Line[]", "map<Key,Line[]>", "(A,B)", "(A,B)[]", "Grid<Cell,3>"]
 )
+written_names = st.sampled_from(["image", "/imu/data", "3", "bumper response", 'say "go"', "a.b"])
+parameters = st.sampled_from(["left", "right", "x1", "auto", "const", "map", "self"]) | written_names
 modes = st.sampled_from(
     [
         Mode("NotifyWhenReady"),
@@ -114,18 +117,26 @@ def services(draw: st.DrawFn) -> Service:
     offered = draw(st.lists(modes, min_size=1, max_size=3, unique=True))
     periodic = any(mode.name == "NotifyAtFrequency" for mode in offered)
     delivers = kind in ("Sense", "DataOut")
+    inputs = [draw(representations)] if kind == "Converts" else inputs
+    called = st.lists(parameters, min_size=len(inputs), max_size=len(inputs), unique=True)
+    names = draw(st.just([None] * len(inputs)) | called)
+    rate = st.builds(Rate, within(FREQUENCY, 6)) | st.builds(
+        every, st.integers(1, 10**6), st.sampled_from(["ms", "s"])
+    )
     return Service(
         kind,
         HERE,
         draw(st.sampled_from(["grab", "Eye::look", "operator()"])),
         draw(st.none() | representations),
-        (draw(representations),) if kind == "Converts" else tuple(inputs),
+        tuple(inputs),
         tuple(offered) if delivers else (),
-        draw(within(FREQUENCY, 3)) if delivers and periodic else None,
+        draw(rate) if delivers and periodic else None,
         tuple(draw(st.lists(st.sampled_from(MOTION_FUNCTIONS), unique=True, max_size=2)))
         if kind == "ControlOut"
         else (),
         draw(st.integers(1, 99) | st.just(1_000_000)) if kind == "Converts" else 1,
+        draw(st.none() | written_names) if delivers else None,
+        tuple(names),
     )
 
 

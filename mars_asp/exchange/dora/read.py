@@ -7,7 +7,7 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.dora.document import Dataflow, Wire, Worker, read_dataflow
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_modules
+from mars_asp.language.print import print_module
 from mars_asp.model.declarations import Configuration, Data, Mode, Module, Name, Service
 
 _PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
@@ -38,7 +38,7 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         raise MarsError(problems)
     configuration = _configuration(tuple(workers.values()), files[0][1])
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
-    return Parsed(configuration, tuple(notes(unread)), print_modules(configuration))
+    return Parsed(configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared)))
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:

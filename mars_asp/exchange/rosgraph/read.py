@@ -14,7 +14,7 @@ from mars_asp.exchange.rosgraph.rosdiscover import read_rosdiscover
 from mars_asp.exchange.rosgraph.topic_info import read_topic_info
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_modules
+from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
     Control,
@@ -82,7 +82,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     configuration = _configuration(graph, files[0][1])
-    return Parsed(configuration, tuple(notes(graph.unread)), print_modules(configuration))
+    return Parsed(configuration, tuple(notes(graph.unread)), tuple(map(print_module, configuration.declared)))
 
 
 def _kind(text: str, path: str) -> str:

@@ -1,9 +1,9 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple, get_args
+from typing import NamedTuple, TypeAlias, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -29,6 +29,7 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
+from mars_asp.model.ports import inputs, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.reasoning.facts.ends import Ends, ends_in
 from mars_asp.reasoning.facts.identifiers import (
@@ -40,6 +41,7 @@ from mars_asp.reasoning.facts.identifiers import (
     numbered,
     numbered_annotations,
 )
+from mars_asp.reasoning.facts.loose_ends import Port, nearest
 from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.spelling import resemblances
 
@@ -85,7 +87,7 @@ RELATIONSHIPS = frozenset(
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
 #: Those that are told together, of the ports that modules have and lines name.
-PORTS = frozenset("output_of into input_of takes_in".split())
+PORTS = frozenset("output_of into input_of takes_in called near".split())
 ANNOTATIONS = frozenset(
     "described class guard native place converts commands unknown_input input ambiguous_name"
     " delivers output offered_mode offered_rate".split()
@@ -104,6 +106,10 @@ CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
     | {*get_args(Engine), FOREVER, ANY.name, NONE.name, "zero", "generic"}
 )
+
+
+#: Yields the ports of a module: name, number of the service, place there, and representation.
+_PortsOf: TypeAlias = Callable[[Module], Iterable[tuple[str, int, int, str | None]]]
 
 
 class Compiler:
@@ -179,6 +185,7 @@ class Compiler:
             (self.annotations, ANNOTATIONS),
             (self.words, {"in_words"}),
             (self.ports, PORTS),
+            (self.loose_ends, {"called", "near"}),
             (self.exact_rates, {"rounded", "multiple"}),
             (self.resemblances, {"resembles"}),
             (self.knots, {"closed_walk", "entangled", "spelt"}),
@@ -358,14 +365,8 @@ class Compiler:
                 named = ends.entry(relationship)
                 if named is not None:
                     self.add(relationship.span, "into", number, named)
-        if not ends.entries:
+        if not ends.entries or self._told_as is not None:
             return
-        numbers = {
-            (module.name, id(annotation)): number
-            for number, module, annotation in numbered_annotations(
-                self.configuration, self.described
-            )
-        }
         for text, entry in ends.entries.items():
             place = places.get(entry.module, self.configuration.span)
             if entry.found is None:
@@ -373,8 +374,46 @@ class Compiler:
                 continue
             service = self.described[entry.module].services[entry.found.service]
             self.add(service.span, "input_of", text, entry.module)
-            number = numbers[entry.module, id(service)]
+            number, _ = self._numbers[entry.module, id(service)]
             self.add(service.span, "takes_in", text, number, entry.found.place)
+
+    @cached_property
+    def _numbers(self) -> Mapping[tuple[str, int], tuple[int, Span]]:
+        """Return the identifier and the place of each annotation, by its module and itself."""
+        annotations = numbered_annotations(self.configuration, self.described)
+        return {
+            (module.name, id(annotation)): (number, annotation.span)
+            for number, module, annotation in annotations
+        }
+
+    def loose_ends(self) -> None:
+        """Add what no line takes, and which inputs each of these outputs may be meant for."""
+        lines = [line for _, line in self.numbered if isinstance(line, Data)]
+        taken = {self.ends.source(line) for line in lines}
+        free = [
+            port
+            for port in self._ports(_outputs_of)
+            if self.ends.output(port.module, port.port) not in taken
+        ]
+        for port in free:
+            self.add(port.span, "called", port.annotation, f"{port.module}.{port.port}")
+        if not free:
+            return
+        entered = {(line.client, line.client_port) for line in lines}
+        open_ = (p for p in self._ports(_inputs_of) if (p.module, p.port) not in entered)
+        for entry, output, rank in nearest(open_, free):
+            called = f"{entry.module}.{entry.port}"
+            place = entry.annotation, entry.place
+            self.add(entry.span, "near", *place, called, output.annotation, rank)
+
+    def _ports(self, of: _PortsOf) -> Iterator[Port]:
+        """Yield ports of described modules."""
+        canonical = self.names.canonical
+        for name, module in self.described.items():
+            for called, service, place, representation in of(module):
+                number, span = self._numbers[name, id(module.services[service])]
+                known = canonical.get(representation) if representation is not None else None
+                yield Port(number, place, span, name, called, known)
 
     def exact_rates(self) -> None:
         """Add which rates are told rounded, and what only exact ones show."""
@@ -447,6 +486,16 @@ class Compiler:
                 for name in knot.nodes:
                     self.add(span, "entangled", Atom(kind), index, name)
                 self.add(span, "spelt", Atom(kind), index, _spelt(kind, knot))
+
+
+def _outputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
+    for name, service in outputs(module).items():
+        yield name, service, 0, module.services[service].output
+
+
+def _inputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
+    for name, (_, service, place) in inputs(module).items():
+        yield name, service, place, module.services[service].inputs[place]
 
 
 def _spelt(kind: str, knot: Knot) -> str:
