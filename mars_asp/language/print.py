@@ -35,6 +35,11 @@ def print_configuration(configuration: Configuration) -> str:
     return "".join(f"{line}\n" for line in _lines(configuration))
 
 
+def print_module(module: Module) -> str:
+    """Return the block of a module, without a line end behind it."""
+    return "\n".join(_block(module))
+
+
 def print_relationship(relationship: Relationship) -> str:
     """Return the line of a relationship."""
     match relationship:
@@ -128,7 +133,7 @@ def _lines(configuration: Configuration) -> Iterator[str]:
         yield print_relationship(relationship)
     for module in configuration.declared:
         yield ""
-        yield from _block(module)
+        yield print_module(module)
 
 
 def _conversion(conversion: Conversion) -> str:
