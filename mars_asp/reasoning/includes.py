@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language import Parsed, parse_text
-from mars_asp.language.parse import read_text
+from mars_asp.language.parse import MOST_ERRORS, read_text
 from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
@@ -26,6 +26,8 @@ from mars_asp.model.declarations import (
 
 #: Includes within includes go no deeper.
 MOST_DEEP = 100
+#: So many are taken in at all, however they are nested.
+MOST_INCLUDES = 1000
 
 
 def with_includes(parsed: Parsed) -> Parsed:
@@ -37,18 +39,21 @@ def with_includes(parsed: Parsed) -> Parsed:
     """
     if not parsed.configuration.includes:
         return parsed
-    return _expanded(parsed, (_real(parsed.configuration.path),))
+    return _expanded(parsed, (_real(parsed.configuration.path),), iter(range(MOST_INCLUDES)))
 
 
-def _expanded(parsed: Parsed, chain: tuple[str, ...]) -> Parsed:
+def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Parsed:
+    """Take in what a configuration includes; one of `left` is used up by each include."""
     own = parsed.configuration
     problems: list[Diagnostic] = []
     found: list[Parsed] = []
     for include in own.includes:
         try:
-            found.append(_taken_in(include, own, chain))
+            found.append(_taken_in(include, own, chain, left))
         except MarsError as error:
             problems += error.diagnostics
+            if len(problems) >= MOST_ERRORS:
+                break
     if problems:
         raise MarsError(tuple(problems))
     inner = [each.configuration for each in found]
@@ -68,8 +73,13 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...]) -> Parsed:
     return Parsed(configuration, (*warnings, *parsed.warnings), (*blocks, *parsed.blocks))
 
 
-def _taken_in(include: Include, own: Configuration, chain: tuple[str, ...]) -> Parsed:
+def _taken_in(
+    include: Include, own: Configuration, chain: tuple[str, ...], left: Iterator[int]
+) -> Parsed:
     """Return what one include stands for, its names behind the include's."""
+    if next(left, None) is None:
+        message = f"more than {MOST_INCLUDES} includes"
+        raise _wrong(include.span, message, "include fewer, or write their modules here")
     path = Path(include.span.path).parent / include.path
     if own.path == "-":
         path = Path(include.path)
@@ -94,7 +104,7 @@ def _taken_in(include: Include, own: Configuration, chain: tuple[str, ...]) -> P
         raise MarsError((Diagnostic("include", "error", message, include.span, labels, help_text),))
     # What states nothing takes the architecture of what includes it.
     inner = replace(inner, architecture=own.architecture)
-    expanded = _expanded(parsed._replace(configuration=inner), (*chain, real))
+    expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), left)
     if include.name is None:
         return expanded
     return _behind(include.name, expanded)
