@@ -146,7 +146,7 @@ def apply_edits(
                 raise UnknownEditError(str(edit))
             apply(drafts, *edit.arguments)
         return drafts.finished()
-    except (ConflictError, NoPlaceError, OSError, ValueError) as error:
+    except (ConflictError, NoPlaceError, OSError, StopIteration, ValueError) as error:
         raise ImpossibleEditError from error
 
 
@@ -190,7 +190,13 @@ class _Drafts:
         return Annotations(self.texts.annotated(span.path), self.file(span.path))
 
     def statement(self, span: Span) -> int:
-        """Return which statement stands at a span."""
+        """Return which statement stands at a span.
+
+        Raises:
+            NoPlaceError: it stands in a file that the configuration includes.
+        """
+        if span.path != self.texts.path:
+            raise NoPlaceError
         offset = self.main.begin(span)
         begins = self._begins
         return bisect_right(begins, offset) - 1
