@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 #: Comments and strings, brackets and words; one pattern that any text fits.
 _TOKEN = re.compile(
@@ -42,7 +43,7 @@ class Targets:
         return found
 
 
-def read_cmake(text: str) -> Targets:
+def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
     """Return the targets of a `CMakeLists.txt`; conditions are taken whatever they say."""
     targets = Targets()
     values: dict[str, list[str]] = {}
@@ -70,7 +71,7 @@ def read_cmake(text: str) -> Targets:
             case "target_link_libraries":
                 targets.links.setdefault(first, []).extend(others)
             case "rclcpp_components_register_node":
-                for key, value in zip(others, others[1:], strict=False):
+                for key, value in pairwise(others):
                     if key == "PLUGIN":
                         targets.plugins[value] = first
                     elif key == "EXECUTABLE":
@@ -83,7 +84,7 @@ def read_cmake(text: str) -> Targets:
                 )
                 targets.programs += programs
             case "set_target_properties":
-                for key, value in zip(others, others[1:], strict=False):
+                for key, value in pairwise(others):
                     if key == "OUTPUT_NAME":
                         targets.executables[value] = first
     return targets

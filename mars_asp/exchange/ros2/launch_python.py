@@ -553,10 +553,10 @@ class _Reader:
                 if name is not None:
                     yield Declare(name, _text(call.get("value", 1)), forced=True)
             case "IncludeLaunchDescription":
-                source = call.get("launch_description_source", 0)
-                if isinstance(source, Call):
-                    source = source.get("launch_file_path", 0)
-                path = _text(source)
+                described = call.get("launch_description_source", 0)
+                if isinstance(described, Call):
+                    described = described.get("launch_file_path", 0)
+                path = _text(described)
                 passed = tuple(_parameters(call.get("launch_arguments", 1)))
                 yield Include(path, call.span, passed, conditional)
             case "OpaqueFunction":
