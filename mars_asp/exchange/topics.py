@@ -6,7 +6,7 @@ own administration are left out and counted.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
@@ -49,13 +49,14 @@ class Endpoint:
 
     `topic` is its full name, all renaming done; `type` is the message's as it is written, if it is
     known; `span` is what an owner would change; `hz` is how often it is published, if that is
-    known.
+    known; `optional` is whether a node that hears it works as well without.
     """
 
     topic: str
     type: str | None
     span: Span
     hz: Fraction | None = None
+    optional: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,9 @@ def configuration_of(graph: Graph) -> Mapped:
     controls, unless something goes past it; then it is a module.
     """
     unread: list[Unread] = []
-    nodes = tuple(_without_dropped(node, unread) for node in graph.nodes)
+    sent = {end.topic for node in graph.nodes for end in node.published}
+    sent |= {mux.output for mux in graph.muxes}
+    nodes = tuple(_without_dropped(node, sent, unread) for node in graph.nodes)
     wiring = _Wiring(nodes, graph.muxes)
     controls, muxed, ends = _commands(wiring)
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
@@ -240,15 +243,19 @@ class _Wiring:
         )
 
 
-def _without_dropped(node: Node, unread: list[Unread]) -> Node:
-    """Return a node without the topics that no robot is about, each of which is noted once."""
+def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) -> Node:
+    """Return a node without the topics that no robot is about, each of which is noted once.
+
+    Nor does it hear optional ones that nobody has `sent`.
+    """
     noted = {each.name for each in unread}
 
     def kept(ends: Iterable[Endpoint]) -> Iterator[Endpoint]:
         for end in ends:
             sort = _dropped(end.topic)
             if sort is None:
-                yield end
+                if not end.optional or end.topic in sent:
+                    yield end
             elif end.topic not in noted:
                 noted.add(end.topic)
                 unread.append(Unread(sort, end.topic, end.span))

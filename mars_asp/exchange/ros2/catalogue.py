@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from importlib import resources
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from mars_asp.exchange.ros2.interface import Interface, Topic
 OWN = "mars-catalogue.toml"
 _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
-_TOPICS = ("publishes", "subscribes")
+_TOPICS = ("publishes", "subscribes", "optional")
 _TEXTS = ("plugin", "node")
 
 
@@ -94,7 +95,10 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
         plugin if isinstance(plugin, str) else None,
         Interface(
             tuple(_topics(program.get("publishes"))),
-            tuple(_topics(program.get("subscribes"))),
+            (
+                *_topics(program.get("subscribes")),
+                *(replace(each, optional=True) for each in _topics(program.get("optional"))),
+            ),
             node if isinstance(node, str) else None,
             guard=program.get("guard") is True,
         ),

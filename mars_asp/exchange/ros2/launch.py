@@ -89,7 +89,6 @@ class Launch:
         self.unread: list[Unread] = []
         self.read: set[Path] = set()
         self.reached: set[Path] = set()
-        self.branches = 0
         self._actions: dict[Path, tuple[Action, ...]] = {}
 
     def launch(self, file: Path) -> None:
@@ -123,7 +122,6 @@ class Launch:
                     within = scope.inner() if scoped else scope
                     before = within.conditional
                     within.conditional = before or conditional
-                    self.branches += conditional
                     self._walk(inner, within, files)
                     within.conditional = before
                 case PushNamespace(namespace, span):
@@ -166,7 +164,6 @@ class Launch:
             return
         within = scope.inner()
         within.conditional = within.conditional or action.conditional
-        self.branches += action.conditional
         within.arguments |= self._parameters(action.arguments, scope, files)
         self._walk(actions, within, (*files, found))
 
@@ -194,7 +191,6 @@ class Launch:
         ]
         given: dict[str, str] = dict(scope.parameters)
         given |= self._parameters(action.parameters, scope, files)
-        self.branches += action.conditional
         self.started.append(
             Started(
                 package or "",

@@ -31,7 +31,7 @@ from mars_asp.exchange.unread import Unread, notes
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.exchange.yaml_document import read_yaml
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_modules
+from mars_asp.language.print import print_module
 
 _LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
@@ -73,7 +73,9 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     unbound = _unbound(muxes, graph)
     mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *unbound)))
     told = (*problems, *notes(_once((*unread, *mapped.unread))))
-    return Parsed(mapped.configuration, told, print_modules(mapped.configuration))
+    return Parsed(
+        mapped.configuration, told, tuple(map(print_module, mapped.configuration.declared))
+    )
 
 
 def _by_root(files: Sequence[tuple[str, str]]) -> dict[Path, list[tuple[str, str]]]:
@@ -131,7 +133,8 @@ class _Robot:
         self.muxes = muxes
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
-        self.catalogued: list[Started] = []
+        self.catalogued: dict[str, Span] = {}
+        self.conditional: dict[str, Span] = {}
         self.document = cache(self._document)
 
     def graph(self, paths: Sequence[Path]) -> Graph:
@@ -154,7 +157,7 @@ class _Robot:
                 muxes.setdefault(mux.name, mux)
             elif node is not None:
                 self._add(nodes, each, node)
-        self._note(launch)
+        self._note()
         self.unread += (*launch.unread, *self.workspace.unread)
         first = self.workspace.shown(paths[0])
         return Graph(first, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
@@ -268,11 +271,10 @@ class _Robot:
     def _node(self, started: Started) -> tuple[Node | None, Mux | None]:
         """Return the node that is started, or the mux that it is."""
         program = Program(started.package, started.executable, started.plugin)
-        interface = self.programs.interface(program)
+        interface, is_catalogued = self.programs.interface(program), False
         if interface is None:
             interface = self.catalogue.interface(*_key(program))
-            if interface is not None:
-                self.catalogued.append(started)
+            is_catalogued = interface is not None
         name = (
             started.name
             or (interface and interface.node)
@@ -282,6 +284,8 @@ class _Robot:
             self.unread.append(Unread("names made at run time", "?", started.span))
             return None, None
         full = name_in(started.namespace, name)
+        if started.conditional:
+            self.conditional.setdefault(full, started.span)
         if program.package in _MUXES or program.executable.startswith("twist_mux"):
             mux = self._mux(started, name, full)
             if mux is not None:
@@ -290,6 +294,8 @@ class _Robot:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
             return Node(full, started.span), None
+        if is_catalogued:
+            self.catalogued.setdefault(full, started.span)
         self.unread += interface.unread
         values = self._values(started, full)
         published = self._ends(interface.published, started, name, values)
@@ -331,7 +337,7 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(full, topic.type, span, topic.hz)
+                yield Endpoint(full, topic.type, span, topic.hz, topic.optional)
 
     def _written(self, topic: Topic, started: Started, values: Mapping[str, str]) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
@@ -379,18 +385,18 @@ class _Robot:
         chosen = next((mux for mux in own if mux.node.rpartition("/")[2] == name), own[0])
         return _mux(chosen, full, started.namespace, started.remaps)
 
-    def _note(self, launch: Launch) -> None:
+    def _note(self) -> None:
         """Note what was decided: conditions, and what the catalogue says."""
-        if launch.branches:
-            conditional = [each for each in launch.started if each.conditional]
-            if conditional:
-                message = (
-                    "some of what is launched depends on conditions, and every branch was taken:"
-                    f" {_counted(len(conditional), 'start')} of a node"
-                )
-                self.problems.append(Diagnostic("launch", "note", message, conditional[0].span))
+        if self.conditional:
+            first, *_ = self.conditional.values()
+            verb = "starts" if len(self.conditional) == 1 else "start"
+            message = (
+                f"{_counted(len(self.conditional), 'node')} {verb} only under conditions, of which"
+                " every branch was read"
+            )
+            self.problems.append(Diagnostic("launch", "note", message, first))
         if self.catalogued:
-            spans = {each.name or each.executable: each.span for each in self.catalogued}
+            spans = self.catalogued
             names = ", ".join(f"`{name}`" for name in list(spans)[:5])
             more = ", ..." if len(spans) > 5 else ""
             described = _counted(len(spans), "node")
