@@ -450,7 +450,18 @@ class _Reader:
         names.update(
             (parameter.arg, value) for parameter, value in zip(every, arguments, strict=False)
         )
-        names.update(named)
+        for parameter, default in zip(parameters.kwonlyargs, parameters.kw_defaults, strict=True):
+            if default is not None:
+                names[parameter.arg] = self.value(default, self.globals)
+        if parameters.vararg is not None:
+            names[parameters.vararg.arg] = Listed(list(arguments[len(every) :]))
+        own = {parameter.arg for parameter in (*every, *parameters.kwonlyargs)}
+        names.update((name, value) for name, value in named.items() if name in own)
+        if parameters.kwarg is not None:
+            span = self.span(function.of)
+            names[parameters.kwarg.arg] = Mapped(
+                tuple((Plain((key,), span), v) for key, v in named.items() if key not in own)
+            )
         self.calls += 1
         try:
             return self.run(function.of.body, names)
