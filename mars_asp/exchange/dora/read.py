@@ -38,7 +38,9 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         raise MarsError(problems)
     configuration = _configuration(tuple(workers.values()), files[0][1])
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
-    return Parsed(configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared)))
+    return Parsed(
+        configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared))
+    )
 
 
 def _named_twice(worker: Worker, first: Worker) -> Diagnostic:

@@ -82,7 +82,9 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     configuration = _configuration(graph, files[0][1])
-    return Parsed(configuration, tuple(notes(graph.unread)), tuple(map(print_module, configuration.declared)))
+    return Parsed(
+        configuration, tuple(notes(graph.unread)), tuple(map(print_module, configuration.declared))
+    )
 
 
 def _kind(text: str, path: str) -> str:
