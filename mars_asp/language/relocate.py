@@ -26,7 +26,7 @@ def sources_seen_from(
     Raises:
         MarsError: a path from there has a character that `@sources` cannot say.
     """
-    stated = [(Path(configuration.path).parent, name) for name in configuration.sources]
+    stated = [(Path(name.span.path).parent, name) for name in configuration.sources]
     given = [(Path(), Name(path, point(path, 1, 1))) for path in arguments]
     moved = [
         Name(relocated(name.text, origin, folder), name.span) for origin, name in (*stated, *given)

@@ -11,11 +11,15 @@ from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
-from mars_asp.model.declarations import Configuration, Module, Mount
+from mars_asp.model.declarations import Configuration, Module, Mount, Name
+from mars_asp.model.described import described_modules
+from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
+from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
-from mars_asp.spelling import resemblances
+from mars_asp.reasoning.includes import instances, undescribed, with_includes, without_idle
+from mars_asp.spelling import nearest, resemblances
 
 if TYPE_CHECKING:
     from mars_asp.annotations.files import Extraction
@@ -64,11 +68,12 @@ def described(
     Raises:
         MarsError: sources that are missing or wrongly annotated.
     """
+    parsed = with_includes(parsed)
     configuration = parsed.configuration
-    folder = Path(configuration.path).parent
     problems: list[Diagnostic] = []
     paths: list[Path] = []
     for name in configuration.sources:
+        folder = Path(name.span.path).parent
         advice = "paths of `@sources` are relative to the configuration's own file"
         missing = _missing(name.text, name.span, advice)
         paths += _found(name.text, missing, problems, folder)
@@ -97,7 +102,7 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
     """
     path = project.configuration.path
     text = texts.get(path, project.text)
-    parsed = parse_text(text, path)
+    parsed = with_includes(parse_text(text, path))
     changed = texts.keys() - {path}
     found = project.found
     if found is not None and changed:
@@ -126,6 +131,12 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
         for module in configuration.declared
         if module.name in modules
     ]
+    described = {**modules, **{module.name: module for module in configuration.declared}}
+    configuration = without_idle(configuration, described)
+    modules |= {module.name: module for module in instances(configuration, described)}
+    diagnostics += tuple(
+        _not_described(name, described) for name in undescribed(configuration, described)
+    )
     errors = [d for d in diagnostics if d.severity == "error"] + clashes
     if errors:
         raise MarsError([*errors, *(d for d in diagnostics if d.severity != "error")])
@@ -145,6 +156,22 @@ def project_facts(
         return facts
     frames = _frame_facts(project, asked)
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
+
+
+def port_names(project: Project, module: str | None = None) -> Mapping[str, tuple[str, str]]:
+    """Return the modules and ports that rules are told of, of all modules or of one, by name."""
+    configuration = project.configuration
+    described = described_modules(configuration, project.modules)
+    ends = ends_in(configuration, described)
+    named = {
+        f"{name}.{port}": (name, port)
+        for name, each in described.items()
+        if module in (None, name)
+        for port in (*outputs(each), *inputs(each))
+    }
+    told = [(text, each.module, each.port) for text, each in ends.outputs.items()]
+    told += [(text, each.module, each.port) for text, each in ends.entries.items()]
+    return named | {text: (name, port) for text, name, port in told if module in (None, name)}
 
 
 def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -> Lookup:
@@ -207,6 +234,18 @@ def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> It
             ((place, f"`{near}` is annotated here"),),
             f"did you mean `{near}`?",
         )
+
+
+def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
+    """Return the warning that what is to describe a module is not there."""
+    near = nearest(name.described or "", described)
+    return Diagnostic(
+        "annotations-missing",
+        "warning",
+        f"`{name.described}`, which is to describe `{name.text}`, is not described itself",
+        name.span,
+        help=f"did you mean `{near}`?" if near else "annotate it, or declare it in a block",
+    )
 
 
 def _undigited(name: str) -> str:

@@ -1,0 +1,188 @@
+"""Configurations that take in others, as one: the names of each stand behind the name it has there.
+
+Names with a leading `/` keep it: `/base` of what is included as `left` is `/left/base`. Places stay
+those of the included file.
+"""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.language import Parsed, parse_text
+from mars_asp.language.parse import MOST_ERRORS, read_text
+from mars_asp.language.print import print_module
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Include,
+    Module,
+    Mount,
+    Name,
+    Relationship,
+)
+
+#: Includes within includes go no deeper.
+MOST_DEEP = 100
+#: So many are taken in at all, however they are nested.
+MOST_INCLUDES = 1000
+
+
+def with_includes(parsed: Parsed) -> Parsed:
+    """Return a configuration with what it includes, read from the files that it names.
+
+    Raises:
+        MarsError: all errors of included files, includes that are missing or go in a circle, and
+            architectures that contradict each other.
+    """
+    if not parsed.configuration.includes:
+        return parsed
+    return _expanded(parsed, (_real(parsed.configuration.path),), iter(range(MOST_INCLUDES)))
+
+
+def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Parsed:
+    """Take in what a configuration includes; one of `left` is used up by each include."""
+    own = parsed.configuration
+    problems: list[Diagnostic] = []
+    found: list[Parsed] = []
+    for include in own.includes:
+        try:
+            found.append(_taken_in(include, own, chain, left))
+        except MarsError as error:
+            problems += error.diagnostics
+            if len(problems) >= MOST_ERRORS:
+                break
+    if problems:
+        raise MarsError(tuple(problems))
+    inner = [each.configuration for each in found]
+    modules = {name.text: name for each in (*inner, own) for name in each.modules}
+    declared = [module for each in inner for module in each.declared]
+    known = {module.name for module in own.declared}
+    configuration = replace(
+        own,
+        includes=(),
+        sources=tuple(name for each in (*inner, own) for name in each.sources),
+        modules=tuple(modules.values()),
+        relationships=tuple(line for each in (*inner, own) for line in each.relationships),
+        declared=(*(each for each in declared if each.name not in known), *own.declared),
+    )
+    warnings = tuple(warning for each in found for warning in each.warnings)
+    blocks = tuple(block for each in found for block in each.blocks)
+    return Parsed(configuration, (*warnings, *parsed.warnings), (*blocks, *parsed.blocks))
+
+
+def _taken_in(
+    include: Include, own: Configuration, chain: tuple[str, ...], left: Iterator[int]
+) -> Parsed:
+    """Return what one include stands for, its names behind the include's."""
+    if next(left, None) is None:
+        message = f"more than {MOST_INCLUDES} includes"
+        raise _wrong(include.span, message, "include fewer, or write their modules here")
+    path = Path(include.span.path).parent / include.path
+    if own.path == "-":
+        path = Path(include.path)
+    real = _real(str(path))
+    if real in chain:
+        circle = " -> ".join(os.path.relpath(each) for each in (*chain[chain.index(real) :], real))
+        raise _wrong(include.span, f"the includes go in a circle: {circle}", "drop one of them")
+    if len(chain) > MOST_DEEP:
+        raise _wrong(include.span, f"more than {MOST_DEEP} includes within includes", "drop some")
+    if not path.is_file():
+        help_text = "paths of `@include` are relative to the file that includes"
+        raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
+    parsed = parse_text(read_text(path), str(path))
+    inner = parsed.configuration
+    if inner.kind != "configuration":
+        message = f"`{include.path}` is a specification, and only configurations are included"
+        raise _wrong(include.span, message, "include the configuration that it realises")
+    if inner.stated and inner.architecture != own.architecture:
+        message = f"`{include.path}` is {inner.architecture}, but is included as {own.architecture}"
+        help_text = "one robot has one architecture: state the same, or none in what is included"
+        labels = ((inner.span, f"{inner.architecture} is stated here"),)
+        raise MarsError((Diagnostic("include", "error", message, include.span, labels, help_text),))
+    # What states nothing takes the architecture of what includes it.
+    inner = replace(inner, architecture=own.architecture)
+    expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), left)
+    if include.name is None:
+        return expanded
+    return _behind(include.name, expanded)
+
+
+def _behind(prefix: str, parsed: Parsed) -> Parsed:
+    """Return a configuration with all names behind another one."""
+    inner = parsed.configuration
+    in_blocks = {module.name for module in inner.declared}
+    names = tuple(
+        Name(_prefixed(prefix, name.text), name.span, _described(prefix, name, in_blocks))
+        for name in inner.modules
+    )
+    declared = tuple(
+        replace(module, name=_prefixed(prefix, module.name)) for module in inner.declared
+    )
+    lines = tuple(_renamed(prefix, line) for line in inner.relationships)
+    configuration = replace(inner, modules=names, relationships=lines, declared=declared)
+    return Parsed(configuration, parsed.warnings, tuple(map(print_module, declared)))
+
+
+def _described(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
+    """Return which module describes one that is included, where that is not its own name."""
+    describing = name.described or name.text
+    if describing in in_blocks:
+        return None if name.described is None else _prefixed(prefix, describing)
+    return describing
+
+
+def _prefixed(prefix: str, name: str) -> str:
+    return f"/{prefix}{name}" if name.startswith("/") else f"{prefix}/{name}"
+
+
+def _renamed(prefix: str, line: Relationship) -> Relationship:
+    match line:
+        case Data(client, source):
+            ends = _prefixed(prefix, client), _prefixed(prefix, source)
+            return replace(line, client=ends[0], source=ends[1])
+        case Control(controlled, controller):
+            ends = _prefixed(prefix, controlled), _prefixed(prefix, controller)
+            return replace(line, controlled=ends[0], controller=ends[1])
+        case Mount(mounting, mounted):
+            ends = _prefixed(prefix, mounting), _prefixed(prefix, mounted)
+            return replace(line, mounting=ends[0], mounted=ends[1])
+
+
+def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:
+    """Yield the modules that `@modules` says are described by others."""
+    for name in configuration.modules:
+        if name.described is not None and name.text not in described:
+            module = described.get(name.described)
+            if module is not None:
+                yield replace(module, name=name.text)
+
+
+def without_idle(configuration: Configuration, described: Iterable[str]) -> Configuration:
+    """Return a configuration in which no included module is described by what nothing describes."""
+    known = frozenset(described)
+
+    def told(name: Name) -> Name:
+        idle = name.described is not None and name.described not in known
+        own = idle and name.text.endswith(f"/{name.described}".replace("//", "/"))
+        return replace(name, described=None) if own else name
+
+    return replace(configuration, modules=tuple(map(told, configuration.modules)))
+
+
+def undescribed(configuration: Configuration, described: Iterable[str]) -> Iterator[Name]:
+    """Yield the names that are said to be described by a module that nothing describes."""
+    known = frozenset(described)
+    for name in configuration.modules:
+        if name.described is not None and name.described not in known:
+            yield name
+
+
+def _real(path: str) -> str:
+    return os.path.realpath(path)
+
+
+def _wrong(span: Span, message: str, help_text: str) -> MarsError:
+    return MarsError((Diagnostic("include", "error", message, span, help=help_text),))
