@@ -79,6 +79,9 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
 
     files = []
     for name in arguments.files:
+        if arguments.origin == "ros2" and Path(name).is_dir():
+            files.append(File(name, "", "ros2"))
+            continue
         text, shown = _text(name)
         text = plain_lines(text)
         remember(shown, text)

@@ -114,6 +114,8 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
     if text is None and path == STANDARD_INPUT:
         path = SHOWN_INPUT
         text = read_input(path)
+    if text is None and Path(path).is_dir():
+        return File(path, "", "ros2")
     text = read_text(Path(path)) if text is None else plain_lines(text)
     # What is wrong with a file is shown in its own lines.
     remember(path, text)

@@ -14,7 +14,10 @@ READERS: Mapping[str, tuple[str, str]] = {
     "twist_mux": ("mars_asp.exchange.twist_mux", "import_muxes"),
     "rosgraph": ("mars_asp.exchange.rosgraph", "import_rosgraph"),
     "dora": ("mars_asp.exchange.dora", "import_dora"),
+    "ros2": ("mars_asp.exchange.ros2", "import_ros2"),
 }
+#: Formats whose files say more of what another format reads, which then reads them, too.
+_READ_WITH: Mapping[str, str] = {"twist_mux": "ros2"}
 
 
 class File(NamedTuple):
@@ -33,8 +36,12 @@ def read_foreign(files: Sequence[File]) -> Parsed:
     """
     found: list[Parsed] = []
     problems: list[Diagnostic] = []
-    for format in dict.fromkeys(file.format for file in files):
-        own = [(file.text, file.path) for file in files if file.format == format]
+    formats = dict.fromkeys(file.format for file in files)
+    for format in formats:
+        if _READ_WITH.get(format) in formats:
+            continue
+        read = {format, *(other for other in formats if _READ_WITH.get(other) == format)}
+        own = [(file.text, file.path) for file in files if file.format in read]
         try:
             found.append(_reader(format)(own))
         except MarsError as error:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 
 #: The formats of robots that can stand where a `.mars` file does.
-FORMATS = ("mars", "twist_mux", "rosgraph", "dora")
+FORMATS = ("mars", "twist_mux", "rosgraph", "dora", "ros2")
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
 _HEAD = 256 * 1024
 _OURS = re.compile(r"^[ \t]*@(?:configuration|specification|modules|module_start)\b", re.MULTILINE)
@@ -24,6 +24,12 @@ def _key(names: str) -> re.Pattern[str]:
     )
 
 
+#: What a launch file says: in Python a function, in XML its root, in YAML its first key.
+_LAUNCH = re.compile(
+    r"^def generate_launch_description\b|^launch:"
+    r"|\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<launch[\s/>]",
+    re.MULTILINE,
+)
 _NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)
 _ID = _key("id")
 #: The kinds of dumps of a graph, each by what it alone says.
@@ -52,10 +58,17 @@ def dump_of(text: str) -> str | None:
     )
 
 
+def is_launch(text: str) -> bool:
+    """Whether a text is a launch file."""
+    return _LAUNCH.search(text[:_HEAD]) is not None
+
+
 def recognised(text: str) -> str:
     """Return the format that a text is in, `mars` where it is no other that is known."""
     if _OURS.search(text):
         return "mars"
+    if is_launch(text):
+        return "ros2"
     if dump_of(text) is not None:
         return "rosgraph"
     head = text[:_HEAD]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from mars_asp.diagnostic import NOT_READ, Diagnostic, Span
 
 _MOST_NAMED = 5
+_MOST_PLACES = 100
 
 
 class Unread(NamedTuple):
@@ -29,5 +30,5 @@ def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
             "note",
             f"{sort} not read: {1 + len(others)} ({named})",
             first.span,
-            tuple((other.span, f"`{other.name}`") for other in others),
+            tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
         )

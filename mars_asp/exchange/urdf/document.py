@@ -7,8 +7,8 @@ from decimal import Decimal
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.elements import Element, read_elements
 from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
-from mars_asp.exchange.urdf.elements import Element, read_elements
 from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
 

@@ -25,10 +25,13 @@ class Element:
         return next((child for child in self.children if child.name == name), None)
 
 
-def read_elements(text: str, path: str) -> Element:
-    """Return the root of a document with the elements of the upper three levels.
+def read_elements(
+    text: str, path: str, deepest: int = _DEEPEST, *, whole: bool = False, code: str = "urdf"
+) -> Element:
+    """Return the root of a document with the elements of its upper levels.
 
-    Document types are refused: entities live there, and nothing of a robot does.
+    Document types are refused: entities live there, and nothing of a robot does. `whole` is whether
+    what is deeper is refused, too; `code` is that of errors.
 
     Raises:
         MarsError: the text is no XML, or has a document type.
@@ -44,7 +47,11 @@ def read_elements(text: str, path: str) -> Element:
     def start(name: str, attributes: dict[str, str]) -> None:
         nonlocal depth, root
         depth += 1
-        if depth > _DEEPEST:
+        if depth > deepest:
+            if whole:
+                message = f"elements are nested deeper than {deepest}"
+                help_text = "nothing of a robot is so deep: take levels away"
+                raise MarsError((Diagnostic(code, "error", message, here(), help=help_text),))
             return
         element = Element(name, attributes, here())
         if open_elements:
@@ -55,7 +62,7 @@ def read_elements(text: str, path: str) -> Element:
 
     def end(_: str) -> None:
         nonlocal depth
-        if depth <= _DEEPEST:
+        if depth <= deepest:
             open_elements.pop()
         depth -= 1
 
@@ -65,7 +72,7 @@ def read_elements(text: str, path: str) -> Element:
         lines = before.rpartition(b"<!DOCTYPE")[0].decode().split("\n")
         place = point(path, len(lines), len(lines[-1]) + 1)
         found = "a document type, which is refused: it could declare entities"
-        raise MarsError((Diagnostic("urdf", "error", found, place, help="delete it"),))
+        raise MarsError((Diagnostic(code, "error", found, place, help="delete it"),))
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end
@@ -75,6 +82,6 @@ def read_elements(text: str, path: str) -> Element:
     except expat.ExpatError as error:
         place = point(path, error.lineno, error.offset + 1)
         message = f"the file is not XML: {expat.errors.messages[error.code]}"
-        raise MarsError((Diagnostic("urdf", "error", message, place),)) from None
+        raise MarsError((Diagnostic(code, "error", message, place),)) from None
     assert root is not None  # a document without a root is no XML
     return root

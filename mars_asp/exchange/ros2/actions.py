@@ -1,0 +1,164 @@
+"""What launch files say, whatever they are written in: actions, and texts with open parts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from mars_asp.diagnostic import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """The value of a launch argument; `default` where the place itself gives one."""
+
+    name: str
+    default: "Text | None" = None
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """The folder where a package's shared files are installed."""
+
+    package: "Text"
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A part that is known only when the file runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Here:
+    """The folder of the launch file."""
+
+
+Part: TypeAlias = str | Argument | Share | Unknown | Here
+#: A text in parts, as substitutions are; an empty one is the empty text.
+Text: TypeAlias = tuple[Part, ...]
+UNKNOWN: Text = (Unknown(),)
+#: A longer text names nothing.
+_MOST = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class Remap:
+    """A name and what stands for it."""
+
+    source: Text
+    target: Text
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter that a launch file gives itself."""
+
+    name: Text
+    value: Text
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A node to start; `plugin` is whether `executable` is a component's class.
+
+    `files` are those of its parameters. `unread` are parts of it that only a run knows.
+    """
+
+    span: Span
+    package: Text
+    executable: Text
+    plugin: bool = False
+    name: Text | None = None
+    namespace: Text | None = None
+    remaps: tuple[Remap, ...] = ()
+    files: tuple[Text, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    arguments: tuple[Text, ...] = ()
+    conditional: bool = False
+    unread: tuple[tuple[str, Span], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Actions together; what is set in a scoped one is forgotten behind it."""
+
+    actions: "tuple[Action, ...]"
+    scoped: bool = True
+    conditional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PushNamespace:
+    """What follows in the group stands in a further namespace."""
+
+    namespace: Text
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class SetRemap:
+    """What follows in the group is renamed."""
+
+    remap: Remap
+
+
+@dataclass(frozen=True, slots=True)
+class Declare:
+    """A launch argument: its default, or with `forced` its value."""
+
+    name: str
+    value: Text | None
+    forced: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameters:
+    """Parameters of all nodes that follow in the group."""
+
+    files: tuple[Text, ...]
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Include:
+    """Another launch file, with values of its arguments."""
+
+    path: Text
+    span: Span
+    arguments: tuple[Parameter, ...] = ()
+    conditional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class NotRead:
+    """Something of a launch file that was not read: its sort in the plural, what it is called."""
+
+    sort: str
+    name: str
+    span: Span
+
+
+Action: TypeAlias = (
+    Start | Group | PushNamespace | SetRemap | Declare | SetParameters | Include | NotRead
+)
+
+
+def text_of(*parts: Part | Text) -> Text:
+    """Return parts one behind the other as a text, neighbouring strings joined."""
+    found: list[Part] = []
+    size = 0
+    for part in parts:
+        for each in part if isinstance(part, tuple) else (part,):
+            size += len(each) if isinstance(each, str) else 1
+            if size > _MOST:
+                return UNKNOWN
+            if isinstance(each, str) and found and isinstance(found[-1], str):
+                found[-1] += each
+            elif each != "":
+                found.append(each)
+    return tuple(found)
+
+
+def together(actions: Sequence[Action], conditional: bool) -> Group:
+    """Return actions that a condition may leave out, without a scope of their own."""
+    return Group(tuple(actions), scoped=False, conditional=conditional)

@@ -1,0 +1,122 @@
+"""The catalogue of interfaces: what nodes publish and hear whose source is not at hand."""
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from importlib import resources
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.ros2.interface import Interface, Topic
+
+#: What a file that adds to the catalogue is called.
+OWN = "mars-catalogue.toml"
+_BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
+_PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
+_TOPICS = ("publishes", "subscribes", "optional")
+_TEXTS = ("plugin", "node")
+
+
+class Entry(NamedTuple):
+    """A program of the catalogue, by its package, its executable and its component's class."""
+
+    package: str
+    executable: str
+    plugin: str | None
+    interface: Interface
+
+
+class Catalogue:
+    """Programs whose interfaces are known."""
+
+    def __init__(self, entries: tuple[Entry, ...]) -> None:
+        """Take programs; of two with one name the later one holds."""
+        self._programs = {(each.package, each.executable): each.interface for each in entries}
+        self._plugins = {each.plugin: each.interface for each in entries if each.plugin}
+
+    def interface(self, package: str, executable: str, plugin: bool) -> Interface | None:
+        """Return the interface of a program, or of a component by its class."""
+        if plugin:
+            return self._plugins.get(executable)
+        return self._programs.get((package, executable))
+
+
+def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
+    """Return our catalogue with those of a user, each a text and its path.
+
+    Raises:
+        MarsError: what is wrong with the user's.
+    """
+    ours = resources.files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
+    entries = list(_entries(ours, "catalogue.toml"))
+    for text, path in own:
+        entries += _entries(text, path)
+    return Catalogue(tuple(entries))
+
+
+def _entries(text: str, path: str) -> Iterator[Entry]:
+    try:
+        document = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        match = _PLACE.match(str(error))
+        place = (
+            point(path, int(match["line"]), int(match["column"])) if match else point(path, 1, 1)
+        )
+        said = match["said"] if match else str(error)
+        raise _wrong(path, f"this is not TOML: {said}", place=place) from None
+    for package, programs in document.items():
+        if not isinstance(programs, dict):
+            raise _wrong(path, f"`{package}` is not a table of executables")
+        for executable, program in programs.items():
+            if not isinstance(program, dict):
+                raise _wrong(path, f"`{package}.{executable}` is not a table")
+            yield _entry(package, executable, program, path)
+
+
+def _entry(package: str, executable: str, program: Mapping[str, object], path: str) -> Entry:
+    called = f"{package}.{executable}"
+    for key, value in program.items():
+        if key in _TOPICS:
+            fits = isinstance(value, dict) and all(isinstance(v, str) for v in value.values())
+            expected = "a table of topics and message types"
+        elif key in _TEXTS:
+            fits, expected = isinstance(value, str), "a text"
+        else:
+            fits, expected = key == "guard" and isinstance(value, bool), "a key of the catalogue"
+            if key == "guard":
+                expected = "true or false"
+        if not fits:
+            raise _wrong(path, f"`{key}` of `{called}` is not {expected}")
+    plugin, node = program.get("plugin"), program.get("node")
+    return Entry(
+        package,
+        executable,
+        plugin if isinstance(plugin, str) else None,
+        Interface(
+            tuple(_topics(program.get("publishes"))),
+            (
+                *_topics(program.get("subscribes")),
+                *(replace(each, optional=True) for each in _topics(program.get("optional"))),
+            ),
+            node if isinstance(node, str) else None,
+            guard=program.get("guard") is True,
+        ),
+    )
+
+
+def _topics(listed: object) -> Iterator[Topic]:
+    """Yield topics of a table; a number sign in a name stands for any number."""
+    for name, kind in (listed if isinstance(listed, dict) else {}).items():
+        match = _BY_PARAMETER.fullmatch(name)
+        if match:
+            parameter = match["parameter"] + (match["numbered"] or "")
+            yield Topic(match["default"] or "", kind, parameter=parameter)
+        else:
+            yield Topic(name, kind)
+
+
+def _wrong(path: str, message: str, place: Span | None = None) -> MarsError:
+    span = point(path, 1, 1) if place is None else place
+    help_text = "see `catalogue.toml` in the package for the form"
+    return MarsError((Diagnostic("catalogue", "error", message, span, help=help_text),))

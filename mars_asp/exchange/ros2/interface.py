@@ -1,0 +1,48 @@
+"""What a program of a node publishes and hears, by the names that it has for it."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.unread import Unread
+from mars_asp.model.rates import Rate
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic as a program names it.
+
+    `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
+    the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
+    is where the program says so, `None` where the catalogue does; `optional` is whether the program works as well without
+    it.
+    """
+
+    name: str
+    type: str | None
+    span: Span | None = None
+    parameter: str | None = None
+    hz: Fraction | None = None
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """The topics of a program, the name that it gives its node, and whether it is a guard.
+
+    `unread` is what the program does beside it, and what only a run knows.
+    """
+
+    published: tuple[Topic, ...] = ()
+    subscribed: tuple[Topic, ...] = ()
+    node: str | None = None
+    guard: bool = False
+    unread: tuple[Unread, ...] = ()
+
+
+def rate_of(period: Fraction) -> Rate | None:
+    """Return the rate of a period in seconds above 0, if it can be written exactly."""
+    try:
+        return Rate(1 / period)
+    except ValueError:
+        return None

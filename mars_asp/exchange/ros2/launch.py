@@ -1,0 +1,306 @@
+"""What a launch file starts, with all its includes: nodes by name, namespace and remappings."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from mars_asp.diagnostic import MarsError, Span
+from mars_asp.exchange.ros2.actions import (
+    Action,
+    Argument,
+    Declare,
+    Group,
+    Here,
+    Include,
+    NotRead,
+    Parameter,
+    PushNamespace,
+    Remap,
+    SetParameters,
+    SetRemap,
+    Share,
+    Start,
+    Text,
+)
+from mars_asp.exchange.ros2.launch_markup import read_markup
+from mars_asp.exchange.ros2.launch_python import read_python
+from mars_asp.exchange.ros2.names import Renaming, joined
+from mars_asp.exchange.ros2.workspace import Workspace
+from mars_asp.exchange.unread import Unread
+
+_DEEPEST_INCLUDE = 32
+_MOST_NODES = 20_000
+_DEEPEST_ARGUMENT = 16
+_MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
+_PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
+_ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """A node that is started.
+
+    `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
+    of its parameters, in the workspace; `conditional` is whether something decides if it starts.
+    """
+
+    package: str
+    executable: str
+    plugin: bool
+    name: str
+    namespace: str
+    remaps: tuple[Renaming, ...]
+    spans: Mapping[Renaming, Span]
+    files: tuple[Path, ...]
+    parameters: Mapping[str, str]
+    span: Span
+    conditional: bool
+
+
+@dataclass(slots=True)
+class _Scope:
+    """What holds for the actions of a group."""
+
+    namespace: str = "/"
+    remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
+    arguments: dict[str, str | None] = field(default_factory=dict)
+    files: tuple[Path, ...] = ()
+    parameters: dict[str, str] = field(default_factory=dict)
+    conditional: bool = False
+
+    def inner(self) -> "_Scope":
+        """Return a copy for a group of its own."""
+        return replace(
+            self,
+            remaps=list(self.remaps),
+            arguments=dict(self.arguments),
+            parameters=dict(self.parameters),
+        )
+
+
+class Launch:
+    """Follows launch files of a workspace from one to those that it includes."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Begin with nothing started."""
+        self.workspace = workspace
+        self.started: list[Started] = []
+        self.unread: list[Unread] = []
+        self.read: set[Path] = set()
+        self.reached: set[Path] = set()
+        self._actions: dict[Path, tuple[Action, ...]] = {}
+
+    def launch(self, file: Path) -> None:
+        """Take up what a launch file starts.
+
+        Raises:
+            MarsError: what is wrong with the file itself.
+        """
+        self._walk(self._read(file), _Scope(), (file,))
+
+    def _read(self, file: Path) -> tuple[Action, ...]:
+        self.reached.add(file)
+        if file not in self._actions:
+            self.read.add(file)
+            text = self.workspace.text(file)
+            shown = self.workspace.shown(file)
+            is_python = file.suffix == ".py" or (
+                file.suffix not in _MARKUP and _PYTHON.search(text) is not None
+            )
+            self._actions[file] = (read_python if is_python else read_markup)(text, shown)
+        return self._actions[file]
+
+    def _walk(self, actions: Sequence[Action], scope: _Scope, files: tuple[Path, ...]) -> None:
+        for action in actions:
+            if len(self.started) >= _MOST_NODES:
+                return
+            match action:
+                case Start():
+                    self._start(action, scope, files)
+                case Group(inner, scoped, conditional):
+                    within = scope.inner() if scoped else scope
+                    before = within.conditional
+                    within.conditional = before or conditional
+                    self._walk(inner, within, files)
+                    within.conditional = before
+                case PushNamespace(namespace, span):
+                    pushed = self._plain(namespace, scope, files)
+                    if pushed is None:
+                        self.unread.append(Unread("namespaces made at run time", "?", span))
+                    else:
+                        scope.namespace = joined(scope.namespace, pushed)
+                case SetRemap(remap):
+                    scope.remaps += self._remaps((remap,), scope, files)
+                case Declare(name, value, forced):
+                    if forced or scope.arguments.get(name) is None:
+                        plain = None if value is None else self._plain(value, scope, files)
+                        scope.arguments[name] = plain
+                case SetParameters(paths, parameters):
+                    scope.files += tuple(self._files(paths, scope, files, None))
+                    scope.parameters.update(self._parameters(parameters, scope, files))
+                case Include():
+                    self._include(action, scope, files)
+                case NotRead(sort, name, span):
+                    self.unread.append(Unread(sort, name, span))
+
+    def _include(self, action: Include, scope: _Scope, files: tuple[Path, ...]) -> None:
+        written = self._shown(action.path, scope)
+        path = self._plain(action.path, scope, files)
+        found = None if path is None else self.workspace.find(path, files[-1].parent)
+        if found is None:
+            sort = "included launch files that are not in the workspace"
+            self.unread.append(Unread(sort, written, action.span))
+            return
+        if found in files or len(files) > _DEEPEST_INCLUDE:
+            self.unread.append(Unread("includes in a circle", written, action.span))
+            return
+        try:
+            actions = self._read(found)
+        except MarsError as error:
+            first = error.diagnostics[0]
+            sort = "included launch files with errors"
+            self.unread.append(Unread(sort, f"{written}: {first.message}", first.span))
+            return
+        within = scope.inner()
+        within.conditional = within.conditional or action.conditional
+        within.arguments |= self._parameters(action.arguments, scope, files)
+        self._walk(actions, within, (*files, found))
+
+    def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
+        package = self._plain(action.package, scope, files)
+        executable = self._plain(action.executable, scope, files)
+        name = "" if action.name is None else self._plain(action.name, scope, files)
+        namespace = "" if action.namespace is None else self._plain(action.namespace, scope, files)
+        if package is None or executable is None:
+            called = name or executable or package or "?"
+            sort = "nodes whose program is known at run time alone"
+            self.unread.append(Unread(sort, called, action.span))
+            if not name:
+                return
+        if namespace is None or name is None:
+            called = name or executable or "?"
+            self.unread.append(Unread("names made at run time", called, action.span))
+        for _, span in action.unread:
+            called = name or executable or "?"
+            self.unread.append(Unread("remappings made at run time", called, span))
+        remaps = [
+            *scope.remaps,
+            *self._remaps(action.remaps, scope, files),
+            *self._argued(action, scope, files),
+        ]
+        given: dict[str, str] = dict(scope.parameters)
+        given |= self._parameters(action.parameters, scope, files)
+        self.started.append(
+            Started(
+                package or "",
+                executable or "",
+                action.plugin,
+                _ANONYMOUS.sub(r"\1", name or ""),
+                joined(scope.namespace, namespace or ""),
+                tuple(rule for rule, _ in remaps),
+                dict(reversed(remaps)),
+                (*scope.files, *self._files(action.files, scope, files, action.span)),
+                given,
+                action.span,
+                scope.conditional or action.conditional,
+            )
+        )
+
+    def _argued(
+        self, action: Start, scope: _Scope, files: tuple[Path, ...]
+    ) -> Iterator[tuple[Renaming, Span]]:
+        """Yield the remappings among the arguments of a program."""
+        words = [self._plain(each, scope, files) or "" for each in action.arguments]
+        words = [word for text in words for word in text.split()]
+        ours = "--ros-args" in words
+        for before, word in zip(["", *words], words, strict=False):
+            source, sign, target = word.partition(":=")
+            asked = before in ("-r", "--remap") if ours else not source.startswith("_")
+            if sign and asked and source and target and not source.startswith("__"):
+                yield (source, target), action.span
+
+    def _remaps(
+        self, remaps: Sequence[Remap], scope: _Scope, files: tuple[Path, ...]
+    ) -> Iterator[tuple[Renaming, Span]]:
+        for remap in remaps:
+            source = self._plain(remap.source, scope, files)
+            target = self._plain(remap.target, scope, files)
+            if source and target:
+                yield (source, target), remap.span
+            else:
+                called = self._shown(remap.source, scope)
+                self.unread.append(Unread("remappings made at run time", called, remap.span))
+
+    def _parameters(
+        self, given: Sequence[Parameter], scope: _Scope, files: tuple[Path, ...]
+    ) -> dict[str, str]:
+        found: dict[str, str] = {}
+        for each in given:
+            name = self._plain(each.name, scope, files)
+            value = self._plain(each.value, scope, files)
+            if name is not None and value is not None:
+                found[name] = value
+        return found
+
+    def _files(
+        self,
+        paths: Sequence[Text],
+        scope: _Scope,
+        files: tuple[Path, ...],
+        span: Span | None,
+    ) -> Iterator[Path]:
+        for each in paths:
+            path = self._plain(each, scope, files)
+            found = None if path is None else self.workspace.find(path, files[-1].parent)
+            if found is not None:
+                yield found
+            elif span is not None:
+                called = self._shown(each, scope)
+                sort = "parameter files that are not in the workspace"
+                self.unread.append(Unread(sort, called, span))
+
+    def _plain(self, text: Text, scope: _Scope, files: tuple[Path, ...]) -> str | None:
+        """Return a text with its parts known, if they are."""
+        return self._spelt(text, scope, files, 0)
+
+    def _spelt(self, text: Text, scope: _Scope, files: tuple[Path, ...], depth: int) -> str | None:
+        if depth > _DEEPEST_ARGUMENT:
+            return None
+        found: list[str] = []
+        for part in text:
+            match part:
+                case str():
+                    spelt: str | None = part
+                case Argument(name, default):
+                    spelt = scope.arguments.get(name)
+                    if spelt is None and default is not None:
+                        spelt = self._spelt(default, scope, files, depth + 1)
+                case Share(package):
+                    named = self._spelt(package, scope, files, depth + 1)
+                    spelt = None if named is None else f"$(find-pkg-share {named})"
+                case Here():
+                    spelt = str(files[-1].parent)
+                case _:
+                    spelt = None
+            if spelt is None:
+                return None
+            found.append(spelt)
+        return "".join(found)
+
+    def _shown(self, text: Text, scope: _Scope) -> str:
+        """Return a text for people, its unknown parts as `...`."""
+        shown: list[str] = []
+        for part in text:
+            match part:
+                case str():
+                    shown.append(part)
+                case Argument(name, _):
+                    shown.append(scope.arguments.get(name) or f"$(var {name})")
+                case Share(package):
+                    shown.append(f"$(find-pkg-share {self._shown(package, scope)})")
+                case Here():
+                    pass
+                case _:
+                    shown.append("...")
+        return "".join(shown).lstrip("/") or "..."

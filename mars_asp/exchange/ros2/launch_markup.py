@@ -1,0 +1,285 @@
+"""Launch files in XML and YAML, those of ROS 1 too, as actions: elements with attributes."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.exchange.elements import Element, read_elements
+from mars_asp.exchange.ros2.actions import (
+    UNKNOWN,
+    Action,
+    Argument,
+    Declare,
+    Group,
+    Here,
+    Include,
+    NotRead,
+    Parameter,
+    Part,
+    PushNamespace,
+    Remap,
+    SetParameters,
+    SetRemap,
+    Share,
+    Start,
+    Text,
+    text_of,
+    together,
+)
+from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
+
+_DEEPEST = 60
+#: What begins a substitution, and what may end or nest in one.
+_MARK = re.compile(r"\$\(|\)")
+#: What holds no node and changes no name.
+_PASSED = frozenset(
+    "env set_env unset_env log sys_setting param machine master timer_period".split()
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Entity:
+    """An element: attributes as they are written, and what stands in it."""
+
+    name: str
+    attributes: Mapping[str, str]
+    span: Span
+    children: "tuple[_Entity, ...]"
+
+    def named(self, name: str) -> "Iterator[_Entity]":
+        """Yield the children of a name."""
+        return (child for child in self.children if child.name == name)
+
+    def text(self, *names: str) -> Text | None:
+        """Return the first attribute that there is of some names."""
+        for name in names:
+            if name in self.attributes:
+                return substituted(self.attributes[name])
+        return None
+
+
+def read_markup(text: str, path: str) -> tuple[Action, ...]:
+    """Return what a launch file in XML or YAML starts.
+
+    Raises:
+        MarsError: it is neither, or no launch file.
+    """
+    if text.lstrip().startswith("<"):
+        root = _of_element(read_elements(text, path, _DEEPEST, whole=True, code="launch"))
+        if root.name != "launch":
+            raise _wrong(root.span, f"the document is `{root.name}`, not `launch`")
+        return tuple(_actions(root.children))
+    document = read_yaml(text, path)
+    if isinstance(document, Pairs):
+        for key, value in document.pairs:
+            if key.text == "launch":
+                return tuple(_actions(tuple(_listed(value))))
+    place = document.span._replace(end_line=document.span.line, end_column=document.span.column)
+    raise _wrong(place, "the file has no `launch:` with a list of actions")
+
+
+def _wrong(place: Span, message: str) -> MarsError:
+    help_text = "is this a launch file? name one in Python, XML or YAML"
+    return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
+
+
+def _of_element(element: Element) -> _Entity:
+    path, line, column, _, _ = element.span
+    span = Span(path, line, column, line, column + 1 + len(element.name))
+    name = element.name.replace("-", "_")
+    return _Entity(name, element.attributes, span, tuple(map(_of_element, element.children)))
+
+
+def _listed(value: Node) -> Iterator[_Entity]:
+    """Yield the elements of a list of actions in YAML, each a map with the one name of it."""
+    for item in value.nodes if isinstance(value, Items) else (value,):
+        if isinstance(item, Pairs):
+            for key, inner in item.pairs:
+                yield _of_pair(key, inner)
+
+
+def _of_pair(key: Scalar, value: Node) -> _Entity:
+    """Return the element that a key and its value are."""
+    name = key.text.replace("-", "_")
+    attributes: dict[str, str] = {}
+    children: list[_Entity] = []
+    match value:
+        case Pairs(pairs):
+            for inner, held in pairs:
+                if isinstance(held, Scalar):
+                    attributes[inner.text] = held.text
+                elif isinstance(held, Items) and inner.text not in ("children", "actions"):
+                    children += (_of_pair(inner, each) for each in held.nodes)
+                elif isinstance(held, Items):
+                    children += _listed(held)
+                else:
+                    children.append(_of_pair(inner, held))
+        case Items():
+            children += _listed(value)
+        case Scalar(text):
+            attributes["value"] = text
+    return _Entity(name, attributes, key.span, tuple(children))
+
+
+def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
+    """Yield what elements do, in their order."""
+    for entity in entities:
+        is_conditional = "if" in entity.attributes or "unless" in entity.attributes
+        match entity.name:
+            case "node" | "composable_node":
+                yield from _node(entity, is_conditional)
+            case "node_container" | "load_composable_node":
+                if entity.name == "node_container":
+                    called = entity.attributes.get("name", "?")
+                    yield NotRead("containers of components", called, entity.span)
+                inner = tuple(_actions(tuple(entity.named("composable_node"))))
+                yield together(inner, is_conditional)
+            case "group":
+                namespace = entity.text("ns")
+                pushed = () if not namespace else (PushNamespace(namespace, entity.span),)
+                scoped = entity.attributes.get("scoped", "true").lower() != "false"
+                yield Group((*pushed, *_actions(entity.children)), scoped, is_conditional)
+            case "include":
+                yield from _included(entity, is_conditional)
+            case "push_ros_namespace" | "push_namespace":
+                named = entity.text("namespace", "ns", "value") or UNKNOWN
+                yield PushNamespace(named, entity.span)
+            case "remap" | "set_remap":
+                yield SetRemap(_remap(entity))
+            case "arg" | "let" | "declare_arg":
+                yield from _argument(entity)
+            case "set_parameter" | "rosparam" | "set_parameters_from_file":
+                yield SetParameters(*_given((entity,)))
+            case "test" | "executable":
+                called = entity.attributes.get("name") or entity.attributes.get("cmd", "?")
+                yield NotRead("programs that are not nodes", called, entity.span)
+            case name if name in _PASSED:
+                continue
+            case _:
+                yield together(tuple(_actions(entity.children)), is_conditional)
+
+
+def _node(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
+    """Yield the node that an element starts."""
+    package = entity.text("pkg", "package") or UNKNOWN
+    plugin = entity.name == "composable_node"
+    executable = entity.text("plugin") if plugin else entity.text("exec", "type", "executable")
+    arguments = entity.text("args")
+    words = [part for part in arguments or () if isinstance(part, str)]
+    if package == ("nodelet",) and not plugin:
+        load = " ".join(words).split()
+        called = entity.attributes.get("name", "?")
+        if len(load) < 2 or load[0] not in ("load", "standalone"):
+            yield NotRead("containers of components", called, entity.span)
+            return
+        # ROS 1 names the class of a component behind its package.
+        plugin, executable = True, text_of(load[1])
+        package = text_of(load[1].partition("/")[0])
+    files, parameters = _given(entity.children)
+    yield Start(
+        entity.span,
+        package,
+        executable or UNKNOWN,
+        plugin,
+        entity.text("name"),
+        entity.text("namespace", "ns"),
+        tuple(_remap(child) for child in entity.named("remap")),
+        files,
+        parameters,
+        () if arguments is None else (arguments,),
+        is_conditional,
+    )
+
+
+def _included(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
+    path = entity.text("file") or UNKNOWN
+    namespace = entity.text("ns")
+    given = tuple(
+        Parameter(each.text("name") or UNKNOWN, each.text("value", "default") or ())
+        for each in entity.children
+        if each.name in ("arg", "let")
+    )
+    include = Include(path, entity.span, given, is_conditional)
+    yield Group((PushNamespace(namespace, entity.span), include)) if namespace else include
+
+
+def _argument(entity: _Entity) -> Iterator[Declare]:
+    name = entity.attributes.get("name")
+    if name is not None:
+        forced = "value" in entity.attributes
+        yield Declare(name, entity.text("value", "default"), forced)
+
+
+def _remap(entity: _Entity) -> Remap:
+    source, target = entity.text("from", "src"), entity.text("to", "dst")
+    return Remap(source or UNKNOWN, target or UNKNOWN, entity.span)
+
+
+def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
+    """Return the files and the values of parameters."""
+    files: list[Text] = []
+    parameters: list[Parameter] = []
+    for entity in entities:
+        if entity.name in ("param", "rosparam", "set_parameter", "set_parameters_from_file"):
+            file = entity.text("from", "file", "filename")
+            if file is not None:
+                files.append(file)
+            else:
+                parameters += _values(entity, ())
+    return tuple(files), tuple(parameters)
+
+
+def _values(entity: _Entity, before: Text) -> Iterator[Parameter]:
+    """Yield the value of a parameter, or those of the parameters in it."""
+    name = entity.text("name")
+    if name is None:
+        return
+    full = text_of(before, ".", name) if before else name
+    value = entity.text("value")
+    if value is not None:
+        yield Parameter(full, value)
+    for inner in entity.named("param"):
+        yield from _values(inner, full)
+
+
+def substituted(written: str) -> Text:
+    """Return a text with its substitutions, such as `$(var name)`, as parts."""
+    parts: list[Part | Text] = []
+    at = 0
+    while (begin := written.find("$(", at)) >= 0:
+        depth, end = 0, None
+        for mark in _MARK.finditer(written, begin):
+            depth += 1 if mark[0] == "$(" else -1
+            if not depth:
+                end = mark.end()
+                break
+        parts.append(written[at:begin])
+        if end is None:
+            return UNKNOWN
+        parts.append(_substitution(written[begin + 2 : end - 1]))
+        at = end
+    return text_of(*parts, written[at:])
+
+
+def _substitution(inside: str) -> Part | Text:
+    """Return the part that a substitution is."""
+    word, _, rest = inside.strip().partition(" ")
+    rest = rest.strip()
+    if "$(" in rest:
+        return Share(substituted(rest)) if word == "find-pkg-share" and len(rest) < 500 else UNKNOWN
+    match word:
+        case "var" | "arg":
+            name, _, default = rest.partition(" ")
+            return Argument(name.strip("'\""), None if not default else (default.strip("'\" "),))
+        case "find-pkg-share" | "find" | "find-pkg-prefix":
+            return Share((rest,))
+        case "dirname":
+            return Here()
+        case "env" | "optenv":
+            _, blank, default = rest.partition(" ")
+            return (default.strip("'\" "),) if blank else UNKNOWN
+        case "anon":
+            return rest
+        case _:
+            return UNKNOWN

@@ -1,0 +1,312 @@
+"""Programs of a workspace: from a package and an executable to the sources behind them."""
+
+import ast
+import configparser
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mars_asp.annotations.comments import blanked
+from mars_asp.annotations.declarations.tokens import text_at, tokenise
+from mars_asp.diagnostic import MarsError
+from mars_asp.exchange.ros2.cmake import Targets, read_cmake
+from mars_asp.exchange.ros2.interface import Interface
+from mars_asp.exchange.ros2.source_cpp import read_cpp
+from mars_asp.exchange.ros2.source_python import PythonPrograms
+from mars_asp.exchange.ros2.workspace import Package, Workspace
+
+_CPP = frozenset({".cpp", ".cc", ".cxx", ".c"})
+_HEADERS = frozenset({".hpp", ".h", ".hh", ".hxx"})
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTILINE)
+_REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
+_MOST_FILES = 100
+#: Where scripts of a package stand whose installation says no more than their name.
+_SCRIPTS = ("scripts", "nodes", "src", "bin", ".")
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program that somebody can start."""
+
+    package: str
+    executable: str
+    plugin: bool
+
+
+class Programs:
+    """Finds and reads the sources of programs, each once."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Take the workspace in which they lie."""
+        self.workspace = workspace
+        self._python = PythonPrograms(self._module)
+        self._read: dict[Program, Interface | None] = {}
+
+    def interface(self, program: Program) -> Interface | None:
+        """Return what a program publishes and hears, `None` where its source is not here."""
+        if program not in self._read:
+            self._read[program] = self._interface(program)
+        return self._read[program]
+
+    def all(self) -> Iterator[Program]:
+        """Yield every program that a package of the workspace says it has."""
+        for package in self.workspace.packages:
+            for name in self._scripts.get(package.name, {}):
+                yield Program(package.name, name, False)
+            targets = self._targets.get(package.name)
+            if targets is not None:
+                for name in targets.executables:
+                    yield Program(package.name, name, False)
+                for path in targets.programs:
+                    yield Program(package.name, Path(path).name, False)
+                started = set(targets.executables.values())
+                for plugin, target in targets.plugins.items():
+                    if target not in started:
+                        yield Program(package.name, plugin, True)
+
+    # ---- From a program to its sources
+
+    def _interface(self, program: Program) -> Interface | None:
+        if program.plugin:
+            return self._component(program.executable)
+        package = self.workspace.package(program.package)
+        if package is None:
+            return None
+        entry = self._scripts.get(package.name, {}).get(program.executable)
+        if entry is not None:
+            module, _, function = entry.partition(":")
+            return self._python.interface(module.strip(), function.strip() or None)
+        targets = self._targets.get(package.name)
+        if targets is not None and program.executable in targets.executables:
+            target = targets.executables[program.executable]
+            return self._compiled(package, targets.of(target))
+        return self._by_name(package, program.executable)
+
+    def _by_name(self, package: Package, executable: str) -> Interface | None:
+        """Return the interface of a script, or of the one source of a name."""
+        for folder in _SCRIPTS:
+            for suffix in ("", ".py"):
+                path = package.folder / folder / f"{executable}{suffix}"
+                found = self.workspace.find(str(path), package.folder)
+                if found is not None and found.suffix in ("", ".py"):
+                    return self._python.interface(f"file:{found}", None)
+        stems = [
+            file
+            for file in self._sources.get(package.folder, ())
+            if file.stem == executable and file.suffix in _CPP
+        ]
+        return self._compiled(package, [str(stems[0])]) if stems else None
+
+    def _compiled(self, package: Package, sources: list[str]) -> Interface | None:
+        """Return the interface of sources in C++, with the headers that they include."""
+        files: list[Path] = []
+        for source in sources:
+            path = source.replace("${CMAKE_CURRENT_SOURCE_DIR}", str(package.folder))
+            found = self.workspace.find(path, package.folder)
+            if found is not None and found.suffix in _CPP | _HEADERS:
+                files.append(found)
+        return self._with_headers(package, files)
+
+    def _with_headers(self, package: Package, files: list[Path]) -> Interface | None:
+        texts: dict[Path, str] = {}
+        waiting = list(reversed(files))
+        while waiting and len(texts) < _MOST_FILES:
+            file = waiting.pop()
+            if file in texts:
+                continue
+            try:
+                texts[file] = self.workspace.text(file)
+            except MarsError:
+                continue
+            for name in _INCLUDE.findall(texts[file]):
+                waiting += self._headers.get(name.rpartition("/")[2], {}).get(package.folder, ())
+        shown = [(text, self.workspace.shown(file)) for file, text in texts.items()]
+        return read_cpp(shown) if shown else None
+
+    def _component(self, plugin: str) -> Interface | None:
+        """Return the interface of a component by its class."""
+        last = re.split(r"::|/", plugin)[-1]
+        file = self._registered.get(plugin) or self._registered.get(last)
+        if file is not None:
+            package = self.workspace.package_of(file)
+            return None if package is None else self._with_headers(package, [file])
+        for package in self.workspace.packages:
+            targets = self._targets.get(package.name)
+            if targets is not None and plugin in targets.plugins:
+                return self._compiled(package, targets.of(targets.plugins[plugin]))
+        return None
+
+    def _module(self, module: str) -> tuple[str, str] | None:
+        """Return the text of a module of the workspace, and its path."""
+        name = module.removeprefix("file:")
+        file = Path(name) if name != module else self._modules.get(module)
+        if file is None:
+            return None
+        try:
+            return self.workspace.text(file), self.workspace.shown(file)
+        except MarsError:
+            return None
+
+    # ---- What is where
+
+    @cached_property
+    def _by_package(self) -> dict[Path, list[Path]]:
+        """The files of each package, by its folder."""
+        found: dict[Path, list[Path]] = {each.folder: [] for each in self.workspace.packages}
+        for file in self.workspace.files:
+            folder = next((each for each in file.parents if each in found), None)
+            if folder is not None:
+                found[folder].append(file)
+        return found
+
+    @cached_property
+    def _sources(self) -> dict[Path, list[Path]]:
+        return {
+            folder: [file for file in files if file.suffix in _CPP | _HEADERS]
+            for folder, files in self._by_package.items()
+        }
+
+    @cached_property
+    def _headers(self) -> dict[str, dict[Path, list[Path]]]:
+        """The headers of a name in each package."""
+        found: dict[str, dict[Path, list[Path]]] = {}
+        for folder, files in self._sources.items():
+            for file in files:
+                if file.suffix in _HEADERS:
+                    found.setdefault(file.name, {}).setdefault(folder, []).append(file)
+        return found
+
+    @cached_property
+    def _modules(self) -> dict[str, Path]:
+        """The files of Python modules, by their names in their packages."""
+        found: dict[str, Path] = {}
+        for folder, files in self._by_package.items():
+            for file in files:
+                if file.suffix != ".py":
+                    continue
+                parts = list(file.relative_to(folder).with_suffix("").parts)
+                if parts[-1] == "__init__":
+                    parts.pop()
+                if len(parts) > 1 and parts[0] in ("src", "scripts", "nodes"):
+                    found.setdefault(".".join(parts[1:]), file)
+                found.setdefault(".".join(parts), file)
+        return found
+
+    @cached_property
+    def _targets(self) -> dict[str, Targets]:
+        """The targets of each package that CMake builds."""
+        found = {}
+        for package in self.workspace.packages:
+            text = self._text(package.folder / "CMakeLists.txt")
+            if text is not None:
+                found[package.name] = read_cmake(text)
+        return found
+
+    @cached_property
+    def _scripts(self) -> dict[str, dict[str, str]]:
+        """The console scripts of each package, each with its module and function."""
+        found: dict[str, dict[str, str]] = {}
+        for package in self.workspace.packages:
+            scripts: dict[str, str] = {}
+            setup = self._text(package.folder / "setup.py")
+            if setup is not None:
+                # A text of a thousand summands is no name.
+                with suppress(RecursionError):
+                    scripts |= dict(_of_setup(setup))
+            configured = self._text(package.folder / "setup.cfg")
+            if configured is not None:
+                scripts |= dict(_of_configuration(configured))
+            found[package.name] = scripts
+        return found
+
+    @cached_property
+    def _registered(self) -> dict[str, Path]:
+        """The files that register components, by the classes of these."""
+        found: dict[str, Path] = {}
+        for files in self._sources.values():
+            for file in files:
+                text = self._text(file)
+                if text is None or not any(word in text for word in _REGISTERS):
+                    continue
+                tokens = tokenise(blanked("c", text))
+                for at, token in enumerate(tokens):
+                    if token.text in _REGISTERS and text_at(tokens, at + 1) == "(":
+                        end = at + 2
+                        while text_at(tokens, end) not in ("", ")", ","):
+                            end += 1
+                        name = "".join(each.text for each in tokens[at + 2 : end])
+                        found[name] = file
+                        # ROS 1 names the package where C++ names the namespace.
+                        found.setdefault(name.rpartition("::")[2], file)
+        return found
+
+    def _text(self, file: Path) -> str | None:
+        found = self.workspace.find(str(file), file.parent)
+        if found is None:
+            return None
+        try:
+            return self.workspace.text(found)
+        except MarsError:
+            return None
+
+
+def _of_setup(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the console scripts of a `setup.py`, which is not run."""
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    names = {
+        node.targets[0].id: node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.keyword) and node.arg == "entry_points":
+            held = names.get(node.value.id) if isinstance(node.value, ast.Name) else node.value
+            if isinstance(held, ast.Dict):
+                for key, listed in zip(held.keys, held.values, strict=True):
+                    if isinstance(key, ast.Constant) and key.value == "console_scripts":
+                        yield from _scripts(listed, names)
+
+
+def _scripts(listed: ast.expr, names: dict[str, ast.expr]) -> Iterator[tuple[str, str]]:
+    for each in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
+        text = _text_of(each, names)
+        name, sign, entry = (text or "").partition("=")
+        if sign:
+            yield name.strip(), entry.strip()
+
+
+def _text_of(node: ast.expr, names: dict[str, ast.expr]) -> str | None:
+    """Return a text that is written out, with names that stand for such."""
+    match node:
+        case ast.Constant(value=str() as value):
+            return value
+        case ast.Name(id=name) if isinstance(names.get(name), ast.Constant):
+            return _text_of(names[name], {})
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            parts = [_text_of(left, names), _text_of(right, names)]
+        case ast.JoinedStr(values=values):
+            parts = [
+                _text_of(v.value if isinstance(v, ast.FormattedValue) else v, names) for v in values
+            ]
+        case _:
+            return None
+    return None if None in parts else "".join(filter(None, parts))
+
+
+def _of_configuration(text: str) -> Iterator[tuple[str, str]]:
+    parser = configparser.ConfigParser(interpolation=None)
+    try:
+        parser.read_string(text)
+    except configparser.Error:
+        return
+    listed = parser.get("options.entry_points", "console_scripts", fallback="")
+    for line in listed.splitlines():
+        name, sign, entry = line.partition("=")
+        if sign:
+            yield name.strip(), entry.strip()

@@ -1,0 +1,430 @@
+"""A ROS workspace, package or launch file as a configuration."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.recognise import is_launch, recognised
+from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
+from mars_asp.exchange.ros2.interface import Topic
+from mars_asp.exchange.ros2.launch import Launch, Started
+from mars_asp.exchange.ros2.names import joined as name_in
+from mars_asp.exchange.ros2.names import renamed
+from mars_asp.exchange.ros2.parameters import values_for
+from mars_asp.exchange.ros2.programs import Program, Programs
+from mars_asp.exchange.ros2.workspace import Workspace
+from mars_asp.exchange.topics import (
+    Endpoint,
+    Graph,
+    Mux,
+    MuxInput,
+    Node,
+    configuration_of,
+    joined,
+)
+from mars_asp.exchange.twist_mux.document import OUTPUT, Document, read_document
+from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
+from mars_asp.exchange.unread import Unread, notes
+from mars_asp.exchange.yaml_document import Node as YamlNode
+from mars_asp.exchange.yaml_document import read_yaml
+from mars_asp.language import Parsed
+from mars_asp.language.print import print_module
+
+_LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
+_IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
+#: A folder that does not exist.
+_NOWHERE = Path("/dev/null/nowhere")
+_NAME = re.compile(r"[^\x00-\x1f\x7f]+")
+#: Nodes that hand on one of several commands, by their packages.
+_MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
+_NUMBERED = re.compile(r"\d+")
+
+
+def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of launch files and folders, which make up one robot.
+
+    Args:
+        files: Texts and their paths, at least one that is no mux. Of a folder the text is empty;
+            files with the parameters of muxes are for those that are launched without.
+
+    Raises:
+        MarsError: what is wrong with a launch file, or that there is none.
+    """
+    graphs = []
+    problems: list[Diagnostic] = []
+    unread: list[Unread] = []
+    launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
+    muxes = [
+        (path, read_document(text, path)) for text, path in files if (text, path) not in launched
+    ]
+    for root, members in _by_root(launched).items():
+        workspace = Workspace(root, members[0][1])
+        robot = _Robot(workspace, muxes)
+        graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
+        problems += robot.problems
+        unread += robot.unread
+    for _, document in muxes:
+        unread += document.unread
+        problems += document.warnings
+    graph = joined(graphs)
+    unbound = _unbound(muxes, graph)
+    mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *unbound)))
+    told = (*problems, *notes(_once((*unread, *mapped.unread))))
+    return Parsed(
+        mapped.configuration, told, tuple(map(print_module, mapped.configuration.declared))
+    )
+
+
+def _by_root(files: Sequence[tuple[str, str]]) -> dict[Path, list[tuple[str, str]]]:
+    """Return files by the folders of the workspaces in which they lie."""
+    found: dict[Path, list[tuple[str, str]]] = {}
+    for text, path in files:
+        found.setdefault(_root(Path(path)), []).append((text, path))
+    return found
+
+
+def _root(path: Path) -> Path:
+    """Return the folder that holds all that a path may lead to.
+
+    Of a launch file it is the `src` around its package, or else the package, or else its folder.
+    Standard input lies nowhere.
+    """
+    if path.is_dir():
+        return path.resolve()
+    if not path.is_file():
+        return _NOWHERE
+    folder = path.resolve().parent
+    above = (folder, *folder.parents)
+    package = next((each for each in above if (each / "package.xml").is_file()), None)
+    if package is None:
+        return folder
+    return next((each for each in package.parents if each.name == "src"), package)
+
+
+def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mux]:
+    """Yield the muxes of files that no node of the graph is."""
+    known = {mux.span for mux in graph.muxes}
+    for _, document in muxes:
+        for mux in document.muxes:
+            if mux.span not in known:
+                yield _mux(mux, name_in("/", mux.node or "twist_mux"), "/", ())
+
+
+def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
+    """Yield what was not read, files once by their names and all else once by its place."""
+    seen: set[tuple[object, ...]] = set()
+    for each in unread:
+        is_file = "files" in each.sort
+        key = (each.sort, each.name) if is_file else (each.sort, each.name, each.span)
+        if key not in seen:
+            seen.add(key)
+            yield each
+
+
+class _Robot:
+    """Brings together what launch files start and what is known of that."""
+
+    def __init__(self, workspace: Workspace, muxes: Sequence[tuple[str, Document]]) -> None:
+        self.workspace = workspace
+        self.programs = Programs(workspace)
+        self.muxes = muxes
+        self.unread: list[Unread] = []
+        self.problems: list[Diagnostic] = []
+        self.catalogued: dict[str, Span] = {}
+        self.conditional: dict[str, Span] = {}
+        self.document = cache(self._document)
+
+    def graph(self, paths: Sequence[Path]) -> Graph:
+        """Return the nodes that files, or those of folders, start."""
+        self.catalogue = self._catalogue()
+        launch = Launch(self.workspace)
+        for path in paths:
+            if path.is_dir():
+                self._launch_all(launch)
+            else:
+                launch.launch(path)
+        started = launch.started or list(self._alone(paths))
+        if not launch.started:
+            launch.unread += self._nothing(launch, paths, started)
+        nodes: dict[str, tuple[Started, Node]] = {}
+        muxes: dict[str, Mux] = {}
+        for each in started:
+            node, mux = self._node(each)
+            if mux is not None:
+                muxes.setdefault(mux.name, mux)
+            elif node is not None:
+                self._add(nodes, each, node)
+        self._note()
+        self.unread += (*launch.unread, *self.workspace.unread)
+        first = self.workspace.shown(paths[0])
+        return Graph(first, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
+
+    def _catalogue(self) -> Catalogue:
+        own = [file for file in self.workspace.files if file.name == OWN]
+        return load_catalogue(
+            tuple((self.workspace.text(file), self.workspace.shown(file)) for file in own)
+        )
+
+    def _launch_all(self, launch: Launch) -> None:
+        """Launch the files of a folder that no other one includes."""
+        files = [file for file in self.workspace.files if self._is_launch(file)]
+        first = Launch(self.workspace)
+        included: set[Path] = set()
+        broken: set[Path] = set()
+        for file in files:
+            first.read.clear()
+            try:
+                first.launch(file)
+            except MarsError as error:
+                broken.add(file)
+                wrong = error.diagnostics[0]
+                name = f"{self.workspace.shown(file)}: {wrong.message}"
+                launch.unread.append(Unread("launch files with errors", name, wrong.span))
+            included |= first.reached - {file}
+            first.reached.clear()
+        tops = [file for file in files if file not in included and file not in broken]
+        # Files that include each other have no top.
+        for file in tops or [file for file in files if file not in broken][:1]:
+            launch.launch(file)
+        if len(tops) > 1:
+            shown = ", ".join(f"`{self.workspace.shown(file)}`" for file in tops[:5])
+            more = ", ..." if len(tops) > 5 else ""
+            self.problems.append(
+                Diagnostic(
+                    "launch",
+                    "note",
+                    f"{len(tops)} launch files were read as one robot: {shown}{more}",
+                    point(self.workspace.shown(tops[0]), 1, 1),
+                    help="name one of them to read it alone",
+                )
+            )
+
+    def _is_launch(self, file: Path) -> bool:
+        """Whether a file is a launch file, by its name or by the folder and what it says."""
+        if not _LAUNCH.match(file.name):
+            in_folder = file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]
+            if not in_folder:
+                return False
+        try:
+            return is_launch(self.workspace.text(file))
+        except MarsError as error:
+            self.unread.append(
+                Unread("launch files with errors", file.name, error.diagnostics[0].span)
+            )
+            return False
+
+    def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
+        """Yield each program of a folder as if it were started, where no launch file is."""
+        if not any(path.is_dir() for path in paths):
+            return
+        for program in self.programs.all():
+            interface = self.programs.interface(program)
+            if interface is not None and (interface.published or interface.subscribed):
+                first = (*interface.published, *interface.subscribed)[0]
+                span = first.span or point(self.workspace.shown(paths[0]), 1, 1)
+                yield Started(
+                    program.package, program.executable, program.plugin, "", "/", (), {}, (), {},
+                    span, False,
+                )  # fmt: skip
+
+    def _nothing(
+        self, launch: Launch, paths: Sequence[Path], alone: Sequence[Started]
+    ) -> Iterator[Unread]:
+        """Yield nothing where programs were found alone.
+
+        Raises:
+            MarsError: nothing was found.
+        """
+        place = point(self.workspace.shown(paths[0]), 1, 1)
+        if not alone:
+            if launch.read:
+                message = "the launch file starts no node"
+                help_text = "name the launch file that starts the robot"
+            else:
+                message = "the folder has no launch file and no package with a program"
+                help_text = "name a workspace, a package or a launch file"
+            found = [Diagnostic("ros2", "error", message, place, help=help_text)]
+            raise MarsError((*found, *notes(_once((*launch.unread, *self.unread)))))
+        message = "no launch file was found, so every program of the packages counts as started"
+        self.problems.append(Diagnostic("launch", "note", message, place))
+        return iter(())
+
+    def _add(self, nodes: dict[str, tuple[Started, Node]], started: Started, node: Node) -> None:
+        """Add a node; one that stands in two branches is one."""
+        if node.name not in nodes:
+            nodes[node.name] = started, node
+            return
+        first, known = nodes[node.name]
+        if not (first.conditional and started.conditional) and first.span != started.span:
+            message = f"two nodes are named `{node.name}`"
+            label = (known.span, "the first one")
+            help_text = "give each a name or namespace of its own; they count as one here"
+            self.problems.append(
+                Diagnostic("launch", "warning", message, node.span, (label,), help_text)
+            )
+        [united] = joined((Graph("", (known, node)),)).nodes
+        nodes[node.name] = first, united
+
+    def _node(self, started: Started) -> tuple[Node | None, Mux | None]:
+        """Return the node that is started, or the mux that it is."""
+        program = Program(started.package, started.executable, started.plugin)
+        interface, is_catalogued = self.programs.interface(program), False
+        if interface is None:
+            interface = self.catalogue.interface(*_key(program))
+            is_catalogued = interface is not None
+        name = (
+            started.name
+            or (interface and interface.node)
+            or re.split("::|/", program.executable)[-1]
+        )
+        if not _NAME.fullmatch(f"{started.namespace}{name}"):
+            self.unread.append(Unread("names made at run time", "?", started.span))
+            return None, None
+        full = name_in(started.namespace, name)
+        if started.conditional:
+            self.conditional.setdefault(full, started.span)
+        if program.package in _MUXES or program.executable.startswith("twist_mux"):
+            mux = self._mux(started, name, full)
+            if mux is not None:
+                return None, mux
+        if interface is None:
+            sort = "topics of nodes with neither a source here nor an entry in the catalogue"
+            self.unread.append(Unread(sort, full, started.span))
+            return Node(full, started.span), None
+        if is_catalogued:
+            self.catalogued.setdefault(full, started.span)
+        self.unread += interface.unread
+        values = self._values(started, full)
+        published = self._ends(interface.published, started, name, values)
+        subscribed = self._ends(interface.subscribed, started, name, values)
+        guard = started.span if interface.guard else None
+        return Node(full, started.span, tuple(published), tuple(subscribed), guard), None
+
+    def _values(self, started: Started, full: str) -> Mapping[str, str]:
+        """Return the values of the parameters of a node."""
+        found: dict[str, str] = {}
+        for file in started.files:
+            document = self.document(file)
+            if document is not None:
+                found |= values_for(document, full)
+        return {**found, **started.parameters}
+
+    def _document(self, file: Path) -> YamlNode | None:
+        shown = self.workspace.shown(file)
+        try:
+            return read_yaml(self.workspace.text(file), shown)
+        except MarsError as error:
+            first = error.diagnostics[0]
+            self.unread.append(
+                Unread("parameter files with errors", f"{shown}: {first.message}", first.span)
+            )
+            return None
+
+    def _ends(
+        self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, str]
+    ) -> Iterator[Endpoint]:
+        """Yield the ends of topics at a node, by their full names."""
+        for topic in topics:
+            for written in self._written(topic, started, values):
+                full = renamed(written, started.namespace, name, started.remaps)
+                if not written or not _NAME.fullmatch(full):
+                    span = topic.span or started.span
+                    called = topic.parameter or written
+                    self.unread.append(Unread("topics named at run time", called, span))
+                    continue
+                # Of a source its own line counts, of the catalogue what the user renames.
+                span = topic.span or self._renaming(written, full, started, name) or started.span
+                yield Endpoint(full, topic.type, span, topic.hz, topic.optional)
+
+    def _written(self, topic: Topic, started: Started, values: Mapping[str, str]) -> Iterator[str]:
+        """Yield the names that a topic has for its program, by its parameters."""
+        if topic.parameter is None:
+            yield topic.name
+        elif topic.parameter.endswith("#"):
+            stem = topic.parameter[:-1]
+            for key, value in values.items():
+                if key.startswith(stem) and _NUMBERED.fullmatch(key[len(stem) :]):
+                    yield value
+        else:
+            yield values.get(topic.parameter, topic.name)
+
+    def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
+        """Return the place of the remapping that gives a topic its full name."""
+        for rule in started.remaps:
+            if (
+                renamed(written, started.namespace, name, (rule,))
+                == full
+                != renamed(written, started.namespace, name, ())
+            ):
+                return started.spans.get(rule)
+        return None
+
+    def _mux(self, started: Started, name: str, full: str) -> Mux | None:
+        """Return the mux that a node is, by the parameters that it is given."""
+        own: list[MuxParameters] = []
+        for file in started.files:
+            text, shown = self.workspace.text(file), self.workspace.shown(file)
+            try:
+                document = read_document(text, shown)
+            except MarsError as error:
+                first = error.diagnostics[0]
+                if all(d.code == "mux" and "no mux" in d.message for d in error.diagnostics):
+                    continue
+                self.problems.append(first)
+                continue
+            self.unread += document.unread
+            self.problems += document.warnings
+            own += document.muxes
+        if not own:
+            own = [mux for _, document in self.muxes for mux in document.muxes]
+        if not own:
+            return None
+        chosen = next((mux for mux in own if mux.node.rpartition("/")[2] == name), own[0])
+        return _mux(chosen, full, started.namespace, started.remaps)
+
+    def _note(self) -> None:
+        """Note what was decided: conditions, and what the catalogue says."""
+        if self.conditional:
+            first, *_ = self.conditional.values()
+            verb = "starts" if len(self.conditional) == 1 else "start"
+            message = (
+                f"{_counted(len(self.conditional), 'node')} {verb} only under conditions, of which"
+                " every branch was read"
+            )
+            self.problems.append(Diagnostic("launch", "note", message, first))
+        if self.catalogued:
+            spans = self.catalogued
+            names = ", ".join(f"`{name}`" for name in list(spans)[:5])
+            more = ", ..." if len(spans) > 5 else ""
+            described = _counted(len(spans), "node")
+            message = f"the topics of {described} are from the catalogue: {names}{more}"
+            first = next(iter(spans.values()))
+            self.problems.append(Diagnostic("catalogue", "note", message, first))
+
+
+def _key(program: Program) -> tuple[str, str, bool]:
+    return program.package, program.executable, program.plugin
+
+
+def _mux(mux: MuxParameters, name: str, namespace: str, remaps: Sequence[tuple[str, str]]) -> Mux:
+    """Return a mux by the names of its topics in the robot."""
+    node = name.rpartition("/")[2]
+    output = mux.output or OUTPUT
+    inputs = tuple(
+        MuxInput(
+            each.name,
+            renamed(each.topic, namespace, node, remaps),
+            each.span,
+            each.priority,
+            each.hold_ms,
+        )
+        for each in mux.inputs
+    )
+    return Mux(name, mux.engine, mux.span, renamed(output, namespace, node, remaps), inputs)
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"

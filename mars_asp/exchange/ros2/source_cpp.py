@@ -1,0 +1,576 @@
+"""What programs in C++ publish and hear, by their tokens: rclcpp and roscpp.
+
+Comments, strings and dead code are told from code by the lexer of annotated sources. A rate is that
+of the timer, or loop, whose function publishes.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    angle,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+    tokenise,
+)
+from mars_asp.annotations.sources import Source
+from mars_asp.annotations.types import representation
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.interface import Interface, Topic, rate_of
+from mars_asp.exchange.unread import Unread
+
+_MOST_TOKENS = 400_000
+#: Limits of what is copied or searched more than once; no program comes near them.
+_MOST_COPIED = 4_000_000
+_MOST_PARAMETERS = 200
+_MOST_INITIALISERS = 4000
+_MOST_TIMERS = 200
+_STRING = re.compile(
+    r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
+)
+_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?|\.\d+)(?:[eE]([-+]?\d+))?(?:f|F|u|l|L)*")
+_UNITS = {
+    "ns": Fraction(1, 10**9),
+    "us": Fraction(1, 10**6),
+    "ms": Fraction(1, 1000),
+    "s": Fraction(1),
+    "min": Fraction(60),
+}
+_DURATIONS = {
+    "nanoseconds": Fraction(1, 10**9),
+    "microseconds": Fraction(1, 10**6),
+    "milliseconds": Fraction(1, 1000),
+    "seconds": Fraction(1),
+    "minutes": Fraction(60),
+    "Duration": Fraction(1),
+    "WallDuration": Fraction(1),
+    "from_seconds": Fraction(1),
+    "duration": Fraction(1),
+}
+_LITERAL = re.compile(r"(\d[\d.']*)(ns|us|ms|s|min)")
+#: Wrappers of nav2 that publish and hear velocities.
+_TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
+_TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
+_RATES = frozenset({"Rate", "WallRate"})
+_SERVICES = frozenset(
+    {"create_service", "create_client", "advertiseService", "serviceClient", "create_server"}
+    | {"SimpleActionServer", "SimpleActionClient"}
+)
+_PARAMETERS = frozenset(
+    {"declare_parameter", "get_parameter", "declare_or_get_parameter", "getParam", "param"}
+    | {"declare_parameter_if_not_declared", "get_parameter_or"}
+)
+_KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
+
+
+class _Value(NamedTuple):
+    """What an expression is: a text, and the parameter that may give another."""
+
+    text: str | None
+    parameter: str | None = None
+
+
+class _Call(NamedTuple):
+    """A call: what is called at which token, its template arguments and its arguments."""
+
+    name: str
+    at: int
+    types: tuple[str, ...]
+    arguments: tuple[tuple[Token, ...], ...]
+    end: int
+
+
+@dataclass(slots=True)
+class _Body:
+    """A function by its name, from the token that opens its body to behind the one that ends it."""
+
+    name: str
+    begin: int
+    end: int
+    parameters: tuple[Token, ...]
+
+
+def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
+    """Return what a program of several files, each a text and its path, publishes and hears."""
+    files = [_File(text, path) for text, path in texts]
+    values: dict[str, _Value] = {}
+    kinds: dict[str, str] = {}
+    for file in files:
+        values |= file.values()
+        kinds |= file.callbacks()
+    published: list[Topic] = []
+    subscribed: list[Topic] = []
+    unread: list[Unread] = []
+    rates: dict[str, Fraction | None] = {}
+    for file in files:
+        for name, hz in file.rates().items():
+            rates[name] = hz if rates.get(name, hz) == hz else None
+    names: list[str] = []
+    for file in files:
+        private = file.private_handles()
+        for call in file.calls:
+            found = file.topic(call, values, private, kinds)
+            if isinstance(found, Unread):
+                unread.append(found)
+            elif found is not None:
+                topic, keeper, is_published = found
+                hz = rates.get(keeper or "")
+                topic = Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
+                (published if is_published else subscribed).append(topic)
+        names += file.node_names()
+    return Interface(
+        tuple(published), tuple(subscribed), next(iter(names), None), unread=tuple(unread)
+    )
+
+
+class _File:
+    """The tokens of a file, the calls in it and its functions."""
+
+    def __init__(self, text: str, path: str) -> None:
+        self.source = Source(path, "c", text.encode())
+        stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
+        self.text = stretch.text
+        self.tokens = tokenise(stretch.code)[:_MOST_TOKENS]
+        self.closed = _closed(self.tokens)
+        self.calls = tuple(self._calls())
+        self.bodies = tuple(self._bodies())
+
+    # ---- Places and texts
+
+    def span(self, token: Token, length: int | None = None) -> Span:
+        """Return where a token stands."""
+        line, column = self.source.position(self.source.within(0, self.text, token.offset))
+        end = column + (len(token.text) if length is None else length)
+        return Span(self.source.path, line, column, line, end)
+
+    def string(self, token: Token) -> str | None:
+        """Return what a token that is a string holds."""
+        begin = token.offset
+        match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
+        if match is None:
+            return None
+        if match["raw"] is not None:
+            return match["raw"]
+        return _ESCAPE.sub(r"\1", match["plain"])
+
+    # ---- What is in the file
+
+    def _calls(self) -> Iterator[_Call]:
+        """Yield each call, and each construction of a variable, with its arguments."""
+        tokens, copied = self.tokens, 0
+        for at, token in enumerate(tokens):
+            if not is_word(token.text) or token.text in _KEYWORDS:
+                continue
+            behind = at + 1
+            types: tuple[str, ...] = ()
+            if text_at(tokens, behind) == "<" and _may_call(token.text):
+                end = angle(tokens, behind)
+                if end is not None:
+                    inner = tokens[behind + 1 : end - 1]
+                    types = tuple(joined(group) for group in split(inner))
+                    behind = end
+            name = token.text
+            # `ros::Rate loop(10)` and `Subscriber<T> name(...)` name what they make.
+            named = is_word(text_at(tokens, behind)) and text_at(tokens, behind + 1) in ("(", "{")
+            if named and (name in _RATES or types):
+                behind += 1
+            opening = text_at(tokens, behind)
+            if opening == "(" or (opening == "{" and (name in _RATES or types)):
+                if not (_may_call(name) or named):
+                    continue
+                end = self.closed[behind]
+                # Calls that are nested without end would be copied without end.
+                copied += end - behind
+                if copied > _MOST_COPIED:
+                    return
+                arguments = split(tokens[behind + 1 : end - 1])
+                yield _Call(name, at, types, tuple(map(tuple, arguments)), end)
+
+    def _bodies(self) -> Iterator[_Body]:
+        """Yield the functions that are defined."""
+        tokens = self.tokens
+        at = 0
+        while at < len(tokens):
+            if text_at(tokens, at) == "(" and is_word(text_at(tokens, at - 1)):
+                end = behind = self.closed[at]
+                name = text_at(tokens, at - 1)
+                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) == "->":
+                    behind += 1
+                if text_at(tokens, behind) == ":" and text_at(tokens, behind + 1) != ":":
+                    behind = _behind_initialisers(tokens, behind + 1)
+                if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
+                    parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
+                    yield _Body(name, behind, self.closed[behind], parameters)
+            at += 1
+
+    def values(self) -> dict[str, _Value]:
+        """Return the texts that variables have."""
+        found: dict[str, _Value] = {}
+        tokens = self.tokens
+        for at, token in enumerate(tokens):
+            if not is_word(token.text):
+                continue
+            sign = text_at(tokens, at + 1)
+            if sign == "=" and text_at(tokens, at + 2) != "=":
+                end = at + 2
+                last = min(len(tokens), end + _MOST_PARAMETERS)
+                while end < last and text_at(tokens, end) not in (";", ",", ")"):
+                    end = self.closed.get(end, end + 1)
+                value = self.value(tokens[at + 2 : end], found)
+            elif sign in ("{", "(") and text_at(tokens, at + 2).startswith('"'):
+                end = min(self.closed[at + 1] - 1, at + _MOST_PARAMETERS)
+                value = self.value(tokens[at + 2 : end], found)
+            else:
+                continue
+            if value.text is not None or value.parameter is not None:
+                found[token.text] = value
+        defaults: dict[str | None, str | None] = {
+            value.parameter: value.text for value in found.values() if value.parameter
+        }
+        for call in self.calls:
+            if call.name in _PARAMETERS and len(call.arguments) >= 2:
+                self._parameter(call, found, defaults)
+        return {
+            name: _Value(defaults.get(value.parameter), value.parameter)
+            if value.text is None and value.parameter is not None
+            else value
+            for name, value in found.items()
+        }
+
+    def _parameter(
+        self, call: _Call, found: dict[str, _Value], defaults: dict[str | None, str | None]
+    ) -> None:
+        """Note a parameter that is read into a variable, or declared with a default."""
+        first, *others = call.arguments
+        if call.name == "declare_parameter_if_not_declared":
+            first, *others = others
+        name = self.string(first[0]) if len(first) == 1 else None
+        if name is None:
+            return
+        texts = [self.value(list(other), found) for other in others]
+        default = next((value.text for value in texts if value.text is not None), None)
+        if default is not None:
+            defaults[name] = default
+        variable = others[0] if others else ()
+        if call.name in ("declare_parameter", "declare_parameter_if_not_declared"):
+            return
+        if len(variable) == 1 and is_word(variable[0].text):
+            found[variable[0].text] = _Value(defaults.get(name), name.lstrip("~"))
+
+    def value(self, tokens: Sequence[Token], values: Mapping[str, _Value]) -> _Value:
+        """Return the text of an expression, and the parameter that it reads."""
+        strings = [self.string(t) for t in tokens if t.text.startswith('"')]
+        words = [token.text for token in tokens]
+        if any(word in _PARAMETERS for word in words) and strings:
+            default = strings[1] if len(strings) > 1 else None
+            return _Value(default, (strings[0] or "").lstrip("~"))
+        if len(tokens) == 1:
+            return _Value(strings[0]) if strings else values.get(words[0], _Value(None))
+        if "+" in words:
+            parts = [self.value(group, values) for group in _summands(tokens)]
+            if all(part.text is not None and part.parameter is None for part in parts):
+                return _Value("".join(part.text or "" for part in parts))
+            return _Value(None)
+        if len(strings) == 1 and words[-1] in (")", "}") and "std" in words:
+            # std::string("topic")
+            return _Value(strings[0])
+        if not strings and words[-3:-2] and words[-3] == "." and words[-2:] == ["c_str", "("]:
+            return values.get(words[0], _Value(None))
+        if words[:2] == ["this", "->"] or (len(words) == 3 and words[1] in (".", "->")):
+            return values.get(words[-1], _Value(None))
+        return _Value(None)
+
+    def callbacks(self) -> dict[str, str]:
+        """Return the type of the message that each function takes, where it takes one."""
+        found = {}
+        for body in self.bodies:
+            groups = split(body.parameters)
+            if len(groups) == 1:
+                kind = _message(groups[0])
+                if kind is not None:
+                    found[body.name] = kind
+        # Declarations count, too: a definition may lie elsewhere.
+        return found
+
+    def private_handles(self) -> frozenset[str]:
+        """Return the names of node handles whose names are private to the node."""
+        tokens = self.tokens
+        found = set()
+        for at, token in enumerate(tokens):
+            if token.text.startswith('"') and self.string(token) == "~":
+                back = at - 1
+                if text_at(tokens, back) in ("(", "{") and is_word(text_at(tokens, back - 1)):
+                    name = text_at(tokens, back - 1)
+                    if name == "NodeHandle":
+                        name = text_at(tokens, back - 3 if text_at(tokens, back - 2) == "::" else 0)
+                        before = back - 4
+                        while text_at(tokens, before) in ("::", "ros", "="):
+                            before -= 1
+                        name = text_at(tokens, before)
+                    found.add(name)
+        return frozenset(found)
+
+    def node_names(self) -> Iterator[str]:
+        """Yield the names that the file gives its node."""
+        tokens = self.tokens
+        for call in self.calls:
+            if call.name in ("Node", "LifecycleNode", "make_shared", "init"):
+                is_node = call.name != "make_shared" or any("Node" in t for t in call.types)
+                is_ros = call.name != "init" or text_at(tokens, call.at - 2) == "ros"
+                position = 2 if call.name == "init" else 0
+                if is_node and is_ros and position < len(call.arguments):
+                    argument = call.arguments[position]
+                    name = self.string(argument[0]) if len(argument) == 1 else None
+                    if name:
+                        yield name
+
+    # ---- Topics
+
+    def topic(
+        self,
+        call: _Call,
+        values: Mapping[str, _Value],
+        private: frozenset[str],
+        kinds: Mapping[str, str],
+    ) -> "tuple[Topic, str | None, bool] | Unread | None":
+        """Return the topic that a call makes, what keeps it, and whether it is published."""
+        tokens = self.tokens
+        owner = text_at(tokens, call.at - 2) if text_at(tokens, call.at - 1) in (".", "->") else ""
+        name_at, kind = 0, call.types[0] if call.types else None
+        match call.name:
+            case "create_publisher" | "create_subscription":
+                published = call.name == "create_publisher"
+                # The free functions take the node first.
+                name_at = 1 if text_at(tokens, call.at - 1) == "::" else 0
+            case "advertise" | "subscribe" if owner and call.arguments:
+                published = call.name == "advertise"
+                kind = kind or self._taken(call, kinds)
+            case "Subscriber" if kind is not None and len(call.arguments) >= 2:
+                published = False
+                name_at = 0 if call.arguments[0][0].text.startswith('"') else 1
+            case "Publisher" if kind is not None and len(call.arguments) >= 2:
+                # realtime_tools, for one, has a publisher of its own.
+                published, name_at = True, 1
+            case ("TwistPublisher" | "TwistSubscriber") | "make_unique" | "make_shared":
+                wrapped = call.name if call.name in _TWISTS else (kind or "").rpartition("::")[2]
+                if wrapped not in _TWISTS or len(call.arguments) < 2:
+                    return None
+                published, name_at = _TWISTS[wrapped], 1
+                kind = "geometry_msgs::msg::TwistStamped"
+            case name if name in _SERVICES:
+                return Unread("services and actions", name, self.span(tokens[call.at]))
+            case _:
+                return None
+        if name_at >= len(call.arguments):
+            return None
+        argument = call.arguments[name_at]
+        value = self.value(argument, values)
+        span = self.span(argument[0])
+        if value.text is None and value.parameter is None:
+            last = argument[-1]
+            shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
+            return Unread("topics named at run time", shown, span)
+        text = value.text or ""
+        if owner in private and not text.startswith(("/", "~")):
+            text = f"~/{text}"
+        return Topic(text, _written(kind), span, value.parameter), self._keeper(call), published
+
+    def _taken(self, call: _Call, kinds: Mapping[str, str]) -> str | None:
+        """Return the type of message that the callback of a subscription takes."""
+        for argument in call.arguments[1:]:
+            texts = [token.text for token in argument]
+            if "[" in texts:
+                opening = next((i for i, t in enumerate(texts) if t == "("), None)
+                if opening is not None:
+                    inner = argument[opening + 1 : closing(argument, opening) - 1]
+                    return _message(list(inner))
+            for text in reversed(texts):
+                if text in kinds:
+                    return kinds[text]
+        return None
+
+    def _keeper(self, call: _Call) -> str | None:
+        """Return the variable that a call is assigned to."""
+        tokens = self.tokens
+        at = call.at - 1
+        while at >= 0 and text_at(tokens, at) in ("->", ".", "::", "this", "node", "node_", "nh"):
+            at -= 1
+        while at >= 0 and (
+            is_word(text_at(tokens, at)) or text_at(tokens, at) in ("->", ".", "::")
+        ):
+            at -= 1
+        if text_at(tokens, at) in ("=", "(", "{") and is_word(text_at(tokens, at - 1)):
+            return text_at(tokens, at - 1)
+        return None
+
+    # ---- Rates
+
+    def rates(self) -> dict[str, Fraction | None]:
+        """Return how often each publisher publishes, `None` where two timers differ."""
+        found: dict[str, Fraction | None] = {}
+        for hz, ranges in self._timers():
+            for keeper in self._publishing(ranges):
+                found[keeper] = hz if found.get(keeper, hz) == hz else None
+        return found
+
+    def _timers(self) -> Iterator[tuple[Fraction, list[tuple[int, int]]]]:
+        by_name = {body.name: (body.begin, body.end) for body in self.bodies}
+        clocks = [call for call in self.calls if call.name in _TIMERS or call.name in _RATES]
+        for call in clocks[:_MOST_TIMERS]:
+            if call.name in _TIMERS:
+                periods = [self._seconds(argument) for argument in call.arguments[:2]]
+                seconds = next((each for each in periods if each), None)
+                hz = rate_of(seconds) if seconds else None
+                if hz is None:
+                    continue
+                ranges = []
+                for argument in call.arguments[1:]:
+                    texts = [token.text for token in argument]
+                    if texts[:1] == ["["]:
+                        ranges.append((call.at, call.end))
+                    ranges += [by_name[text] for text in texts if text in by_name]
+                yield hz, ranges
+            elif call.arguments:
+                number = _number(joined(call.arguments[0]))
+                around = [b for b in self.bodies if b.begin < call.at < b.end]
+                if number and around:
+                    inner = max(around, key=lambda body: body.begin)
+                    yield number, [(inner.begin, inner.end)]
+
+    def _publishing(self, ranges: Iterable[tuple[int, int]]) -> Iterator[str]:
+        """Yield the variables on which stretches publish, and the functions that they call."""
+        by_name = {body.name: (body.begin, body.end) for body in self.bodies}
+        waiting, seen = list(ranges), set[tuple[int, int]]()
+        while waiting:
+            begin, end = waiting.pop()
+            if (begin, end) in seen:
+                continue
+            seen.add((begin, end))
+            for at in range(begin, end):
+                text = self.tokens[at].text
+                if text == "publish" and text_at(self.tokens, at - 1) in (".", "->"):
+                    yield text_at(self.tokens, at - 2)
+                elif text in by_name and text_at(self.tokens, at + 1) == "(":
+                    waiting.append(by_name[text])
+
+    def _seconds(self, argument: Sequence[Token]) -> Fraction | None:
+        """Return the seconds of a duration that is written out."""
+        text = joined(argument)
+        literal = _LITERAL.fullmatch(text)
+        if literal:
+            number = _number(literal[1])
+            return None if number is None else number * _UNITS[literal[2]]
+        words = [token.text for token in argument]
+        for at, word in enumerate(words):
+            if word in _DURATIONS:
+                rest = words[at + 1 :]
+                opening = next((i for i, t in enumerate(rest) if t in "({"), None)
+                if opening is not None:
+                    inside = "".join(rest[opening + 1 : -1])
+                    number = _number(inside)
+                    return None if number is None else number * _DURATIONS[word]
+        return None
+
+
+def _closed(tokens: Sequence[Token]) -> dict[int, int]:
+    """Return, for each bracket that opens, the index behind the one that closes it."""
+    found: dict[int, int] = {}
+    waiting: list[int] = []
+    for at, token in enumerate(tokens):
+        if token.text in ("(", "[", "{"):
+            waiting.append(at)
+        elif token.text in (")", "]", "}") and waiting:
+            found[waiting.pop()] = at + 1
+    return found | dict.fromkeys(waiting, len(tokens))
+
+
+def _may_call(name: str) -> bool:
+    return (
+        name in _TIMERS
+        or name in _RATES
+        or name in _SERVICES
+        or name in _PARAMETERS
+        or name in _TWISTS
+        or name
+        in (
+            "create_publisher",
+            "create_subscription",
+            "advertise",
+            "subscribe",
+            "Subscriber",
+            "Publisher",
+            "make_unique",
+            "make_shared",
+            "Node",
+            "LifecycleNode",
+            "init",
+        )
+    )
+
+
+def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:
+    """Return the index of the body behind the initialisers of a constructor."""
+    most = min(len(tokens), at + _MOST_INITIALISERS)
+    while at < most:
+        while at < most and text_at(tokens, at) not in ("(", "{", ";"):
+            end = angle(tokens, at) if text_at(tokens, at) == "<" else None
+            at = at + 1 if end is None else end
+        if text_at(tokens, at) in ("", ";"):
+            return at
+        at = closing(tokens, at)
+        if text_at(tokens, at) != ",":
+            return at
+        at += 1
+    return at
+
+
+def _summands(tokens: Sequence[Token]) -> Iterator[list[Token]]:
+    group: list[Token] = []
+    for token in tokens:
+        if token.text == "+":
+            yield group
+            group = []
+        else:
+            group.append(token)
+    yield group
+
+
+def _number(text: str) -> Fraction | None:
+    """Return a number, or the quotient of two, that is written out."""
+    first, slash, second = text.partition("/")
+    found = []
+    for part in (first, second) if slash else (first,):
+        match = _NUMBER.fullmatch(part.strip())
+        if match is None or len(part) > 30 or abs(int(match[2] or 0)) > 30:
+            return None
+        exponent = f"e{match[2]}" if match[2] else ""
+        found.append(Fraction(match[1].replace("'", "").rstrip(".") + exponent))
+    if slash:
+        return found[0] / found[1] if found[1] else None
+    return found[0]
+
+
+def _written(kind: str | None) -> str | None:
+    return None if kind in (None, "", "auto") else kind
+
+
+def _message(tokens: Sequence[Token]) -> str | None:
+    """Return the type of a parameter: all but its name, without wrappers."""
+    words = list(tokens)
+    if len(words) > 1 and is_word(words[-1].text) and words[-2].text not in ("::", "<", ","):
+        words = words[:-1]
+    text = joined(words)
+    known = representation(text)
+    # ROS 1 has `ImageConstPtr` beside `Image::ConstPtr`.
+    for end in ("ConstPtr", "Ptr"):
+        if known is not None and known.endswith(end):
+            known = known.removesuffix(end)
+    return known or None

@@ -1,0 +1,480 @@
+"""What programs in Python publish and hear, by their syntax trees: rclpy and rospy.
+
+From the function that starts a program the classes and functions that it names are followed,
+also into other files of the workspace. A rate is that of the timer whose callback publishes.
+"""
+
+import ast
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import islice
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.interface import Interface, Topic, rate_of
+from mars_asp.exchange.unread import Unread
+
+#: What opens a file of the workspace by the name of its module.
+Find = Callable[[str], "tuple[str, str] | None"]
+_MOST_FILES = 200
+_MOST_TIMERS = 200
+_MOST_SHOWN = 60
+_DEEPEST = 60
+_CALLS = frozenset(
+    {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
+    | {"SimpleActionServer", "SimpleActionClient"}
+)
+
+
+class _Found(NamedTuple):
+    """A topic that a call makes, the name that keeps what it returns, and its direction."""
+
+    topic: Topic
+    keeper: str | None
+    published: bool
+
+
+@dataclass(slots=True)
+class _File:
+    """A file: its tree, what it imports and what stands at its outer level."""
+
+    path: str
+    lines: list[str]
+    tree: ast.Module
+    imports: dict[str, str] = field(default_factory=dict)
+    outer: dict[str, ast.AST] = field(default_factory=dict)
+    constants: dict[str, ast.expr] = field(default_factory=dict)
+
+
+class PythonPrograms:
+    """Reads programs, each file once."""
+
+    def __init__(self, find: Find) -> None:
+        """Take what finds the text and shown path of a module."""
+        self._find = find
+        self._files: dict[str, _File | None] = {}
+
+    def interface(self, module: str, function: str | None) -> Interface | None:
+        """Return what a function of a module, or else the module as a program, does.
+
+        `None` where the module is not found or not Python.
+        """
+        file = self._file(module)
+        if file is None:
+            return None
+        return _Program(self, file, function).interface()
+
+    def _file(self, module: str) -> _File | None:
+        if module not in self._files and len(self._files) < _MOST_FILES:
+            found = self._find(module)
+            self._files[module] = None if found is None else _parsed(*found, module)
+        return self._files.get(module)
+
+
+def _parsed(text: str, path: str, module: str) -> _File | None:
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+    file = _File(path, text.split("\n"), tree)
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import(names=names):
+                for name in names:
+                    # `import a.b` binds `a`.
+                    bound = name.asname or name.name.partition(".")[0]
+                    file.imports[bound] = name.name if name.asname else bound
+            case ast.ImportFrom(module=origin, names=names, level=level):
+                above = module.split(".")[: -level or None] if level else []
+                base = ".".join((*above, *filter(None, (origin,))))
+                file.imports.update((n.asname or n.name, f"{base}.{n.name}") for n in names)
+    for statement in _flat(tree.body):
+        match statement:
+            case ast.FunctionDef(name=defined) | ast.ClassDef(name=defined):
+                file.outer[defined] = statement
+            case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
+                file.constants.setdefault(assigned, value)
+    return file
+
+
+def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+    """Yield the statements of a module, those in its conditions among them."""
+    for statement in body:
+        yield statement
+        if isinstance(statement, ast.If | ast.Try | ast.With | ast.For | ast.While):
+            yield from _flat(s for s in ast.iter_child_nodes(statement) if isinstance(s, ast.stmt))
+
+
+class _Program:
+    """Follows a program from where it starts, and collects what it does."""
+
+    def __init__(self, programs: PythonPrograms, file: _File, function: str | None) -> None:
+        self.programs = programs
+        self.start = file, function
+        self.reached: dict[tuple[str, int], tuple[_File, ast.AST]] = {}
+
+    def interface(self) -> Interface:
+        """Return what the program publishes and hears."""
+        file, function = self.start
+        entry = None if function is None else file.outer.get(function)
+        if entry is None:
+            for statement in file.tree.body:
+                if not isinstance(statement, ast.FunctionDef | ast.ClassDef):
+                    self.reach(file, statement)
+        else:
+            self.reach(file, entry)
+        if not any(isinstance(node, ast.ClassDef) for _, node in self.reached.values()):
+            # What starts a program need not name it: a loader may.
+            for node in file.outer.values():
+                self.reach(file, node)
+        parts = [_Unit(of, node) for of, node in self.reached.values()]
+        found = [each for part in parts for each in part.topics()]
+        rates = {
+            keeper: hz for part in parts for keeper, hz in part.rates().items() if hz is not None
+        }
+        published = (
+            _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
+        )
+        names = (name for part in parts for name in part.node_names())
+        unread = tuple(note for part in parts for note in part.unread)
+        return Interface(
+            tuple(published),
+            tuple(each.topic for each in found if not each.published),
+            next(names, None),
+            unread=unread,
+        )
+
+    def reach(self, file: _File, node: ast.AST) -> None:
+        """Take up a part of a program and what it names."""
+        waiting = [(file, node)]
+        while waiting:
+            of, part = waiting.pop()
+            key = of.path, getattr(part, "lineno", 0)
+            if key in self.reached:
+                continue
+            self.reached[key] = of, part
+            for name in _mentioned(part):
+                target = self.target(of, name)
+                if target is not None:
+                    waiting.append(target)
+
+    def target(self, file: _File, name: str) -> tuple[_File, ast.AST] | None:
+        """Return the function or class of the workspace that a name stands for."""
+        first, _, rest = name.partition(".")
+        if first in file.outer:
+            return file, file.outer[first]
+        if first in file.imports:
+            full = f"{file.imports[first]}.{rest}" if rest else file.imports[first]
+            module, _, last = full.rpartition(".")
+            found = self.programs._file(module) if module else None
+            if found is not None and last in found.outer:
+                return found, found.outer[last]
+        return None
+
+
+def _at_rate(topic: Topic, hz: Fraction | None) -> Topic:
+    return Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
+
+
+def _mentioned(part: ast.AST) -> Iterator[str]:
+    """Yield the names, dotted ones whole, that a part of a program mentions."""
+    for node in ast.walk(part):
+        if isinstance(node, ast.Name):
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            dotted = _dotted(node)
+            if dotted:
+                yield dotted
+
+
+def _dotted(node: ast.expr) -> str:
+    names: list[str] = []
+    while isinstance(node, ast.Attribute):
+        names.append(node.attr)
+        node = node.value
+    return ".".join((node.id, *reversed(names))) if isinstance(node, ast.Name) else ""
+
+
+class _Unit:
+    """A class or function of a program, with the names that hold within it."""
+
+    def __init__(self, file: _File, node: ast.AST) -> None:
+        self.file = file
+        self.node = node
+        self.unread: list[Unread] = []
+        self.values: dict[str, ast.expr] = dict(file.constants)
+        self.parameters: dict[str, ast.expr] = {}
+        self.calls: list[tuple[ast.Call, str | None]] = []
+        for each in ast.walk(node):
+            match each:
+                case ast.Assign(targets=[target], value=value):
+                    name = _keeper(target)
+                    if name:
+                        self.values[name] = value
+                    if isinstance(value, ast.Call):
+                        self.calls.append((value, name))
+                case ast.AnnAssign(target=target, value=ast.expr() as value):
+                    name = _keeper(target)
+                    if name:
+                        self.values[name] = value
+                    if isinstance(value, ast.Call):
+                        self.calls.append((value, name))
+        known = {id(call) for call, _ in self.calls}
+        for each in ast.walk(node):
+            if isinstance(each, ast.Call):
+                if id(each) not in known:
+                    self.calls.append((each, None))
+                if _called(each) == "declare_parameter" and each.args:
+                    name = self.text(each.args[0])
+                    if name is not None and len(each.args) > 1:
+                        self.parameters[name] = each.args[1]
+        self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
+
+    def span(self, node: ast.expr) -> Span:
+        """Return where a topic is named."""
+        line = node.lineno
+        text = self.file.lines[line - 1] if line <= len(self.file.lines) else ""
+        column = len(text.encode()[: node.col_offset].decode(errors="ignore")) + 1
+        end = column + 1
+        if node.end_lineno == line and node.end_col_offset is not None:
+            end = len(text.encode()[: node.end_col_offset].decode(errors="ignore")) + 1
+        return Span(self.file.path, line, column, line, end)
+
+    def shown(self, node: ast.expr) -> str:
+        """Return an expression as it is written, of a long one its beginning."""
+        span = self.span(node)
+        line = self.file.lines[span.line - 1] if span.line <= len(self.file.lines) else ""
+        return line[span.column - 1 : span.end_column - 1][:_MOST_SHOWN]
+
+    def topics(self) -> Iterator[_Found]:
+        """Yield the topics that calls make."""
+        for call, keeper in self.calls:
+            name = _called(call)
+            owner = _dotted(call.func).rpartition(".")[0]
+            match name:
+                case "create_publisher":
+                    yield from self.topic(call, keeper, 0, 1, True)
+                case "create_subscription":
+                    yield from self.topic(call, keeper, 0, 1, False)
+                case "Publisher" if owner in ("rospy", ""):
+                    yield from self.topic(call, keeper, 1, 0, True)
+                case "Subscriber" if owner == "rospy":
+                    yield from self.topic(call, keeper, 1, 0, False)
+                case "Subscriber" if owner == "message_filters" or len(call.args) >= 2:
+                    # With rclpy the node comes first, with rospy the topic.
+                    first = call.args[0] if call.args else None
+                    is_named = isinstance(first, ast.Constant)
+                    yield from self.topic(call, keeper, 1, 0 if is_named else 2, False)
+                case _ if name in _CALLS:
+                    self.note("services and actions", call, name)
+
+    def topic(
+        self, call: ast.Call, keeper: str | None, type_at: int, name_at: int, published: bool
+    ) -> Iterator[_Found]:
+        """Yield the topic that a call makes, if its name is written somewhere."""
+        named = {k.arg: k.value for k in call.keywords if k.arg}
+        kind = named.get("msg_type") or named.get("data_class")
+        name = named.get("topic") or named.get("name")
+        if kind is None and type_at < len(call.args):
+            kind = call.args[type_at]
+        if name is None and name_at < len(call.args):
+            name = call.args[name_at]
+        if name is None or kind is None:
+            return
+        parameter = self.parameter(name)
+        text = self.text(name)
+        if text is None and parameter is None:
+            self.note("topics named at run time", name, self.shown(name))
+            return
+        topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+        yield _Found(topic, keeper, published)
+
+    def note(self, sort: str, node: ast.expr, name: str) -> None:
+        """Note something that is not read."""
+        self.unread.append(Unread(sort, name, self.span(node)))
+
+    def type(self, node: ast.expr) -> str | None:
+        """Return the message type that an expression names."""
+        dotted = _dotted(node)
+        first, _, rest = dotted.partition(".")
+        if not dotted:
+            return None
+        full = self.file.imports.get(first, first) + (f".{rest}" if rest else "")
+        return full.replace(".", "/")
+
+    def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
+        """Return the parameter whose value an expression is."""
+        if depth > _DEEPEST:
+            return None
+        match node:
+            case ast.Attribute(value=inner, attr="value" | "string_value"):
+                return self.parameter(inner, depth + 1)
+            case ast.Call() if _called(node) in ("get_parameter_value", "as_string", "str"):
+                if isinstance(node.func, ast.Attribute):
+                    return self.parameter(node.func.value, depth + 1)
+                return self.parameter(node.args[0], depth + 1) if node.args else None
+            case ast.Call() if _called(node) in (
+                "get_parameter",
+                "declare_parameter",
+                "get_param",
+                "get_parameter_or",
+            ):
+                name = self.text(node.args[0]) if node.args else None
+                if name is not None and len(node.args) > 1:
+                    self.parameters.setdefault(name, node.args[1])
+                return None if name is None else name.lstrip("~")
+            case ast.Name() | ast.Attribute():
+                held = self.values.get(_keeper(node) or "")
+                return None if held is None else self.parameter(held, depth + 1)
+            case _:
+                return None
+
+    def text(self, node: ast.expr, depth: int = 0) -> str | None:
+        """Return the text that an expression is, if it is written somewhere."""
+        if depth > _DEEPEST:
+            return None
+        match node:
+            case ast.Constant(value=str() as value):
+                return value
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                first, second = self.text(left, depth + 1), self.text(right, depth + 1)
+                return None if first is None or second is None else first + second
+            case ast.JoinedStr(values=values):
+                parts = [
+                    self.text(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
+                    for v in values
+                ]
+                return None if None in parts else "".join(filter(None, parts))
+            case ast.Name() | ast.Attribute():
+                name = _keeper(node)
+                parameter = self.parameter(node)
+                if parameter is not None:
+                    default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
+                    return None if default is None else self.text(default, depth + 1)
+                held = self.values.get(name or "")
+                return None if held is None else self.text(held, depth + 1)
+            case ast.Call():
+                parameter = self.parameter(node)
+                default = self.parameters.get(parameter or "")
+                if default is None and parameter is not None:
+                    default = self.parameters.get(f"~{parameter}")
+                return None if default is None else self.text(default, depth + 1)
+            case _:
+                return None
+
+    def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
+        """Return the number that an expression is, if it is written somewhere."""
+        if depth > _DEEPEST:
+            return None
+        match node:
+            case ast.Constant(value=bool()):
+                return None
+            case ast.Constant(value=int() | float() as value):
+                text = repr(value)
+                return Fraction(text) if text not in ("inf", "nan") else None
+            case ast.BinOp(left=left, op=ast.Div() | ast.Mult() as sign, right=right):
+                first, second = self.number(left, depth + 1), self.number(right, depth + 1)
+                if first is None or second is None:
+                    return None
+                if isinstance(sign, ast.Mult):
+                    return first * second
+                return first / second if second else None
+            case ast.Name() | ast.Attribute():
+                held = self.values.get(_keeper(node) or "")
+                return None if held is None else self.number(held, depth + 1)
+            case ast.Call() if _called(node) in ("Duration", "float", "from_sec") and node.args:
+                return self.number(node.args[0], depth + 1)
+            case ast.Call(keywords=[ast.keyword(arg="seconds", value=value)]):
+                return self.number(value, depth + 1)
+            case _:
+                return None
+
+    def rates(self) -> Mapping[str, Fraction | None]:
+        """Return how often each publisher publishes: `None` where two timers differ."""
+        found: dict[str, Fraction | None] = {}
+        for hz, functions in islice(self.timers(), _MOST_TIMERS):
+            for keeper in self.publishing(functions):
+                found[keeper] = hz if found.get(keeper, hz) == hz else None
+        return found
+
+    def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
+        """Yield the rate of each timer, and what it calls."""
+        for call, _ in self.calls:
+            name = _called(call)
+            named = {k.arg: k.value for k in call.keywords if k.arg}
+            if name in ("create_timer", "Timer", "create_wall_timer"):
+                period = named.get("timer_period_sec") or (call.args[0] if call.args else None)
+                callback = named.get("callback") or (call.args[1] if len(call.args) > 1 else None)
+                seconds = None if period is None else self.number(period)
+                if seconds and seconds > 0 and callback is not None:
+                    hz = rate_of(seconds)
+                    if hz is not None:
+                        yield hz, self.functions(callback)
+            elif name in ("Rate", "create_rate") and call.args:
+                number = self.number(call.args[0])
+                if number and number > 0:
+                    yield number, [each for each in self.bodies() if _encloses(each, call)]
+
+    def bodies(self) -> Iterator[ast.AST]:
+        """Yield the functions in this part of the program, or all of it."""
+        every = list(ast.walk(self.node))
+        yield from [each for each in every if isinstance(each, ast.FunctionDef)] or every[:1]
+
+    def functions(self, callback: ast.expr) -> list[ast.AST]:
+        """Return what a callback is."""
+        if isinstance(callback, ast.Lambda):
+            return [callback]
+        name = _keeper(callback)
+        last = (name or "").rpartition(".")[2]
+        return [each for each in self.bodies() if getattr(each, "name", None) == last]
+
+    def publishing(self, functions: Iterable[ast.AST]) -> Iterator[str]:
+        """Yield what keeps the publishers on which functions, and those that they call, publish."""
+        waiting, seen = list(functions), set[int]()
+        by_name = {getattr(each, "name", ""): each for each in self.bodies()}
+        while waiting:
+            function = waiting.pop()
+            if id(function) in seen:
+                continue
+            seen.add(id(function))
+            for each in ast.walk(function):
+                if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
+                    if each.func.attr == "publish":
+                        keeper = _keeper(each.func.value)
+                        if keeper:
+                            yield keeper
+                    elif _dotted(each.func.value) == "self" and each.func.attr in by_name:
+                        waiting.append(by_name[each.func.attr])
+
+    def node_names(self) -> Iterator[str]:
+        """Yield the names that the program gives its node."""
+        for call, _ in self.calls:
+            name = _called(call)
+            is_super = isinstance(call.func, ast.Attribute) and (
+                isinstance(call.func.value, ast.Call) and _called(call.func.value) == "super"
+            )
+            named = {k.arg: k.value for k in call.keywords if k.arg}
+            given = named.get("node_name") or (call.args[0] if call.args else None)
+            is_init = name == "__init__" and _dotted(call.func) in ("Node.__init__",)
+            if is_init:
+                given = call.args[1] if len(call.args) > 1 else given
+            if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
+                text = None if given is None else self.text(given)
+                if text:
+                    yield text
+
+
+def _encloses(outer: ast.AST, inner: ast.AST) -> bool:
+    return any(each is inner for each in ast.walk(outer))
+
+
+def _called(call: ast.Call) -> str:
+    if isinstance(call.func, ast.Attribute):
+        return call.func.attr
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
+def _keeper(target: ast.expr) -> str | None:
+    """Return the name of a variable, or of one of `self`."""
+    return _dotted(target) or None

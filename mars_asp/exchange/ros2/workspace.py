@@ -1,0 +1,179 @@
+"""The files of a workspace: found below its folder, read within limits, never through its walls.
+
+Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
+"""
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.unread import Unread
+from mars_asp.language.parse import decode, plain_lines, read_bytes
+
+#: What a launch file or a source may hold, and how many files a workspace.
+MOST_BYTES = 4 * 1024 * 1024
+_MOST_FILES = 100_000
+_SKIPPED = frozenset(
+    {"build", "install", "log", "devel", "node_modules", "__pycache__", "test", "tests"}
+)
+_SHARE = re.compile(r"^\$\((?:find-pkg-share|find-pkg-prefix|find) +([^) ]+)\)(?:/share/[^/]+)?/?")
+_SOURCES = frozenset({".py", ".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
+_KEPT = frozenset(
+    {*_SOURCES, ".xml", ".yaml", ".yml", ".launch", ".cfg", ".txt", ".test", ".toml", ".cmake"}
+)
+_XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Package:
+    """A package: its name and folder."""
+
+    name: str
+    folder: Path
+
+
+class Workspace:
+    """The files below a folder."""
+
+    def __init__(self, root: Path, named: str) -> None:
+        """Take the folder that holds everything, and a path by which the user named it."""
+        self.root = root.resolve()
+        self.named = named
+        self.unread: list[Unread] = []
+        self._is_absolute = Path(named).is_absolute()
+        self._texts: dict[Path, str] = {}
+        self._shown: dict[Path, str] = {}
+
+    def given(self, path: str, text: str) -> Path:
+        """Return the path of a file or folder that the user names, of a file with its text."""
+        there = Path(path).exists()
+        # What the user names is read, wherever it is linked to.
+        found = Path(path).resolve() if there else self.root / path
+        self._shown[found] = path
+        if not found.is_dir():
+            self._texts[found] = text
+        return found
+
+    def shown(self, file: Path) -> str:
+        """Return a file's path as the user would write it."""
+        if file not in self._shown:
+            self._shown[file] = str(file) if self._is_absolute else os.path.relpath(file)
+        return self._shown[file]
+
+    @cached_property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the kinds that are read, without those of folders that are built."""
+        found: list[Path] = []
+        for folder, folders, names in os.walk(self.root):
+            folders[:] = sorted(
+                name
+                for name in folders
+                if not name.startswith(".")
+                and name not in _SKIPPED
+                # What was installed or is not to be built says the same once more, or nothing.
+                and not (Path(folder) / name / "COLCON_IGNORE").exists()
+            )
+            at = Path(folder)
+            for name in folders:
+                self._note_link(at / name)
+            for name in sorted(names):
+                path = at / name
+                if path.is_symlink():
+                    if self._note_link(path):
+                        continue
+                if path.suffix.lower() in _KEPT or os.access(path, os.X_OK):
+                    found.append(path)
+            if len(found) > _MOST_FILES:
+                message = f"more than {_MOST_FILES} files lie below the folder"
+                help_text = "name the folder of a package, or a launch file"
+                place = point(self.named, 1, 1)
+                raise MarsError((Diagnostic("ros2", "error", message, place, help=help_text),))
+        return tuple(found)
+
+    def _note_link(self, path: Path) -> bool:
+        """Whether a path is a link that leads out of the workspace, or nowhere; it is noted."""
+        if not path.is_symlink() or self._inside(path) is not None:
+            return False
+        place = point(self.shown(path), 1, 1)
+        self.unread.append(Unread("links out of the workspace", path.name, place))
+        return True
+
+    def _inside(self, path: Path) -> Path | None:
+        """Return the path of a regular file or folder that lies in the workspace, without links."""
+        try:
+            real = path.resolve()
+        except (OSError, RuntimeError):
+            return None
+        inside = real == self.root or self.root in real.parents
+        return real if inside and (real.is_file() or real.is_dir()) else None
+
+    @cached_property
+    def packages(self) -> tuple[Package, ...]:
+        """The packages, those that lie in others first."""
+        found = []
+        for file in self.files:
+            if file.name == "package.xml":
+                try:
+                    text = _COMMENT.sub("", self.text(file))
+                except MarsError:
+                    continue
+                match = _XML_NAME.search(text)
+                if match:
+                    found.append(Package(match[1], file.parent))
+        return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
+
+    def package(self, name: str) -> Package | None:
+        """Return a package by its name."""
+        return next((each for each in self.packages if each.name == name), None)
+
+    def package_of(self, file: Path) -> Package | None:
+        """Return the package that a file lies in."""
+        return next((each for each in self.packages if each.folder in file.parents), None)
+
+    def files_of(self, package: Package) -> Iterator[Path]:
+        """Yield the files of a package, without those of packages that lie in it."""
+        for file in self.files:
+            if package.folder in file.parents and self.package_of(file) is package:
+                yield file
+
+    def find(self, path: str, folder: Path) -> Path | None:
+        """Return the file that a path of a launch file in a folder names, if it lies here."""
+        if not path or "\0" in path or len(path) > 4096:
+            return None
+        match = _SHARE.match(path)
+        candidates: Sequence[Path] = (folder / path,)
+        if match:
+            package = self.package(match[1])
+            if package is None:
+                return None
+            candidates = (package.folder / path[match.end() :],)
+        for candidate in candidates:
+            try:
+                found = self._inside(candidate)
+            except (OSError, ValueError):
+                continue
+            if found is not None and found.is_file():
+                return found
+        return None
+
+    def text(self, file: Path) -> str:
+        r"""Return the text of a file, with `\n` for every line end.
+
+        Raises:
+            MarsError: it is too large, cannot be read, or is no text.
+        """
+        if file not in self._texts:
+            shown = self.shown(file)
+            raw = read_bytes(file, MOST_BYTES)
+            text = plain_lines(decode(raw, shown, MOST_BYTES))
+            if "\0" in text:
+                message, help_text = "the file is not a text", "name a launch file or a folder"
+                place = point(shown, 1, 1)
+                raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
+            self._texts[file] = text
+        return self._texts[file]
