@@ -65,9 +65,7 @@ FILES = {
         "recognise lift yaml_document unread ports unite urdf twist_mux rosgraph dora foreign"
     ),
     "exchange/dora": "document read",
-    "exchange/rosgraph": (
-        "graph lists rosdiscover caret dot_tokens dot node_info topic_info read"
-    ),
+    "exchange/rosgraph": ("graph lists rosdiscover caret dot_tokens dot node_info topic_info read"),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles elements document read write",
     "draw": (

@@ -57,8 +57,8 @@ def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
         if path == STANDARD_INPUT:
             path = SHOWN_INPUT
             text = read_input(path)
-        parsed, _, _ = _parse(arguments, path, text)
-    if not parsed.configuration.muxes:
+        parsed, _, foreign = _parse(arguments, path, text)
+    if foreign is None:
         return parsed
     from mars_asp.exchange.lift import lifted
 

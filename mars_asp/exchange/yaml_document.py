@@ -146,7 +146,7 @@ class _Reader:
                     )
                 self.add(*found, span)
             case yaml.ScalarEvent():
-                scalar = Scalar(event.value, event.style is not None, span)
+                scalar = Scalar(event.value, bool(event.style), span)
                 self.keep(event.anchor, scalar, 1)
                 self.add(scalar, 1, span)
             case yaml.SequenceStartEvent() | yaml.MappingStartEvent():

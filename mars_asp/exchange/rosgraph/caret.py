@@ -112,7 +112,8 @@ def rate_of(period_ns: int) -> Rate | None:
     """
     milliseconds = Fraction(period_ns, 1_000_000)
     if milliseconds.denominator == 1 and milliseconds <= MOST:
-        return every(int(milliseconds), "ms")
+        seconds, rest = divmod(int(milliseconds), 1000)
+        return every(int(milliseconds), "ms") if rest else every(seconds, "s")
     hz = round(Fraction(_NANOSECONDS, period_ns), _DECIMALS)
     return Rate(hz) if 0 < hz <= Fraction(MOST, 1000) else None
 

@@ -1,0 +1,114 @@
+"""Dataflows of dora: files with what they say beside them, and files that are refused."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
+from mars_asp.exchange import ports
+from mars_asp.exchange.dora import import_dora
+from mars_asp.exchange.recognise import recognised
+from mars_asp.language import parse_text, print_configuration
+from tests.support.documents import ROOT
+from tests.support.imported import findings_of, meaning, place, said
+
+FILES = sorted((ROOT / "tests" / "dora").glob("*.yml"))
+named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
+
+
+@named
+def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert recognised(text) == "dora"
+    found = "\n".join(said(import_dora([(text, file.name)]))) + "\n"
+    golden = file.with_suffix(".txt")
+    if update_golden:
+        golden.write_text(found, encoding="utf-8")
+    assert golden.read_text(encoding="utf-8") == found
+
+
+@named
+def test_what_is_printed_means_what_was_read(file: Path) -> None:
+    found = import_dora([(file.read_text(encoding="utf-8"), file.name)]).configuration
+    assert meaning(parse_text(print_configuration(found), "a.mars").configuration) == meaning(found)
+
+
+NODE = "nodes:\n- id: a\n  "
+#: A text, and all that is wrong with it.
+REFUSED = [
+    ("nodes: {}\n", ["1:1: error: the dataflow has no list of nodes"]),
+    ("nodes: [a, {path: x}]\n",
+     ["1:9: error: a node is not a map", "1:12: error: a node has no id"]),
+    ("nodes:\n- id: a/b\n", ["2:7: error: the id `a/b` holds a `/`"]),
+    ('nodes:\n- id: "a\\n"\n', ["2:7: error: `a\n` cannot be a name"]),
+    ("nodes:\n- id: a\n- id: a\n", ["3:7: error: two nodes have the id `a`"]),
+    (NODE + "outputs: 1\n", ["3:12: error: the outputs of `a` are not a list"]),
+    (NODE + "outputs: [x, [], x]\n",
+     ["3:16: error: an output of `a` is not a name", "3:20: error: `a` has two outputs `x`"]),
+    (NODE + "inputs: [b/x]\n", ["3:11: error: the inputs of `a` are not a map"]),
+    (NODE + "inputs: {i: , j: {queue_size: 1}}\n",
+     ["3:12: error: input `i` of `a` has no source",
+      "3:17: error: input `j` of `a` has no source"]),
+    (NODE + "inputs:\n    i: x\n    j: dora/timer/millis/0\n    k: dora/timer/days/1\n",
+     ["4:8: error: `x`, which input `i` of `a` takes, is no output",
+      "5:8: error: `dora/timer/millis/0`, which input `j` of `a` takes, is no output",
+      "6:8: error: `dora/timer/days/1`, which input `k` of `a` takes, is no output"]),
+    (NODE + "operator: 1\n",
+     ["3:3: error: `a` is not one of `custom`, `operator` and `operators`"]),
+    (NODE + "operators: [1, {}]\n",
+     ["3:15: error: an operator is not a map", "3:18: error: an operator has no id"]),
+    (NODE + "x: !!python/name:os.system y\n",
+     ["3:6: error: tag `tag:yaml.org,2002:python/name:os.system` is not read"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
+def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list[str]) -> None:
+    with pytest.raises(MarsError) as caught:
+        import_dora([(text, "d.yml")])
+    assert [place(d) for d in caught.value.diagnostics] == wrong
+    assert all(d.help for d in caught.value.diagnostics)
+
+
+def test_more_ports_than_any_robot_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ports, "MOST", 2)
+    with pytest.raises(MarsError, match="d.yml:3:19: there are more than 2 inputs and outputs"):
+        import_dora([(NODE + "outputs: [x, y, z]\n", "d.yml")])
+
+
+def test_a_wire_to_nothing_is_found_at_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "d.yml"
+    path.write_text(
+        "nodes:\n- id: camera\n  outputs: [image]\n- id: plot\n  inputs:\n"
+        "    image: camera/imgae\n    boxes: detector/boxes\n",
+        encoding="utf-8",
+    )
+    assert run_here(["analyse", "--quiet", str(path)]) == 1
+    found = " ".join(capsys.readouterr().out.split())
+    assert "d.yml:6:12: error: undeclared_port: `camera` has no output" in found
+    assert "d.yml:7:12: error: undeclared_module: `detector` takes part" in found
+
+
+# ---- Real files ----------------------------------------------------------------------------------
+
+SHARED = ROOT.parents[1] / "shared" / "cases" / "imports" / "dora"
+#: How many modules and lines there are, and the findings, as the files' README tells them.
+KNOWN = {
+    "dora-typed-dataflow-dataflow": (3, 2, []),
+    "dora-python-operator-dataflow-dataflow": (4, 5, ["data_divergence(webcam)"]),
+    "dora-benchmark-dataflow": (2, 2, []),
+}
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
+@pytest.mark.parametrize("name", KNOWN)
+def test_real_files_give_their_known_answers(name: str) -> None:
+    path = SHARED / f"{name}.yml"
+    found = import_dora([(path.read_text(encoding="utf-8"), str(path))])
+    modules, lines, _ = KNOWN[name]
+    configuration = found.configuration
+    assert (len(configuration.modules), len(configuration.relationships)) == (modules, lines)
+    assert findings_of(found) == KNOWN[name][2]

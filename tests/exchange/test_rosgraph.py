@@ -1,0 +1,261 @@
+"""Dumps of graphs: files with what they say beside them, and files that are refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
+from mars_asp.exchange.recognise import dump_of, recognised
+from mars_asp.exchange.rosgraph import import_rosgraph
+from mars_asp.language import parse_text, print_configuration
+from mars_asp.model.declarations import Control, Data
+from tests.support.documents import ROOT
+from tests.support.imported import findings_of, meaning, place, said
+
+FOLDER = ROOT / "tests" / "rosgraph"
+FILES = sorted(path for path in FOLDER.iterdir() if path.suffix != ".said")
+named = pytest.mark.parametrize("file", FILES, ids=lambda path: path.name)
+
+
+@named
+def test_each_file_says_what_stands_beside_it(file: Path, update_golden: bool) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert recognised(text) == "rosgraph"
+    found = "\n".join(said(import_rosgraph([(text, file.name)]))) + "\n"
+    golden = file.with_name(f"{file.name}.said")
+    if update_golden:
+        golden.write_text(found, encoding="utf-8")
+    assert golden.read_text(encoding="utf-8") == found
+
+
+@named
+def test_what_is_printed_means_what_was_read(file: Path) -> None:
+    found = import_rosgraph([(file.read_text(encoding="utf-8"), file.name)]).configuration
+    assert meaning(parse_text(print_configuration(found), "a.mars").configuration) == meaning(found)
+
+
+def test_all_five_kinds_have_a_file() -> None:
+    kinds = {dump_of(file.read_text(encoding="utf-8")) for file in FILES}
+    assert kinds == {"rosdiscover", "caret", "dot", "node_info", "topic_info"}
+
+
+# ---- Several dumps -------------------------------------------------------------------------------
+
+DRAWN = 'digraph g { n___a [label="/a"]; n___b [label="/b"]; n___a -> n___b [label="/cmd_vel"]; }'
+TOPIC = "Type: geometry_msgs/msg/Twist\n\nPublisher count: 1\n\nNode name: {}\nNode namespace: /\n"
+
+
+def test_what_one_dump_leaves_open_another_says() -> None:
+    drawn = import_rosgraph([(DRAWN, "g.dot")])
+    assert [type(line) for line in drawn.configuration.relationships] == [Data]
+    both = import_rosgraph([(DRAWN, "g.dot"), (TOPIC.format("c"), "cmd_vel.txt")])
+    (first, second) = both.configuration.relationships
+    assert isinstance(first, Control)
+    assert isinstance(second, Control)
+    assert [first.controlled, first.controller, first.priority] == ["/b", "/a", 0]
+    assert [second.controlled, second.controller, second.span.path] == ["/b", "/c", "cmd_vel.txt"]
+
+
+def test_a_controlled_node_is_not_said_to_be_unable_to_move() -> None:
+    text = (
+        "/base\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n    /map: nav/msg/Map\n"
+        "  Publishers:\n    /odom: nav_msgs/msg/Odometry\n/joy\n  Publishers:\n"
+        "    /cmd_vel: geometry_msgs/msg/Twist\n/wheels\n  Subscribers:\n"
+        "    /cmd_vel: geometry_msgs/msg/Twist\n/map_server\n  Publishers:\n    /map: nav/msg/Map\n"
+    )
+    found = import_rosgraph([(text, "a.txt")])
+    assert "/wheels" not in {module.name for module in found.configuration.declared}
+    assert findings_of(found) == ["control_divergence(/joy)"]
+
+
+def test_a_command_that_nobody_takes_is_a_loose_end() -> None:
+    text = (
+        "/joy\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "/base\n  Subscribers:\n    /cmdvel: geometry_msgs/msg/Twist\n"
+    )
+    assert "loose_end(/base./cmdvel)" in findings_of(import_rosgraph([(text, "a.txt")]))
+
+
+def test_a_node_does_not_command_itself() -> None:
+    text = (
+        "/joy\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "/base\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+    )
+    found = import_rosgraph([(text, "a.txt")])
+    (line,) = found.configuration.relationships
+    assert isinstance(line, Control)
+    assert (line.controlled, line.controller) == ("/base", "/joy")
+
+
+# ---- Files that are refused ----------------------------------------------------------------------
+
+NAMED = '- fullname: /a\n  pubs: [{name: "/x'
+TIMER = "nodes:\n- node_name: /a\n  callbacks:\n  - {callback_type: timer_callback, period_ns: "
+WHOLE = "of `/a` has no period of whole nanoseconds above 0"
+#: The kind of a dump, a text, and all that is wrong with it.
+REFUSED = [
+    ("rosdiscover", "- fullname: /a\n  pubs: 1\n- 2\n- {}\n- name: ''\n  subs: []",
+     ["2:9: error: `pubs` is not a list", "3:3: error: an entry of `nodes` is not a map",
+      "4:3: error: a node has no `fullname`", "5:3: error: a node has no `fullname`"]),
+    ("rosdiscover", "- fullname: /a\n  pubs: [{format: a/B}, 3]\n",
+     ["2:10: error: an entry of `pubs` of `/a` has no `name`",
+      "2:25: error: an entry of `pubs` is not a map"]),
+    ("rosdiscover", NAMED + '\\n", format: a/B}]\n', ["2:17: error: `/x\n` cannot be a name"]),
+    ("rosdiscover", NAMED + '", format: a/B}]\n  x: &a [*a]\n',
+     ["3:10: error: alias `*a` has no complete anchor above it"]),
+    ("rosdiscover", "- fullname: /a\n  pubs: []\n  subs: [{name: /tf}]\n",
+     ["1:1: error: no node has a topic that is read"]),
+    ("rosdiscover", NAMED + '"}]\n  reads: ' + "[" * 100_000,
+     ["3:72: error: lists and maps are nested deeper than 64"]),
+    ("rosdiscover", "- fullname: /a\n  pubs: []\n" + "  a0: &a0 [x]\n" + "".join(
+        f"  a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 9)),
+     ["9:47: error: with its aliases the file has more than 1000000 nodes"]),
+    ("caret", TIMER + "0}\n", [f"4:48: error: a timer {WHOLE}"]),
+    ("caret", TIMER + "9" * 5000 + "}\n", [f"4:48: error: a timer {WHOLE}"]),
+    ("caret", "nodes:\n- node_name: /a\n  callbacks: [{}, {type: subscription_callback}]\n- 1",
+     ["3:15: error: a callback of `/a` has no `callback_type`",
+      "3:19: error: a subscription of `/a` has no `topic_name`",
+      "4:3: error: an entry of `nodes` is not a map"]),
+    ("dot", "digraph g {}", ["1:1: error: the graph has no edges"]),
+    ("dot", "digraph g {\na -- b }",
+     ["2:3: error: an edge without a direction says nothing of who publishes"]),
+    ("dot", 'digraph g { a [label="' + "\\x" * 100_000, ["1:22: error: this text does not end"]),
+    ("dot", "digraph g { a [label=<<b>a</b>>]; a -> b [label=x] }",
+     ["1:22: error: a label in HTML, which is not read"]),
+    ("dot", "digraph g { a [label=" + "<" * 99_999,
+     ["1:22: error: this text in HTML does not end"]),
+    ("dot", "digraph g { /* " + "*" * 100_000, ["1:13: error: this comment does not end"]),
+    ("dot", "digraph g " + "{" * 100_000, ["1:76: error: subgraphs are nested deeper than 64"]),
+    ("dot", "digraph g { a ->", ["1:17: error: the text ends within the graph"]),
+    ("dot", "digraph g { a [[", ["1:16: error: expected the name of an attribute, found `[`"]),
+    ("dot", "digraph g { a -> {b c} }", ["1:18: error: expected the name of a node, found `{`"]),
+    ("dot", "digraph g { a -> b [label=;] }", ["1:27: error: expected a value, found `;`"]),
+    ("dot", "digraph g { ? }", ["1:13: error: character U+003F has no meaning here"]),
+    ("node_info", "  Subscribers:\n    /x: a/msg/B\n",
+     ["1:3: error: `Subscribers` of a node without a name"]),
+    ("topic_info", "Type: a/msg/B\nPublisher count: 2\n\nSubscription count: 0\n",
+     ["2:18: error: the nodes at `/cmd_vel` are counted, but not named"]),
+    ("topic_info", TOPIC.format("a") + TOPIC.format("b"),
+     ["1:7: error: nothing says which topic this is about",
+      "7:7: error: nothing says which topic this is about"]),
+    (None, "hello\n", ["1:1: error: this is no dump of a graph that is known"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
+def test_each_file_that_is_refused_says_all_that_is_wrong(
+    kind: str | None, text: str, wrong: list[str]
+) -> None:
+    assert dump_of(text) == kind
+    with pytest.raises(MarsError) as caught:
+        import_rosgraph([(text, "cmd_vel.txt")])
+    assert [place(d) for d in caught.value.diagnostics] == wrong
+    assert all(d.help for d in caught.value.diagnostics)
+
+
+# ---- The command line ----------------------------------------------------------------------------
+
+
+def told(words: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    status = run_here(words.split())
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, text in {
+        "g.dot": DRAWN,
+        "cmd_vel.txt": TOPIC.format("c"),
+        "ours.mars": "@configuration\n@modules A\n",
+        "flow.yml": "nodes:\n- id: a\n  outputs: [x]\n- id: b\n  inputs: {i: a/x}\n",
+    }.items():
+        Path(name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_files_of_others_are_one_robot_and_each_of_ours_is_its_own(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, found, _ = told("check --format json g.dot ours.mars cmd_vel.txt flow.yml", capsys)
+    files = json.loads(found)["files"]
+    assert [(each["path"], each["further"]) for each in files] == [
+        ("g.dot", ["cmd_vel.txt", "flow.yml"]),
+        ("ours.mars", []),
+    ]
+    _, found, _ = told("analyse --quiet g.dot cmd_vel.txt flow.yml", capsys)
+    assert "cmd_vel.txt:5:12: warning: ambiguous_priority: `/a` and `/c` control" in found
+    status, _, found = told("analyse g.dot ours.mars", capsys)
+    assert status == 2
+    assert "`ours.mars` is a robot of its own" in found
+
+
+def test_words_before_the_subject_of_explain_are_files(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, found, _ = told("explain --quiet g.dot cmd_vel.txt ambiguous_priority", capsys)
+    assert status == 0
+    assert "ambiguous_priority(/b)" in found
+
+
+def test_what_is_imported_says_where_it_is_from_and_reads_back(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, found, _ = told("import rosgraph g.dot cmd_vel.txt", capsys)
+    assert status == 0
+    assert "/b is_controlled_by /a 0  // from g.dot:1\n" in found
+    assert "/b is_controlled_by /c 0  // from cmd_vel.txt:5\n" in found
+    assert "\n// from g.dot:1\n@module_start\n@module_name /a\n" in found
+    read = import_rosgraph([(DRAWN, "g.dot"), (TOPIC.format("c"), "cmd_vel.txt")])
+    assert meaning(parse_text(found, "a.mars").configuration) == meaning(read.configuration)
+
+
+# ---- Real files ----------------------------------------------------------------------------------
+
+SHARED = ROOT.parents[1] / "shared" / "cases" / "imports" / "rosdiscover"
+IMU = "/error_reproducer./imu/data_compass"
+RIGHT, LEFT = "/error_reproducer./right_camera", "/error_reproducer./left_camera"
+#: Of each file some loose inputs with their candidates, the first of them, as its README tells.
+KNOWN: dict[str, dict[str, list[str]]] = {
+    "husky-02.buggy": {IMU: ["/gazebo./imu/data", "/gazebo./imu/data/bias"]},
+    "husky-02.fixed": {IMU: []},
+    "autoware-02.buggy": {"/lattice_trajectory_gen./control_pose": ["/odom_gen./sim_pose"]},
+    "autoware-02.fixed": {"/lattice_trajectory_gen./control_pose": []},
+    "autorally-03.buggy": {
+        RIGHT: ["/gazebo./camera/right/image_raw"],
+        LEFT: ["/gazebo./camera/left/image_raw"],
+    },
+    "autorally-03.fixed": {
+        RIGHT: ["/gazebo./right_camera/image_raw"],
+        LEFT: ["/gazebo./left_camera/image_raw"],
+    },
+    "autoware-07.buggy": {"/lane_rule./lane_waypoints_array": []},
+    "autoware-07.fixed": {"/lane_rule./lane_waypoints_array": []},
+}
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
+@pytest.mark.parametrize("name", KNOWN)
+def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    _, found, _ = told(f"analyse --format json {SHARED / name}.yml", capsys)
+    consequences = json.loads(found)["consequences"]
+    loose = {c["subject"]: c["participants"] for c in consequences if c["kind"] == "loose_end"}
+    for subject, first in KNOWN[name].items():
+        candidates = [p for p in loose.get(subject, []) if p != subject]
+        assert candidates[: len(first) or 1] == first
+    assert not [c for c in consequences if c["severity"] == "error"]
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"the real files are not here: {SHARED}")
+def test_of_a_node_that_is_missing_inputs_wait(capsys: pytest.CaptureFixture[str]) -> None:
+    unfed = []
+    for name in ("autoware-07.buggy", "autoware-07.fixed"):
+        _, found, _ = told(f"analyse --format json {SHARED / name}.yml", capsys)
+        consequences = json.loads(found)["consequences"]
+        assert "loose_end" not in {c["kind"] for c in consequences}
+        unfed.append({c["message"] for c in consequences if c["kind"] == "unfed_input"})
+    assert len(unfed[0] - unfed[1]) == 2
