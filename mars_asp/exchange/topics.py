@@ -94,16 +94,11 @@ class Mux:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Nodes, muxes and how they are wired; a mux is not among the nodes.
-
-    `observed` is whether it is all of a robot that ran, so that what nobody hears is loose;
-    elsewhere the base may hear it that is no node.
-    """
+    """Nodes, muxes and how they are wired; a mux is not among the nodes."""
 
     path: str
     nodes: tuple[Node, ...]
     muxes: tuple[Mux, ...] = ()
-    observed: bool = False
 
 
 class Mapped(NamedTuple):
@@ -128,8 +123,7 @@ def joined(graphs: Sequence[Graph]) -> Graph:
         nodes[node.name] = node if known is None else _united(known, node)
     muxes = {mux.name: mux for mux in chain.from_iterable(graph.muxes for graph in graphs)}
     kept = tuple(node for node in nodes.values() if node.name not in muxes)
-    observed = any(graph.observed for graph in graphs)
-    return Graph(graphs[0].path, kept, tuple(muxes.values()), observed)
+    return Graph(graphs[0].path, kept, tuple(muxes.values()))
 
 
 def _united(first: Node, second: Node) -> Node:
@@ -191,8 +185,7 @@ def configuration_of(graph: Graph) -> Mapped:
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
-    loose = _loose_commands(wiring, graph.observed)
-    described = (_described(node, wiring, loose) for node in nodes)
+    described = (_described(node, wiring) for node in nodes)
     configuration = Configuration(
         graph.path,
         point(graph.path, 1, 1),
@@ -339,26 +332,7 @@ def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
                     yield Data(node.name, source.node, span, client_port=port, source_port=port)
 
 
-class _Loose(NamedTuple):
-    """Command topics that only one side knows: what listens in vain, and what is not heard."""
-
-    inputs: frozenset[str]
-    outputs: frozenset[str]
-
-
-def _loose_commands(wiring: _Wiring, observed: bool) -> _Loose:
-    """Return the command topics of an observed graph that lead nowhere or come from nowhere."""
-    if not observed:
-        return _Loose(frozenset(), frozenset())
-    sent = wiring.published.keys() | wiring.outputs.keys()
-    taken = wiring.subscribed.keys() | wiring.heard
-    return _Loose(
-        frozenset((wiring.commands & wiring.subscribed.keys()) - sent),
-        frozenset((wiring.commands & wiring.published.keys()) - taken),
-    )
-
-
-def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
+def _described(node: Node, wiring: _Wiring) -> Module | None:
     """Return the module that a node is, as far as it exchanges data or sends commands.
 
     What only obeys stays undescribed, as no graph says how it moves.
@@ -367,10 +341,10 @@ def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
     commanding = [end for end in node.published if end.topic in wiring.commands]
     obeying = [end for end in node.subscribed if end.topic in wiring.commands]
     for end in node.published:
-        if end.topic not in wiring.commands or end.topic in loose.outputs:
+        if end.topic not in wiring.commands:
             services.append(ports.output(end.topic, represented(end.type), end.span, end.hz))
     for end in node.subscribed:
-        if end.topic not in wiring.commands or end.topic in loose.inputs:
+        if end.topic not in wiring.commands:
             services.append(ports.taken(end.topic, represented(end.type), end.span))
     if commanding or (obeying and services):
         at = (*commanding, *obeying)[0]
