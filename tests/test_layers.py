@@ -73,7 +73,7 @@ FILES = {
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
     "execution/simulator": "world body devices",
-    "execution/scenario": "schema toml_places read functions devices",
+    "execution/scenario": "schema toml_places toml_tables read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "

@@ -111,9 +111,11 @@ def read_baseline(path: str) -> Baseline:
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:
-        raise _wrong(path, f"this is no JSON: {error.msg}", error.lineno, error.colno) from None
+        raise _wrong(
+            path, f"the baseline is not JSON: {error.msg}", error.lineno, error.colno
+        ) from None
     except (RecursionError, ValueError):
-        raise _wrong(path, "this is JSON that no baseline holds") from None
+        raise _wrong(path, "the JSON is nested too deep for a baseline") from None
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise _wrong(path, f'a baseline begins with {{"format": "{_FORMAT}"')
     version = document.get("version")

@@ -73,7 +73,7 @@ def _help(kind: str, rule: Rule, page: str) -> _Json:
     """Return what to do, as text and as Markdown, with the words that it fills in left open."""
     what = _unfilled(rule.because) or _words(kind)
     advice = _unfilled(rule.help)
-    show = f"`mars-asp rules show {rule.id}` and {page} say more."
+    show = f"`mars-asp rules show {rule.id}` and {page} explain it."
     hide = f"To hide it: `mars: ignore[{kind}] reason` in a comment at the end of its line."
     parts = [plain_text(what), plain_text(rule.why), plain_text(advice), show, hide]
     return {

@@ -4,6 +4,7 @@ The nearest of these files counts, from a folder upwards; in one folder `mars.to
 """
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,8 @@ from mars_asp.spelling import nearest
 _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: Where our keys are in the file that others share.
 _TABLE = ("tool", "mars-asp")
+#: A key or a header with our name in it.
+_NAMED = re.compile(r"(?m)^[^=#\n]*mars-asp")
 _KEYS = ("select", "ignore", "baseline")
 _MOST_BYTES = 1024 * 1024
 
@@ -53,7 +56,7 @@ def settings_for(folder: Path) -> Settings:
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
             return _read(own, _text(own), ())
         # Most projects have one, and few say anything of robots.
-        if os.path.isfile(shared) and "mars-asp" in (text := _text(shared)):  # noqa: PTH113
+        if os.path.isfile(shared) and _NAMED.search(text := _text(shared)):  # noqa: PTH113
             found = _read(shared, text, _TABLE)
             if found is not NO_SETTINGS:
                 return found
@@ -66,7 +69,7 @@ def _text(path: Path) -> str:
 
 
 def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
-    from mars_asp.execution.scenario.toml_places import read_tables
+    from mars_asp.execution.scenario.toml_tables import read_tables
 
     # People know their files from where they are.
     path = Path(os.path.relpath(path))

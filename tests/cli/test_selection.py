@@ -364,10 +364,10 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
 @pytest.mark.parametrize(
     ("raw", "told"),
     [
-        (b"", "1:1: error: this is no JSON"),
+        (b"", "1:1: error: the baseline is not JSON"),
         (
             b'{"format": "mars-baseline",\n "version": 1,\n "findings": [}',
-            "3:15: error: this is no JSON",
+            "3:15: error: the baseline is not JSON",
         ),
         (b"[]", "1:1: error: a baseline begins"),
         (b'{"format": "mars-trace"}', "1:1: error: a baseline begins"),
@@ -378,7 +378,7 @@ def test_a_baseline_lists_each_of_two_that_are_alike(
             b'{"format": "mars-baseline", "version": 1, "findings": [{"file": 1}]}',
             "1:1: error: entry 1 of `findings`",
         ),
-        (b"[" * 100_000, "1:1: error: this is JSON that no baseline holds"),
+        (b"[" * 100_000, "1:1: error: the JSON is nested"),
         (b"\xff\xfe\x00", "1:1: error: "),
         (b"\x00\xff", "1:1: error: the file is not UTF-8"),
         (b" " * (33 * 1024 * 1024), "1:1: error: `k.json`: is larger"),

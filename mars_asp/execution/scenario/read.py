@@ -8,7 +8,8 @@ from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.execution.scenario.schema import mistakes
-from mars_asp.execution.scenario.toml_places import Places, read_tables
+from mars_asp.execution.scenario.toml_places import Places
+from mars_asp.execution.scenario.toml_tables import read_tables
 from mars_asp.language.parse import decode, read_bytes
 
 #: Whoever mends these reads no more.
