@@ -14,15 +14,16 @@ from mars_asp.diagnostic import Span
 from mars_asp.language.parse import plain_lines
 from mars_asp.model.names import QUOTED
 
+# Few files have such comments, so no pattern is compiled before one does.
 #: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.
-_MARK = re.compile(rb"m\0?a\0?r\0?s\0?:[ \t\0]*i\0?g\0?n\0?o\0?r\0?e")
-_DIRECTIVE = re.compile(
+_MARK = rb"m\0?a\0?r\0?s\0?:[ \t\0]*i\0?g\0?n\0?o\0?r\0?e"
+_DIRECTIVE = (
     r"(?<![\w.:-])mars:[ \t]*ignore(?:[ \t]*\[(?P<kinds>[^\]\n]*)\](?P<reason>[^\n]*)|(?![\w-]))"
 )
-_KIND = re.compile(r"[^\s,](?:[^,]*[^\s,])?")
+_KIND = r"[^\s,](?:[^,]*[^\s,])?"
 #: What opens a comment, and what closes one behind the reason.
-_OPENING = re.compile(r"(?://+|/\*+|#+|%+\{?|<!--)[!\s*]*")
-_CLOSING = re.compile(r"[ \t]*(?:\*/|-->|%\})?[ \t]*$")
+_OPENING = r"(?://+|/\*+|#+|%+\{?|<!--)[!\s*]*"
+_CLOSING = r"[ \t]*(?:\*/|-->|%\})?[ \t]*$"
 _LINE, _BLOCK = r"//[^\n]*+", r"/\*[\s\S]*?(?:\*/|\Z)"
 _STRING = r'"(?:\\[\s\S]|[^"\\\n])*+"?'
 #: Comments of languages that no annotated source is in; whatever else is matched is none.
@@ -57,8 +58,9 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
 
     `text` has `\n` for every line end. Without a `language` the path and the text tell it.
     """
-    if _DIRECTIVE.search(text) is None:
+    if "mars:" not in text or re.search(_DIRECTIVE, text) is None:
         return
+    directive, opens = re.compile(_DIRECTIVE), re.compile(_OPENING)
     starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def span(begin: int, end: int) -> Span:
@@ -67,19 +69,19 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
         return Span(path, line, begin - before + 1, line, end - before + 1)
 
     for begin, end in _comments(text, language or _language_of(path, text)):
-        for match in _DIRECTIVE.finditer(text, begin, end):
+        for match in directive.finditer(text, begin, end):
             at = match.start()
             if match["kinds"] is None:
                 # A sentence may speak of ignoring something.
-                opening = _OPENING.match(text, begin, end)
+                opening = opens.match(text, begin, end)
                 if opening is None or opening.end() != at:
                     continue
             first = match.start("kinds")
             kinds = tuple(
                 (kind[0], span(first + kind.start(), first + kind.end()))
-                for kind in _KIND.finditer(match["kinds"] or "")
+                for kind in re.finditer(_KIND, match["kinds"] or "")
             )
-            reason = _CLOSING.sub("", match["reason"] or "").strip()
+            reason = re.sub(_CLOSING, "", match["reason"] or "").strip()
             named = match.end("kinds") + 1 if match["kinds"] is not None else match.end()
             yield Ignore(kinds, reason, span(at, named))
 
@@ -90,7 +92,7 @@ def ignores_of(path: str) -> Iterator[Ignore]:
         raw = Path(path).read_bytes()
     except OSError:
         return
-    if _MARK.search(raw) is not None:
+    if re.search(_MARK, raw) is not None:
         yield from ignores_in(path, plain_lines(_decoded(raw)))
 
 

@@ -6,7 +6,6 @@ its specification is what it was. Options replace what the settings of a file sa
 
 import argparse
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -37,8 +36,7 @@ class Hidden(NamedTuple):
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class Selected:
+class Selected(NamedTuple):
     """The findings of a file that are reported, those that are hidden, and what is odd about that.
 
     `is_compared` is whether a baseline was there to hide some.
@@ -55,8 +53,7 @@ class Selected:
         return any(consequence.severity == "error" for consequence in self.shown)
 
 
-@dataclass(frozen=True)
-class _Choice:
+class _Choice(NamedTuple):
     """What is said for the files of a folder: kinds to report, kinds to leave out, a baseline."""
 
     select: frozenset[str] | None

@@ -6,9 +6,8 @@ The nearest of these files counts, from a folder upwards; in one folder `mars.to
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language.parse import decode, read_bytes
@@ -18,27 +17,29 @@ _OWN, _SHARED = "mars.toml", "pyproject.toml"
 #: Where our keys are in the file that others share.
 _TABLE = ("tool", "mars-asp")
 #: A key or a header with our name in it.
-_NAMED = re.compile(r"(?m)^[^=#\n]*mars-asp")
+_NAMED = r"(?m)^[^=#\n]*mars-asp"
 _KEYS = ("select", "ignore", "baseline")
 _MOST_BYTES = 1024 * 1024
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """What is stated; nothing where a key is not given. A baseline's path is seen from here."""
+class Settings(NamedTuple):
+    """What is stated; nothing where a key is not given. A baseline's path is seen from here.
+
+    `text` is that of the file, `table` the keys that lead to ours.
+    """
 
     select: tuple[str, ...] | None = None
     ignore: tuple[str, ...] | None = None
     baseline: str | None = None
     path: str = ""
-    _text: str = field(default="", repr=False)
-    _table: tuple[str, ...] = ()
+    text: str = ""
+    table: tuple[str, ...] = ()
 
     def place(self, *key: str | int) -> Span:
         """Return where a key stands, or an entry of its list."""
         from mars_asp.execution.scenario.toml_places import Places
 
-        return Places(self._text, self.path).of(*self._table, *key)
+        return Places(self.text, self.path).of(*self.table, *key)
 
 
 NO_SETTINGS = Settings()
@@ -56,7 +57,7 @@ def settings_for(folder: Path) -> Settings:
         if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
             return _read(own, _text(own), ())
         # Most projects have one, and few say anything of robots.
-        if os.path.isfile(shared) and _NAMED.search(text := _text(shared)):  # noqa: PTH113
+        if os.path.isfile(shared) and re.search(_NAMED, text := _text(shared)):  # noqa: PTH113
             found = _read(shared, text, _TABLE)
             if found is not NO_SETTINGS:
                 return found
@@ -78,7 +79,7 @@ def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
         values = values.get(name) if isinstance(values, Mapping) else None
     if values is None:
         return NO_SETTINGS
-    where = Settings(path=str(path), _text=text, _table=table)
+    where = Settings(path=str(path), text=text, table=table)
     if not isinstance(values, Mapping):
         raise MarsError([_wrong(where, "`tool.mars-asp` must be a table")])
     problems = list(_problems(where, values))
