@@ -72,8 +72,8 @@ def hidden_text(hidden: Mapping[str, int]) -> str:
     return f"not reported: {', '.join(parts)}"
 
 
-def add_selection(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say which findings are reported."""
+def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
+    """Add the options that say which findings are reported, and what `writes` a baseline."""
     add = parser.add_argument
     for option, text in (
         ("--select", "report findings of these kinds alone"),
@@ -91,11 +91,14 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
         metavar="BASELINE",
         help="report no findings that this file lists (default: `baseline` of mars.toml)",
     )
-    add(
-        "--write-baseline",
-        metavar="BASELINE",
-        help="write a file that lists all findings, instead of reporting them",
-    )
+    if writes:
+        add(
+            "--write-baseline",
+            metavar="BASELINE",
+            help="write a file that lists all findings, instead of reporting them",
+        )
+    else:
+        parser.set_defaults(write_baseline=None)
 
 
 def _kinds(text: str) -> list[str]:
@@ -129,15 +132,64 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings of its folder, or with their baseline.
         """
-        choice = self._choice(Path(project.configuration.path).parent)
-        files = _files(project)
-        self._read |= files
-        ignores = tuple(_ignores(project, files))
+        choice, ignores = self._said_of(project)
         if not (notes or ignores or choice.baseline) and self._arguments.format != "sarif":
             # Many robots have thousands of notes, and nobody asks who takes part in a warning.
             found = read_consequences(analysis, self._arguments.write_baseline is not None, False)
         else:
             found = analysis.consequences
+        selected = self._selected(choice, ignores, found, notes)
+        if self._arguments.write_baseline is None:
+            return selected
+        self._written += selected.shown
+        return selected._replace(shown=())
+
+    def among(self, project: Project, found: Sequence[Consequence]) -> Selected:
+        """Return which of some findings of a file are reported; nothing is said of comments.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        choice, ignores = self._said_of(project)
+        return self._selected(choice, ignores, found)._replace(remarks=())
+
+    def has_errors(self, project: Project, analysis: Analysis) -> bool:
+        """Whether an error is reported of what is found in a file.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        if self.leaves_all(project):
+            return analysis.has_errors
+        return self.among(project, analysis.consequences).has_errors
+
+    def leaves_all(self, project: Project) -> bool:
+        """Whether nothing can be hidden of what is found in a file.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        choice, ignores = self._said_of(project)
+        return not ignores and choice == _Choice(None, frozenset(), None)
+
+    def _said_of(self, project: Project) -> tuple[_Choice, tuple[Ignore, ...]]:
+        """Return what is said for a file's folder, and comments of the files of its robot.
+
+        Raises:
+            MarsError: what is wrong with the settings, or with their baseline.
+        """
+        choice = self._choice(Path(project.configuration.path).parent)
+        files = _files(project)
+        self._read |= files
+        return choice, tuple(_ignores(project, files))
+
+    def _selected(
+        self,
+        choice: _Choice,
+        ignores: Sequence[Ignore],
+        found: Sequence[Consequence],
+        notes: bool = True,
+    ) -> Selected:
         said = {
             (span.path, span.line, kind): ignore.reason
             for ignore in reversed(ignores)
@@ -158,9 +210,6 @@ class Selection:
             else:
                 shown.append(each)
         remarks = tuple(self._remarks(ignores, found))
-        if self._arguments.write_baseline is not None:
-            self._written += shown
-            shown = []
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:

@@ -421,3 +421,45 @@ def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
     assert (folder / "a.mars").read_text() == text
     run_here(["check", "a.mars", "--fix", "--ignore", ERROR])
     assert (folder / "a.mars").read_text() == ROBOT
+
+
+# ---- Other verbs ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hidden_by", ["option", "settings", "comment", "baseline"])
+@pytest.mark.parametrize(
+    ("verb", "more"),
+    [
+        ("synthesise", []),
+        ("explain", []),
+        ("explain", ["--repair"]),
+        ("explain", ["--alternatives"]),
+    ],
+)
+def test_verbs_that_find_something_on_their_way_hide_it_too(
+    verb: str, more: list[str], hidden_by: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here([verb, "a.mars", *more]) == 1
+    shown = capsys.readouterr()
+    told = "mounts form a cycle" in shown.out + shown.err
+    # To these the cycle is no topic.
+    assert told == (more != ["--alternatives"])
+    options = []
+    if hidden_by == "option":
+        options = ["--ignore", ERROR]
+    elif hidden_by == "settings":
+        (folder / "mars.toml").write_text(f'ignore = ["{ERROR}"]')
+    elif hidden_by == "comment":
+        (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
+    else:
+        run_here(["check", "a.mars", "--write-baseline", "k.json"])
+        options = ["--baseline", "k.json"]
+    capsys.readouterr()
+    assert run_here([verb, "a.mars", *more, *options]) == 0
+    shown = capsys.readouterr()
+    assert "mounts form a cycle" not in shown.out + shown.err
+
+
+def test_who_asks_about_a_hidden_finding_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["explain", "a.mars", f"{ERROR}(Arm)", "--ignore", ERROR]) == 0
+    assert "mounts form a cycle" in capsys.readouterr().out
