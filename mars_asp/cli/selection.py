@@ -67,7 +67,7 @@ class _Choice(NamedTuple):
 
 def hidden_text(hidden: Mapping[str, int]) -> str:
     """Return how many findings are not reported, by what hides them."""
-    where = {"comment": "by comments", "baseline": "in the baseline"}
+    where = {"comment": "hidden by comments", "baseline": "in the baseline"}
     parts = [f"{hidden[by]} {text}" for by, text in where.items() if hidden.get(by)]
     return f"not reported: {', '.join(parts)}"
 
@@ -228,8 +228,8 @@ class Selection:
         text = baseline_text(self._written, path)
         if path == _OUTPUT:
             print(text, end="")
-        else:
-            write_file(path, text)
+            return
+        write_file(path, text)
         told = f"{counted(len(self._written), 'finding')} written to the baseline"
         yield Diagnostic("baseline", "note", told, point(path, 1, 1), excerpt="")
 
