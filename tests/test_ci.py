@@ -136,4 +136,4 @@ def test_the_settings_of_the_page_are_settings(
     assert [*(settings.select or ())] == stated["select"]
     capsys.readouterr()
     assert run_here(["check", "robot.mars"]) == 0
-    assert "1 warning in 1 file\nnot reported: 1 hidden by comments\n" in capsys.readouterr().err
+    assert "1 warning in 1 file\nnot reported: 1 hidden by a comment\n" in capsys.readouterr().err

@@ -77,8 +77,8 @@ FILES = {
     "execution/recording": "picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
-        "trace_document trace_schema worker ignores baseline settings selection results github "
-        "sarif publish reason alternatives analyse can completion draw export "
+        "trace_document trace_schema worker reason ignores baseline settings selection results "
+        "github sarif publish alternatives analyse can completion draw export "
         "facts fmt import rules run_report run synthesise test verify diff repair check account "
         "explain_page explain"
     ),

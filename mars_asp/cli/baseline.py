@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.cli.layout import counted
+from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.reasoning.analysis import Consequence
@@ -107,7 +109,9 @@ def read_baseline(path: str) -> Baseline:
     Raises:
         MarsError: it cannot be read, or is none.
     """
-    text = decode(read_bytes(Path(path), _MOST_BYTES), path, _MOST_BYTES)
+    is_input = path == STANDARD_INPUT
+    raw = read_standard_input(_MOST_BYTES + 1) if is_input else read_bytes(Path(path), _MOST_BYTES)
+    text = decode(raw, path, _MOST_BYTES)
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:

@@ -14,6 +14,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
 from mars_asp.cli.layout import counted
+from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.settings import settings_for
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
@@ -23,9 +24,6 @@ from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
     from mars_asp.cli.baseline import Baseline
-
-#: Where a baseline goes that is printed.
-_OUTPUT = "-"
 
 
 class Hidden(NamedTuple):
@@ -67,8 +65,11 @@ class _Choice(NamedTuple):
 
 def hidden_text(hidden: Mapping[str, int]) -> str:
     """Return how many findings are not reported, by what hides them."""
-    where = {"comment": "hidden by comments", "baseline": "in the baseline"}
-    parts = [f"{hidden[by]} {text}" for by, text in where.items() if hidden.get(by)]
+    parts = []
+    if number := hidden.get("comment", 0):
+        parts.append(f"{number} hidden by {'a comment' if number == 1 else 'comments'}")
+    if number := hidden.get("baseline", 0):
+        parts.append(f"{number} in the baseline")
     return f"not reported: {', '.join(parts)}"
 
 
@@ -124,6 +125,7 @@ class Selection:
         for option in ("select", "ignore"):
             self._check(getattr(arguments, option), _in_option(option))
         if arguments.baseline is not None and arguments.write_baseline is None:
+            check_inputs(*_inputs(arguments), arguments.baseline)
             self._baseline(arguments.baseline)
 
     def of(self, project: Project, analysis: Analysis, notes: bool = True) -> Selected:
@@ -226,11 +228,11 @@ class Selection:
         from mars_asp.cli.baseline import baseline_text
 
         text = baseline_text(self._written, path)
-        if path == _OUTPUT:
+        if path == STANDARD_INPUT:
             print(text, end="")
             return
         write_file(path, text)
-        told = f"{counted(len(self._written), 'finding')} written to the baseline"
+        told = f"the baseline lists {counted(len(self._written), 'finding')}"
         yield Diagnostic("baseline", "note", told, point(path, 1, 1), excerpt="")
 
     # ---- What is chosen --------------------------------------------------------------------------
@@ -330,6 +332,12 @@ class Selection:
                 else:
                     message = f"this comment hides nothing: no `{kind}` is reported at its line"
                     yield _remark(message, span, _elsewhere(kind, span, found))
+
+
+def _inputs(arguments: argparse.Namespace) -> Sequence[str]:
+    """Return what a verb reads, which takes one FILE or several."""
+    files: Sequence[str] | None = getattr(arguments, "files", None)
+    return [arguments.file] if files is None else files
 
 
 def _in_option(option: str) -> Callable[[int], Span]:

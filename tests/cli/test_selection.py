@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.processes import mars
 
 #: An error at line 5, a warning at line 3, notes at lines 3 and 7.
 ROBOT = """\
@@ -299,7 +300,7 @@ def test_a_baseline_hides_what_it_lists_wherever_it_moves(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
-    assert capsys.readouterr().err.startswith("known.json:1:1: note: 2 findings written")
+    assert capsys.readouterr().err.startswith("known.json:1:1: note: the baseline lists 2 findings")
     assert (folder / "known.json").read_text() == (
         '{"format": "mars-baseline", "version": 1, "findings": [\n'
         '  {"file": "a.mars", "kind": "ambiguous_priority", "subject": "Base", "participants": '
@@ -410,6 +411,14 @@ def test_what_a_comment_hides_is_in_no_baseline(
     assert run_here(["check", "a.mars", "--write-baseline", "-"]) == 0
     (listed,) = json.loads(capsys.readouterr().out)["findings"]
     assert listed["kind"] == WARNING
+
+
+def test_a_baseline_comes_from_standard_input(folder: Path) -> None:
+    listed = mars("check", str(folder / "a.mars"), "--write-baseline", "-").stdout
+    done = mars("check", str(folder / "a.mars"), "--baseline", "-", text=listed)
+    assert (done.returncode, done.stderr) == (0, "not reported: 2 in the baseline\n")
+    twice = mars("check", "-", "--baseline", "-", text=listed)
+    assert (twice.returncode, twice.stderr[:14]) == (2, "-:1:1: error: ")
 
 
 def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
