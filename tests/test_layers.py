@@ -65,7 +65,7 @@ FILES = {
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles elements document read write",
     "draw": (
-        "picture colours ranks order straighten layered packing shapes legend svg page dot "
+        "picture part colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"
     ),
     "execution": "executor simulator scenario trial judgement recording",
