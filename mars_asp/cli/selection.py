@@ -180,7 +180,8 @@ class Selection:
         Raises:
             MarsError: what is wrong with the settings, or with their baseline.
         """
-        choice = self._choice(Path(project.configuration.path).parent)
+        path = Path(project.configuration.path)
+        choice = self._choice(path if path.is_dir() else path.parent)
         files = _files(project)
         self._read |= files
         return choice, tuple(_ignores(project, files))
