@@ -36,7 +36,8 @@ class Diagnostic:
     `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
     names in backticks and no full stop, stating what is the case; `effect` is a sentence on what
     will happen; `help` says what to do; `labels` are other places that help, each with words of its
-    own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing.
+    own or none; `excerpt` is the line of the file at `span`, empty where that shows nothing. `kind`
+    is that of what rules find.
     """
 
     code: str
@@ -47,6 +48,7 @@ class Diagnostic:
     help: str | None = None
     excerpt: str | None = None
     effect: str | None = None
+    kind: str | None = None
 
 
 def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -74,7 +74,7 @@ FILES = {
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
     "draw": (
-        "picture colours ranks order straighten layered packing shapes legend svg page dot "
+        "picture part colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"
     ),
     "execution": "executor simulator scenario trial judgement recording",
@@ -82,11 +82,12 @@ FILES = {
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
     "execution/simulator": "world body devices",
-    "execution/scenario": "schema toml_places read functions devices",
+    "execution/scenario": "schema toml_places toml_tables read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
-        "trace_document trace_schema worker reason alternatives analyse can completion draw export "
+        "trace_document trace_schema worker reason ignores baseline settings selection results "
+        "github sarif publish alternatives analyse can completion draw export "
         "facts fmt import rules run_report run synthesise test verify diff repair check account "
         "explain_page explain"
     ),

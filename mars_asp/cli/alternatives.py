@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, compared, counted, wrapped
 from mars_asp.cli.reason import rulebook_for
+from mars_asp.cli.selection import Selection
 from mars_asp.model.declarations import Control, Data
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
@@ -36,9 +37,9 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     """Print alternatives; 1 where nothing realises the configuration, 3 where no time was left."""
     most: int = arguments.alternatives
     is_json = arguments.format == "json"
-    reasoner = Reasoner(
-        project, rulebook_for(arguments, ("resolve", "account")), Budget(arguments.time_limit)
-    )
+    rulebook = rulebook_for(arguments, ("resolve", "account"))
+    selection = Selection(arguments, rulebook)
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
         print(
@@ -51,7 +52,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     else:
         for line in _text(found, columns(sys.stdout)):
             print(visible(line))
-    return int(found.analysis.has_errors)
+    return int(selection.has_errors(project, found.analysis))
 
 
 def _text(found: Alternatives, width: int) -> Iterator[str]:

@@ -8,40 +8,58 @@ from dataclasses import replace
 
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
     add_file,
     analyse_project,
     read_project,
     rulebook_for,
 )
-from mars_asp.cli.report import colours, finding_lines, paint
+from mars_asp.cli.report import colours, finding_lines, paint, report
+from mars_asp.cli.results import Result, results_of
+from mars_asp.cli.selection import Selected, Selection, add_selection, hidden_text
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, diagnostic
 from mars_asp.reasoning.findings import SEVERITIES
 from mars_asp.reasoning.project import Project, has_mounts
 
+#: What the verb prints its result in.
+RESULT_FORMATS = FINDING_FORMATS
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     add_file(parser)
+    add_selection(parser)
 
 
+@published
 def run(arguments: argparse.Namespace) -> int:
-    """Print the consequences; 1 where one is an error."""
+    """Print the consequences; 1 where one is reported that is an error."""
+    rulebook = rulebook_for(arguments)
+    selection = Selection(arguments, rulebook)
     project = read_project(arguments)
-    analysis = analyse_project(project, rulebook_for(arguments), arguments)
+    analysis = analyse_project(project, rulebook, arguments)
+    selected = selection.of(project, analysis)
+    remarks = (*selected.remarks, *selection.end())
+    status = int(selected.has_errors)
+    if is_published(arguments):
+        told = (*project.diagnostics, *remarks[len(selected.remarks) :])
+        return publish([*results_of(selected), *map(Result, told)], arguments, status)
+    report(remarks, arguments)
     if arguments.format == "json":
-        print(encoded(analysis_json(project, analysis)))
+        print(encoded(analysis_json(project, analysis, selected)))
     else:
         coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-        for line in _text(analysis, coloured, width, arguments.quiet):
+        is_told = not (arguments.quiet or arguments.write_baseline)
+        for line in _text(analysis, selected, coloured, width, is_told):
             print(line)
-    return int(analysis.has_errors)
+    return status
 
 
-def analysis_json(project: Project, analysis: Analysis) -> dict[str, object]:
-    """Return an analysis with the keys of the command line's contract."""
+def analysis_json(project: Project, analysis: Analysis, selected: Selected) -> dict[str, object]:
+    """Return what is reported of an analysis with the keys of the command line's contract."""
     configuration = project.configuration
     return {
         "configuration": {
@@ -52,7 +70,11 @@ def analysis_json(project: Project, analysis: Analysis) -> dict[str, object]:
             "relationships": len(configuration.relationships),
         },
         "frames": frames_json(project),
-        "consequences": [consequence_json(consequence) for consequence in analysis.consequences],
+        "consequences": [consequence_json(consequence) for consequence in selected.shown],
+        "hidden": [
+            {**consequence_json(each.consequence), "by": each.by, "reason": each.reason}
+            for each in selected.hidden
+        ],
         "unchecked": list(analysis.unchecked),
     }
 
@@ -90,21 +112,28 @@ def location_json(span: Span) -> dict[str, object]:
     return {"path": span.path, "line": span.line, "column": span.column}
 
 
-def _text(analysis: Analysis, coloured: bool, width: int, quiet: bool) -> Iterator[str]:
-    for consequence in analysis.consequences:
+def _text(
+    analysis: Analysis, selected: Selected, coloured: bool, width: int, is_told: bool
+) -> Iterator[str]:
+    for consequence in selected.shown:
         found = diagnostic(consequence)
         if found.severity == "note":
             # Nothing is wrong, so the line alone says what there is.
             found = replace(found, labels=(), help=None, effect=None, excerpt="")
         kind = paint(visible(consequence.kind), consequence.severity, coloured)
         yield from finding_lines(found, f"{kind}: {visible(found.message)}", coloured, width)
-    if quiet:
+    if not is_told:
         return
-    count = Counter(consequence.severity for consequence in analysis.consequences)
+    count = Counter(consequence.severity for consequence in selected.shown)
     parts = ", ".join(counted(count[of], of) for of in reversed(SEVERITIES) if count[of])
     total = counted(count.total(), "consequence")
-    yield f"{total}: {parts}" if count else "nothing to resolve"
-    if analysis.has_errors:
+    if count or not analysis.consequences:
+        yield f"{total}: {parts}" if count else "nothing to resolve"
+    elif not selected.hidden:
+        yield "nothing to report"
+    if selected.hidden:
+        yield hidden_text(Counter(each.by for each in selected.hidden))
+    if selected.has_errors:
         yield "`mars-asp explain FILE --repair` looks for edits that remove the errors"
     if analysis.unchecked:
         names = ", ".join(f"`{name}`" for name in analysis.unchecked)

@@ -15,6 +15,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import counted
 from mars_asp.cli.lines import line_text, remember
 from mars_asp.cli.progress import progress_bar
+from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
 from mars_asp.cli.reason import (
     SHOWN_INPUT,
     STANDARD_INPUT,
@@ -25,18 +26,21 @@ from mars_asp.cli.reason import (
     rulebook_for,
 )
 from mars_asp.cli.report import Suggestion, report
+from mars_asp.cli.results import Result, results_of
+from mars_asp.cli.selection import Selection, add_selection, hidden_text
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Severity, point
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import visible
-from mars_asp.reasoning.analysis import findings
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.project import Project
     from mars_asp.reasoning.questions.fix import Fix
     from mars_asp.reasoning.questions.repair import Repair
 
+#: What the verb prints its result in.
+RESULT_FORMATS = FINDING_FORMATS
 _Rules: TypeAlias = Callable[[tuple[str, ...]], Rulebook]
 #: What a check alone needs.
 _STAGES = ("resolve",)
@@ -58,16 +62,26 @@ class _Checked:
     mendable: int = 0
     #: What standard input holds in the end.
     text: str | None = None
+    #: How many findings a comment or a baseline hides.
+    hidden: Counter[str] = field(default_factory=Counter)
+    #: What was found, where that is printed at the end.
+    results: list[Result] = field(default_factory=list)
 
     def report(
         self,
-        found: Sequence[Diagnostic],
+        results: Iterable[Result],
         arguments: argparse.Namespace,
         sole: "Sequence[Repair]" = (),
     ) -> None:
-        """Print diagnostics, some with their one repair, and count them."""
+        """Print what is not hidden, some with its one repair, and count it."""
+        results = tuple(results)
+        found = [each.diagnostic for each in results if each.hidden is None]
         self.counted.update(each.severity for each in found)
-        report(found, arguments, _suggestions(found, sole))
+        self.hidden.update(each.hidden.by for each in results if each.hidden is not None)
+        if is_published(arguments):
+            self.results += results
+        else:
+            report(found, arguments, _suggestions(found, sole))
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -85,27 +99,40 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="apply the repair of each finding that has exactly one, and check again; "
         "the text of standard input goes to the output",
     )
+    add_selection(parser)
 
 
+@published
 def run(arguments: argparse.Namespace) -> int:
     """Report the findings; 1 where one is an error, 2 where a file cannot be read."""
     check_inputs(*arguments.files)
+    if arguments.fix and is_published(arguments):
+        told = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
+        print(f"mars-asp check: {told}", file=sys.stderr)
+        return 2
     rules = cache(lambda stages: rulebook_for(arguments, stages))
-    rules(_STAGES)
+    selection = Selection(arguments, rules(_STAGES))
     checked = []
     for name, *further in robots(arguments, _each_once(arguments.files)):
         one = _Checked(name, tuple(further))
         checked.append(one)
         try:
-            _check(one, rules, arguments)
+            _check(one, rules, selection, arguments)
         except MarsError as error:
-            one.report(error.diagnostics, arguments)
+            one.report(map(Result, error.diagnostics), arguments)
             one.status = 2
+    remarks = list(map(Result, selection.end(all(one.status < 2 for one in checked))))
+    status = max(one.status for one in checked)
+    if is_published(arguments):
+        results = [*(each for one in checked for each in one.results), *remarks]
+        publish(results, arguments, status)
+    else:
+        report((each.diagnostic for each in remarks), arguments)
     if arguments.format == "json":
         print(encoded(_json(checked)))
-    else:
+    elif arguments.format != "sarif":
         _print(checked, arguments)
-    return max(one.status for one in checked)
+    return status
 
 
 def _each_once(names: Iterable[str]) -> list[str]:
@@ -116,7 +143,9 @@ def _each_once(names: Iterable[str]) -> list[str]:
     return list(first.values())
 
 
-def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
+def _check(
+    one: _Checked, rules: _Rules, selection: Selection, arguments: argparse.Namespace
+) -> None:
     """Check a file, and mend it where that is asked for.
 
     Raises:
@@ -128,23 +157,27 @@ def _check(one: _Checked, rules: _Rules, arguments: argparse.Namespace) -> None:
     project = load(arguments, path, text, one.further)
     one.text = text if arguments.fix else None
     analysis = analyse_project(project, rules(_STAGES), arguments)
-    found = findings(analysis)
+    selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()
-    if project.format is None and found and (arguments.fix or len(analysis.facts) <= _MOST_FACTS):
-        sole = _sole_repairs(project, rules, arguments)
+    is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
+    if project.format is None and selected.shown and is_small and not is_published(arguments):
+        shown = {(each.spans, each.message) for each in selected.shown}
+        found = _sole_repairs(project, rules, arguments)
+        sole = tuple(r for r in found if (r.consequence.spans, r.consequence.message) in shown)
     if sole and arguments.fix:
         fixed = _fix(project, sole, rules, raw, one, arguments)
         if fixed is not None:
             project, sole = fixed.project, ()
             remember(project.configuration.path, project.text)
-            found = findings(analyse_project(project, rules(_STAGES), arguments))
+            analysis = analyse_project(project, rules(_STAGES), arguments)
+            selected = selection.of(project, analysis, notes=False)
     one.mendable = 0 if arguments.fix else len(sole)
     unread = [d for d in project.diagnostics if d.code == NOT_READ]
-    one.report([d for d in project.diagnostics if d.code != NOT_READ], arguments)
-    one.report(found, arguments, sole)
-    one.report(unread, arguments)
+    one.report((Result(d) for d in project.diagnostics if d.code != NOT_READ), arguments)
+    one.report(results_of(selected), arguments, sole)
+    one.report(map(Result, unread), arguments)
     if project.format is not None and arguments.fix:
-        one.report([_unfixed(project.configuration.path, _FOREIGN)], arguments)
+        one.report([Result(_unfixed(project.configuration.path, _FOREIGN))], arguments)
         one.status = 2
     one.status = max(one.status, int(one.counted["error"] > 0))
 
@@ -215,7 +248,7 @@ def _fix(
     if problems:
         one.status = 2
         one.text = None if raw is None else decode(raw, SHOWN_INPUT)
-        one.report(problems, arguments)
+        one.report(map(Result, problems), arguments)
         return None
     if written:
         replace_files(written)
@@ -276,10 +309,13 @@ def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
     files = sum(1 + len(one.further) for one in checked)
     mended = sum(len(one.mended) for one in checked)
     mendable = sum(one.mendable for one in checked)
+    hidden: Counter[str] = sum((one.hidden for one in checked), Counter())
     found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
     if found or mended:
         parts = [", ".join(found) or "no errors or warnings", f"in {counted(files, 'file')}"]
         yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
+    if hidden:
+        yield hidden_text(hidden)
     if mendable:
         has = "has" if mendable == 1 else "have"
         yield f"{mendable} of them {has} exactly one repair, shown above; --fix applies it"
@@ -295,6 +331,7 @@ def _json(checked: Sequence[_Checked]) -> dict[str, object]:
                 "further": list(one.further),
                 "errors": one.counted["error"],
                 "warnings": one.counted["warning"],
+                "hidden": dict(one.hidden),
                 "fixed": [repair_json(repair) for repair in one.mended],
                 **({} if one.text is None else {"text": one.text}),
             }

@@ -2,19 +2,33 @@
 
 import argparse
 import sys
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import add_file, read_project
+from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.model.names import read_name
 from mars_asp.output import visible
+from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
     from mars_asp.diagnostic import Span
     from mars_asp.draw import Picture
+    from mars_asp.draw.picture import LineKind
+    from mars_asp.reasoning.project import Project
 
 FORMATS = ("svg", "png", "dot", "mmd")
+
+
+#: Of these we make pictures ourselves; of the others programs do.
+_PAINTED = ("svg", "png")
+#: Kinds of relationships, by the words of the command line.
+_KINDS: "Mapping[str, LineKind]" = {"data": "data", "control": "control", "mounts": "mount"}
+_DEPTH = 1
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +47,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=FORMATS,
         help="what to write, if not by the suffix of OUT",
     )
+    parser.add_argument("--about", metavar="NAME", help="draw a module and what is near it")
+    parser.add_argument(
+        "--depth",
+        metavar="N",
+        type=_depth,
+        help=f"how many relationships lead away from NAME at most (default {_DEPTH})",
+    )
+    parser.add_argument(
+        "--only",
+        metavar="KIND,...",
+        type=_kinds,
+        help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
+    )
+    parser.add_argument(
+        "--whole",
+        action="store_true",
+        help="draw all of it; else of a large system what a screen has room for",
+    )
     parser.epilog = (
         "A configuration is drawn as it is written. To see the nodes that resolve it, draw its "
         "specification: mars-asp synthesise FILE | mars-asp draw - -o OUT"
@@ -49,11 +81,14 @@ def run(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return 2
+    if arguments.depth is not None and arguments.about is None:
+        print("mars-asp draw: --depth needs --about NAME", file=sys.stderr)
+        return 2
     project = read_project(arguments)
-    from mars_asp.draw import depict
-
     configuration = project.configuration
-    picture = depict(configuration, project.modules)
+    picture = _part(project, kind in _PAINTED, arguments)
+    if picture.remark:
+        report([_told(picture, configuration.span)], arguments)
     content = _drawn(picture, kind, configuration.span)
     if arguments.output != "-":
         write_file(arguments.output, content)
@@ -62,6 +97,67 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         sys.stdout.buffer.write(content)
     return 0
+
+
+def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
+    """Return what is asked for of a picture, with a remark on what is left out.
+
+    Raises:
+        MarsError: it is asked for what is near a module that is not there.
+    """
+    from mars_asp.draw import depict
+    from mars_asp.draw.part import about, fitting, left_out, of_kinds
+    from mars_asp.draw.svg import drawn_width
+
+    whole = depict(project.configuration, project.modules)
+    shown, name = whole, arguments.about
+    if name is not None:
+        name = _name(name, whole, project.configuration.span)
+    if arguments.only is not None:
+        shown = of_kinds(shown, arguments.only, name)
+    if name is not None:
+        shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth)
+    # Programs that read the others lay them out themselves.
+    if is_painted and not arguments.whole:
+        shown = fitting(shown, drawn_width, name)
+    return replace(shown, remark=left_out(whole, shown) or "")
+
+
+def _name(written: str, picture: "Picture", span: "Span") -> str:
+    """Return the name of a box, which may be written as in a configuration.
+
+    Raises:
+        MarsError: there is none of that name.
+    """
+    names = {box.name for box in picture.boxes}
+    for name in (visible(written), visible(read_name(written) or "")):
+        if name in names:
+            return name
+    near = nearest(written, names)
+    help_text = f"did you mean `{near}`?" if near else "--about takes the name of a module"
+    message = f"`{written}` is not a module"
+    raise MarsError((Diagnostic("draw", "error", message, span, help=help_text, excerpt=""),))
+
+
+def _told(picture: "Picture", span: "Span") -> Diagnostic:
+    help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
+    return Diagnostic("draw", "note", picture.remark, span, help=help_text, excerpt="")
+
+
+def _depth(text: str) -> int:
+    if text.isdigit() and int(text) < 10**6:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"a depth is a number from 0, found `{text}`")
+
+
+def _kinds(text: str) -> "frozenset[LineKind]":
+    words = [word.strip() for word in text.split(",") if word.strip()]
+    unknown = [word for word in words if word not in _KINDS]
+    if unknown or not words:
+        near = nearest(unknown[0], _KINDS) if unknown else None
+        advice = f"did you mean `{near}`?" if near else f"expected {', '.join(_KINDS)}"
+        raise argparse.ArgumentTypeError(f"found `{unknown[0] if unknown else text}`: {advice}")
+    return frozenset(_KINDS[word] for word in words)
 
 
 def _kind_of(output: str) -> str:

@@ -16,6 +16,7 @@ from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
+from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.trace_schema import add_schema
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
@@ -97,6 +98,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="write a page: the picture, what is found, its traces and their lines; "
         "`-` is standard output",
     )
+    add_selection(parser, writes=False)
     add_schema(parser)
 
 
@@ -122,6 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         return run_repair(project, arguments, subject)
     rulebook = rulebook_for(arguments, ("resolve", "account"))
+    selection = Selection(arguments, rulebook)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
     traced = deeper or arguments.format != "text"
@@ -130,7 +133,8 @@ def run(arguments: argparse.Namespace) -> int:
     answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
     absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
     del reasoner
-    topics, status = answer.topics, int(answer.analysis.has_errors)
+    topics, has_errors = _reported(answer, selection, project)
+    status = int(has_errors)
     # What a page says of the whole is no remark beside it.
     is_told = arguments.output is not None or not arguments.quiet
     closing = tuple(_closing(answer, arguments)) if is_told else ()
@@ -155,6 +159,21 @@ def run(arguments: argparse.Namespace) -> int:
         lines = chain(_told(topics, traced, arguments), closing)
         sys.stdout.writelines(f"{line}\n" for line in lines)
     return status
+
+
+def _reported(
+    answer: Explanation, selection: Selection, project: Project
+) -> tuple[tuple[Topic, ...], bool]:
+    """Return the topics that are reported, and whether an error is.
+
+    Who asks about something is told of it, whatever hides it elsewhere.
+    """
+    if answer.subject is not None or selection.leaves_all(project):
+        return answer.topics, selection.has_errors(project, answer.analysis)
+    selected = selection.among(project, answer.analysis.consequences)
+    shown = {f"{each.kind}({each.subject})" for each in selected.shown}
+    left = (each for each in answer.topics if each.sort != "consequence" or each.name in shown)
+    return tuple(left), selected.has_errors
 
 
 def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Sequence["Absence"]:
@@ -213,7 +232,9 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
 
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     levels = _MOST_LEVELS if depth is None else 2 * depth
-    reasoner = Reasoner(project, rulebook_for(arguments), Budget(arguments.time_limit))
+    rulebook = rulebook_for(arguments)
+    selection = Selection(arguments, rulebook)
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
         print(encoded(_why_not_json(answer)))
@@ -223,7 +244,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
-    return int(answer.analysis.has_errors)
+    return int(selection.has_errors(project, answer.analysis))
 
 
 def _why_not_json(answer: "WhyNot") -> dict[str, object]:

@@ -11,6 +11,7 @@ from mars_asp.cli.lines import line_json, line_text
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import colours, paint
+from mars_asp.cli.selection import Selection
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
 from mars_asp.output import visible
@@ -26,10 +27,17 @@ _BELOW = "       "
 
 
 def run_repair(project: Project, arguments: argparse.Namespace, subject: str | None) -> int:
-    """Print repairs; 1 where an error is there to repair, 3 where no time was left."""
+    """Print repairs; 1 where an error is there to repair, 3 where no time was left.
+
+    Without a subject, they are those of findings that are reported.
+    """
     rulebook = rulebook_for(arguments, STAGES)
+    selection = Selection(arguments, rulebook)
     with progress_bar(arguments, "sets of edits") as progress:
         found = repairs(project, rulebook, subject, arguments.time_limit, progress)
+    shown = selection.among(project, [repair.consequence for repair in found]).shown
+    if subject is None:
+        found = tuple(repair for repair in found if repair.consequence in shown)
     if arguments.format == "json":
         print(encoded({"subject": subject, "repairs": [repair_json(r) for r in found]}))
     else:
@@ -39,7 +47,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
         return 3
-    return int(any(repair.consequence.severity == "error" for repair in found))
+    return int(any(consequence.severity == "error" for consequence in shown))
 
 
 def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: bool) -> Iterator[str]:

@@ -69,7 +69,12 @@ def report(
     arguments: argparse.Namespace,
     suggestions: Mapping[Diagnostic, Suggestion] = _NO_SUGGESTIONS,
 ) -> None:
-    """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes."""
+    """Print diagnostics in the order given, with repairs of some; `--quiet` leaves out notes.
+
+    In a format that is for findings alone they come with these, at the end.
+    """
+    if arguments.format in ("sarif", "github"):
+        return
     for diagnostic in diagnostics:
         for_programs = arguments.format in ("json", "jsonl")
         # What was not read of a file no program may miss.
@@ -106,6 +111,7 @@ def diagnostic_json(
     span = diagnostic.span
     return {
         "code": diagnostic.code,
+        "kind": diagnostic.kind,
         "severity": diagnostic.severity,
         "message": diagnostic.message,
         "path": span.path,

@@ -11,6 +11,7 @@ from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
+from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.language import print_configuration
 from mars_asp.language.relocate import sources_seen_from
 from mars_asp.model.declarations import (
@@ -24,7 +25,7 @@ from mars_asp.model.declarations import (
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.rates import as_number
-from mars_asp.reasoning.analysis import findings
+from mars_asp.reasoning.analysis import diagnostic
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
@@ -42,14 +43,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default="-",
         help="where to write it; `@sources` are relative to there, without it to this folder",
     )
+    add_selection(parser, writes=False)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the specification; 1 where something is an error, 3 where no time was left."""
-    project = read_project(arguments)
+    """Print the specification; 1 where an error is reported, 3 where no time was left."""
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
+    selection = Selection(arguments, rulebook)
+    project = read_project(arguments)
     analysis = analyse_project(project, rulebook, arguments)
-    report(findings(analysis), arguments)
+    selected = selection.of(project, analysis, notes=False)
+    report(map(diagnostic, selected.shown), arguments)
+    report((*selected.remarks, *selection.end()), arguments)
     with (
         stage(arguments, "looking for nodes"),
         progress_bar(arguments, "components") as progress,
@@ -81,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return 3
-    return int(analysis.has_errors)
+    return int(selected.has_errors)
 
 
 def _text(printed: Configuration, project: Project, arguments: argparse.Namespace) -> str:

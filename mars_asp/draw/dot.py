@@ -15,7 +15,7 @@ def dot_text(picture: Picture) -> str:
     """Return a picture as DOT; names are quoted, so none of them can be read as DOT."""
     parts = [
         "digraph {",
-        f"  label={quoted(picture.title)};",
+        f"  label={quoted(picture.title, picture.remark)};",
         '  node [fontname="Helvetica", style=filled];',
         '  edge [fontname="Helvetica", fontsize=10];',
     ]

@@ -11,6 +11,8 @@ _PLAIN = frozenset(" ()[]{}.,:+-=/_→…")
 def mermaid_text(picture: Picture) -> str:
     """Return a picture as Mermaid; of names, all that Mermaid could read is written as codes."""
     parts = ["flowchart TD"]
+    if picture.remark:
+        parts.append(f"  %% {picture.remark}")
     parts += (f"  n{index}{_box(box)}" for index, box in enumerate(picture.boxes))
     parts += (_line(line) for line in picture.lines)
     for index, box in enumerate(picture.boxes):

@@ -50,11 +50,15 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """The boxes and lines of a configuration or specification; all text is safe to show."""
+    """The boxes and lines of a configuration or specification; all text is safe to show.
+
+    `remark` is a sentence on what is not there.
+    """
 
     title: str
     boxes: tuple[Box, ...]
     lines: tuple[Line, ...]
+    remark: str = ""
 
 
 def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Picture:

@@ -118,9 +118,14 @@ def draw_label(line: Line, at: Point) -> str:
 
 def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
     """Return text whose middle line is at a height; `anchor` says what stands at the point."""
+    return draw_sentence(_short(text), at, size, colour, anchor)
+
+
+def draw_sentence(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
+    """Return text of ours, which is shown as long as it is."""
     return (
         f'<text x="{plain(at[0])}" y="{plain(at[1] + size * 0.36)}" font-size="{plain(size)}" '
-        f'text-anchor="{anchor}" fill="{colour}">{escaped(_short(text))}</text>'
+        f'text-anchor="{anchor}" fill="{colour}">{escaped(text)}</text>'
     )
 
 

@@ -232,6 +232,7 @@ def diagnostic(consequence: Consequence) -> Diagnostic:
         tuple((span, said_of.get(span, "")) for span in consequence.spans[1:]),
         consequence.help,
         effect=consequence.effect,
+        kind=consequence.kind,
     )
 
 

@@ -241,7 +241,7 @@ def test_a_wide_picture_is_a_smaller_png(tmp_path: Path) -> None:
         f"{name} uses_data_from Module0\n" for name in names[1:]
     )
     target = tmp_path / "wide.png"
-    assert mars("draw", "-", "-o", str(target), text=text).returncode == 0
+    assert mars("draw", "-", "-o", str(target), "--whole", text=text).returncode == 0
     width, height = struct.unpack(">II", target.read_bytes()[16:24])
     assert width * height <= 41_000_000
 
@@ -258,7 +258,7 @@ def test_what_is_too_large_to_draw_is_said(tmp_path: Path) -> None:
     lines = [f"{b} uses_data_from {a}" for a, b in pairwise(names)]
     lines += [f"M399 uses_data_from M0 NotifyAtFrequency {hz}" for hz in range(1, 200)]
     text = "\n".join(["@configuration", f"@modules {', '.join(names)}", *lines, ""])
-    done = mars("draw", "-", "-o", str(tmp_path / "x.svg"), text=text)
+    done = mars("draw", "-", "-o", str(tmp_path / "x.svg"), "--whole", text=text)
     assert done.returncode == 2
     assert b"too large" in done.stderr
     assert not list(tmp_path.iterdir())

@@ -1,7 +1,5 @@
 """Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
 
-import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import islice
@@ -11,12 +9,11 @@ from typing import Any
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
+from mars_asp.execution.scenario.toml_tables import read_tables
 from mars_asp.language.parse import decode, read_bytes
 
 #: Whoever mends these reads no more.
 _MOST_PROBLEMS = 200
-#: A key of so many parts is none of ours, and takes its reader a time that grows as their square.
-_DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,22 +53,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
     Raises:
         MarsError: it is no TOML, or has wrong keys or values; all of them.
     """
-    deep = _DEEP.search(text)
-    if deep is not None:
-        line = text.count("\n", 0, deep.start()) + 1
-        raise MarsError([_problem(point(str(path), line, 1), "a key with more than 100 parts")])
-    try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
-        message = str(error).split(" (at")[0]
-        raise MarsError([_problem(point(str(path), line, column), message)]) from None
-    except RecursionError:
-        message = "its lists and tables are nested too deep"
-        raise MarsError([_problem(point(str(path), 1, 1), message)]) from None
-    except ValueError as error:  # a number of more digits than Python reads
-        raise MarsError([_problem(point(str(path), 1, 1), str(error).split(";")[0])]) from None
+    tables = read_tables(text, str(path), "scenario")
     where = Places(text, str(path))
     problems = [
         _problem(where.of(*wrong.path), wrong.message, wrong.help)

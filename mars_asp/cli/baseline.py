@@ -1,0 +1,154 @@
+"""Baselines: files that list findings which are known, so that only new ones are reported.
+
+A finding is known by its file, its kind, its subject and who takes part, and so wherever its lines
+move to. One that is there twice is listed twice. Paths are relative to the folder of the baseline.
+"""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.cli.layout import counted
+from mars_asp.cli.reason import STANDARD_INPUT
+from mars_asp.cli.worker import read_standard_input
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.language.parse import decode, read_bytes
+from mars_asp.reasoning.analysis import Consequence
+
+_FORMAT, _VERSION = "mars-baseline", 1
+#: Some 200,000 findings.
+_MOST_BYTES = 32 * 1024 * 1024
+#: So many findings are named that are no more.
+_MOST_NAMED = 5
+_KEYS = ("file", "kind", "subject", "participants")
+
+
+class Known(NamedTuple):
+    """What a baseline holds of one finding; such entries are in the order of the file."""
+
+    file: str
+    kind: str
+    subject: str
+    participants: tuple[str, ...]
+
+
+class Baseline:
+    """Findings that are known; `path` is shown in messages."""
+
+    def __init__(self, path: str, entries: Iterable[Known]) -> None:
+        """Take what a baseline lists."""
+        self.path = path
+        self._left = Counter(entries)
+
+    def takes(self, consequence: Consequence) -> bool:
+        """Whether a finding is listed, once more than it has been asked for."""
+        known = known_of(consequence, self.path)
+        if not self._left[known]:
+            return False
+        self._left[known] -= 1
+        return True
+
+    def unmatched(self, files: Iterable[str]) -> Iterator[Diagnostic]:
+        """Yield a note on what is listed of files that were read, or are no more, and not found."""
+        read = {_relative(path, self.path) for path in files}
+        folder = Path(self.path).parent
+        gone = [
+            known
+            for known, count in sorted(self._left.items())
+            for _ in range(count)
+            if known.file in read or not (folder / known.file).exists()
+        ]
+        if gone:
+            named = [
+                f"`{each.kind}({each.subject})` of `{each.file}`" for each in gone[:_MOST_NAMED]
+            ]
+            more = f" and {len(gone) - _MOST_NAMED} more" if len(gone) > _MOST_NAMED else ""
+            matches = "matches" if len(gone) == 1 else "match"
+            yield Diagnostic(
+                "baseline",
+                "note",
+                f"{counted(len(gone), 'finding')} of the baseline {matches} nothing any more: "
+                f"{', '.join(named)}{more}",
+                point(self.path, 1, 1),
+                help=f"write it anew: --write-baseline {self.path}",
+                excerpt="",
+            )
+
+
+def known_of(consequence: Consequence, baseline: str) -> Known:
+    """Return what the baseline of a path holds of a finding."""
+    file = _relative(consequence.spans[0].path, baseline)
+    return Known(file, consequence.kind, consequence.subject, consequence.participants)
+
+
+@cache
+def _relative(path: str, baseline: str) -> str:
+    """Return a path as seen from the folder of a baseline; what is no file stays as it is."""
+    if path.startswith("<"):
+        return path
+    folder = os.path.realpath(Path(baseline).parent)
+    return Path(os.path.relpath(os.path.realpath(path), folder)).as_posix()
+
+
+def baseline_text(consequences: Iterable[Consequence], path: str) -> str:
+    """Return a baseline of findings, sorted and one a line, which is written to a path."""
+    entries = sorted(known_of(each, path) for each in consequences)
+    lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in entries]
+    inside = "".join(f"\n  {line}," for line in lines).removesuffix(",")
+    end = "\n" if lines else ""
+    return f'{{"format": "{_FORMAT}", "version": {_VERSION}, "findings": [{inside}{end}]}}\n'
+
+
+def read_baseline(path: str) -> Baseline:
+    """Read a baseline.
+
+    Raises:
+        MarsError: it cannot be read, or is none.
+    """
+    is_input = path == STANDARD_INPUT
+    raw = read_standard_input(_MOST_BYTES + 1) if is_input else read_bytes(Path(path), _MOST_BYTES)
+    text = decode(raw, path, _MOST_BYTES)
+    try:
+        document = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise _wrong(
+            path, f"the baseline is not JSON: {error.msg}", error.lineno, error.colno
+        ) from None
+    except (RecursionError, ValueError):
+        raise _wrong(path, "the JSON is nested too deep for a baseline") from None
+    if not isinstance(document, dict) or document.get("format") != _FORMAT:
+        raise _wrong(path, f'a baseline begins with {{"format": "{_FORMAT}"')
+    version = document.get("version")
+    if version != _VERSION:
+        message = f"this baseline has version {json.dumps(version)}; only {_VERSION} is read"
+        raise _wrong(path, message)
+    listed = document.get("findings")
+    if not isinstance(listed, list):
+        raise _wrong(path, "`findings` must be a list")
+    return Baseline(path, [_entry(path, number, each) for number, each in enumerate(listed, 1)])
+
+
+def _entry(path: str, number: int, value: object) -> Known:
+    """Return an entry of a baseline.
+
+    Raises:
+        MarsError: it is none.
+    """
+    fields = [value.get(key) for key in _KEYS] if isinstance(value, dict) else []
+    match fields:
+        case [str(file), str(kind), str(subject), list(participants)] if all(
+            isinstance(each, str) for each in participants
+        ):
+            return Known(file, kind, subject, tuple(participants))
+    keys = ", ".join(f"`{key}`" for key in _KEYS)
+    raise _wrong(path, f"entry {number} of `findings` must be an object with {keys}")
+
+
+def _wrong(path: str, message: str, line: int = 1, column: int = 1) -> MarsError:
+    help_text = f"write it anew: --write-baseline {path}"
+    place = point(path, line, column)
+    return MarsError((Diagnostic("baseline", "error", message, place, help=help_text),))

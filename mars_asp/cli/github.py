@@ -1,0 +1,49 @@
+"""Findings as workflow commands of GitHub Actions, which shows them beside changed lines."""
+
+from collections.abc import Iterable, Iterator
+
+from mars_asp.cli.results import Result, seen_from_root
+from mars_asp.output import visible
+
+_COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
+
+
+def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
+    """Yield a command for each result that is not hidden.
+
+    What values may not hold is escaped as `@actions/core` does.
+    """
+    for result in results:
+        if result.hidden is not None:
+            continue
+        found = result.diagnostic
+        properties: dict[str, object] = {}
+        if result.has_file:
+            span = found.span
+            properties = {"file": seen_from_root(span.path)[0], "line": span.line}
+            # The runner refuses columns of what goes on in another line.
+            if span.line == span.end_line:
+                properties["endLine"] = span.end_line
+                properties["col"] = span.column
+                properties["endColumn"] = max(span.column, span.end_column - 1)
+            else:
+                properties["endLine"] = span.end_line
+        properties["title"] = found.kind or found.code
+        told = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
+        yield f"::{_COMMANDS[found.severity]} {told}::{_message(_text(result))}"
+
+
+def _text(result: Result) -> str:
+    found = result.diagnostic
+    place = "" if result.has_file else f"{found.span.path}: "
+    help_text = found.help and f"help: {found.help}"
+    parts = (f"{place}{found.message}", found.effect, help_text)
+    return "\n".join(visible(part) for part in parts if part)
+
+
+def _message(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _message(text).replace(":", "%3A").replace(",", "%2C")

@@ -1,0 +1,78 @@
+"""Findings as other programs take them: results of a run, printed when all files were read."""
+
+import os
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.cli.selection import Hidden, Selected
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.output import visible
+from mars_asp.reasoning.analysis import Consequence, diagnostic
+
+
+class Result(NamedTuple):
+    """Something that was found: what is shown of it, and the consequence that it is, if it is one.
+
+    `hidden` is why it is not reported, `is_new` whether no baseline lists it, where there is one.
+    """
+
+    diagnostic: Diagnostic
+    consequence: Consequence | None = None
+    hidden: Hidden | None = None
+    is_new: bool | None = None
+
+    @property
+    def has_file(self) -> bool:
+        """Whether it stands in a file, and not in the words of the command or in its input."""
+        path = self.diagnostic.span.path
+        return path != "-" and not path.startswith(("--", "<"))
+
+
+def results_of(selected: Selected) -> Iterator[Result]:
+    """Yield the findings of a file, those that are hidden, too, and remarks about these."""
+    is_new = True if selected.is_compared else None
+    for each in selected.shown:
+        yield Result(diagnostic(each), each, None, is_new)
+    for hidden in selected.hidden:
+        known = hidden.by == "baseline"
+        state = not known if selected.is_compared else None
+        yield Result(diagnostic(hidden.consequence), hidden.consequence, hidden, state)
+    yield from map(Result, selected.remarks)
+
+
+@cache
+def root_of(here: Path) -> Path:
+    """Return the folder that paths are shown from: that of the repository, else `here`."""
+    for folder in (here, *here.parents):
+        if (folder / ".git").exists():
+            return folder
+    return here
+
+
+def seen_from_root(path: str) -> tuple[str, bool]:
+    """Return a path as seen from the root of the repository, and whether it is below that."""
+    whole = Path(os.path.abspath(path))  # noqa: PTH100 -- links stay as they are named
+    root = root_of(Path.cwd())
+    if whole.is_relative_to(root):
+        return whole.relative_to(root).as_posix(), True
+    return whole.as_posix(), False
+
+
+def plain_text(*parts: str | None) -> str:
+    """Return sentences as one text, each made safe to show."""
+    return " ".join(visible(_sentence(part)) for part in parts if part)
+
+
+def _sentence(part: str) -> str:
+    whole = part[:1].upper() + part[1:] if part[:1].isalpha() else part
+    return whole if whole.endswith((".", "?", "!")) else f"{whole}."
+
+
+def unique_rules(results: Iterable[Result]) -> dict[str, Result]:
+    """Return the first result of each code."""
+    first: dict[str, Result] = {}
+    for each in results:
+        first.setdefault(each.diagnostic.code, each)
+    return first

@@ -1,0 +1,381 @@
+"""Which findings are reported: what options, settings, comments and baselines leave of them.
+
+What rules derive is not touched by that: a finding that is not reported was found all the same, and
+its specification is what it was. Options replace what the settings of a file say under their name.
+"""
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.deliver import write_file
+from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
+from mars_asp.cli.layout import counted
+from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
+from mars_asp.cli.settings import settings_for
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
+from mars_asp.reasoning.findings import consequence_kinds, kinds_of
+from mars_asp.reasoning.project import Project
+from mars_asp.spelling import nearest
+
+if TYPE_CHECKING:
+    from mars_asp.cli.baseline import Baseline
+
+
+class Hidden(NamedTuple):
+    """A finding that is not reported, what hides it, and the reason that a comment gives."""
+
+    consequence: Consequence
+    by: Literal["comment", "baseline"]
+    reason: str
+
+
+class Selected(NamedTuple):
+    """The findings of a file that are reported, those that are hidden, and what is odd about that.
+
+    `is_compared` is whether a baseline was there to hide some.
+    """
+
+    shown: tuple[Consequence, ...]
+    hidden: tuple[Hidden, ...] = ()
+    remarks: tuple[Diagnostic, ...] = ()
+    is_compared: bool = False
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether an error is reported."""
+        return any(consequence.severity == "error" for consequence in self.shown)
+
+
+class _Choice(NamedTuple):
+    """What is said for the files of a folder: kinds to report, kinds to leave out, a baseline."""
+
+    select: frozenset[str] | None
+    ignore: frozenset[str]
+    baseline: "Baseline | None"
+
+    def has(self, kind: str) -> bool:
+        """Whether findings of a kind are reported."""
+        return (self.select is None or kind in self.select) and kind not in self.ignore
+
+
+def hidden_text(hidden: Mapping[str, int]) -> str:
+    """Return how many findings are not reported, by what hides them."""
+    parts = []
+    if number := hidden.get("comment", 0):
+        parts.append(f"{number} hidden by {'a comment' if number == 1 else 'comments'}")
+    if number := hidden.get("baseline", 0):
+        parts.append(f"{number} in the baseline")
+    return f"not reported: {', '.join(parts)}"
+
+
+def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
+    """Add the options that say which findings are reported, and what `writes` a baseline."""
+    add = parser.add_argument
+    for option, text in (
+        ("--select", "report findings of these kinds alone"),
+        ("--ignore", "report no findings of these kinds"),
+    ):
+        add(
+            option,
+            metavar="KIND,...",
+            type=_kinds,
+            action="extend",
+            help=f"{text}; repeatable (default: `{option[2:]}` of mars.toml)",
+        )
+    add(
+        "--baseline",
+        metavar="BASELINE",
+        help="report no findings that this file lists (default: `baseline` of mars.toml)",
+    )
+    if writes:
+        add(
+            "--write-baseline",
+            metavar="BASELINE",
+            help="write a file that lists all findings, instead of reporting them",
+        )
+    else:
+        parser.set_defaults(write_baseline=None)
+
+
+def _kinds(text: str) -> list[str]:
+    kinds = [kind.strip() for kind in text.split(",") if kind.strip()]
+    if not kinds:
+        raise argparse.ArgumentTypeError("expected kinds of findings, separated by commas")
+    return kinds
+
+
+class Selection:
+    """The selection of one command, which may read several files and uses a baseline up."""
+
+    def __init__(self, arguments: argparse.Namespace, rulebook: Rulebook) -> None:
+        """Read the baseline that an option names.
+
+        Raises:
+            MarsError: options name kinds that no rule finds, or the baseline cannot be read.
+        """
+        self._arguments, self._rulebook = arguments, rulebook
+        self._baselines: dict[str, Baseline] = {}
+        self._read: set[str] = set()
+        self._written: list[Consequence] = []
+        for option in ("select", "ignore"):
+            self._check(getattr(arguments, option), _in_option(option))
+        if arguments.baseline is not None and arguments.write_baseline is None:
+            check_inputs(*_inputs(arguments), arguments.baseline)
+            self._baseline(arguments.baseline)
+
+    def of(self, project: Project, analysis: Analysis, notes: bool = True) -> Selected:
+        """Return which findings of a file are reported; without `notes` none that only notes.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        choice, ignores = self._said_of(project)
+        if not (notes or ignores or choice.baseline) and self._arguments.format != "sarif":
+            # Many robots have thousands of notes, and nobody asks who takes part in a warning.
+            found = read_consequences(analysis, self._arguments.write_baseline is not None, False)
+        else:
+            found = analysis.consequences
+        selected = self._selected(choice, ignores, found, notes)
+        if self._arguments.write_baseline is None:
+            return selected
+        self._written += selected.shown
+        return selected._replace(shown=())
+
+    def among(self, project: Project, found: Sequence[Consequence]) -> Selected:
+        """Return which of some findings of a file are reported; nothing is said of comments.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        choice, ignores = self._said_of(project)
+        return self._selected(choice, ignores, found)._replace(remarks=())
+
+    def has_errors(self, project: Project, analysis: Analysis) -> bool:
+        """Whether an error is reported of what is found in a file.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        if self.leaves_all(project):
+            return analysis.has_errors
+        return self.among(project, analysis.consequences).has_errors
+
+    def leaves_all(self, project: Project) -> bool:
+        """Whether nothing can be hidden of what is found in a file.
+
+        Raises:
+            MarsError: what is wrong with the settings of its folder, or with their baseline.
+        """
+        choice, ignores = self._said_of(project)
+        return not ignores and choice == _Choice(None, frozenset(), None)
+
+    def _said_of(self, project: Project) -> tuple[_Choice, tuple[Ignore, ...]]:
+        """Return what is said for a file's folder, and comments of the files of its robot.
+
+        Raises:
+            MarsError: what is wrong with the settings, or with their baseline.
+        """
+        path = Path(project.configuration.path)
+        choice = self._choice(path if path.is_dir() else path.parent)
+        files = _files(project)
+        self._read |= files
+        return choice, tuple(_ignores(project, files))
+
+    def _selected(
+        self,
+        choice: _Choice,
+        ignores: Sequence[Ignore],
+        found: Sequence[Consequence],
+        notes: bool = True,
+    ) -> Selected:
+        said = {
+            (span.path, span.line, kind): ignore.reason
+            for ignore in reversed(ignores)
+            for kind, span in ignore.kinds
+        }
+        shown: list[Consequence] = []
+        hidden: list[Hidden] = []
+        for each in found:
+            # What is listed was found, whatever else hides it.
+            is_known = choice.baseline is not None and choice.baseline.takes(each)
+            if not choice.has(each.kind) or (each.severity == "note" and not notes):
+                continue
+            reason = said.get((each.spans[0].path, each.spans[0].line, each.kind))
+            if reason is not None:
+                hidden.append(Hidden(each, "comment", reason))
+            elif is_known:
+                hidden.append(Hidden(each, "baseline", ""))
+            else:
+                shown.append(each)
+        remarks = tuple(self._remarks(ignores, found))
+        return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
+
+    def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:
+        """Write the baseline that is asked for, if all files could be read; yield what is odd."""
+        for baseline in self._baselines.values():
+            yield from baseline.unmatched(self._read)
+        path = self._arguments.write_baseline
+        if path is None:
+            return
+        if not is_whole:
+            message = "no baseline was written, as not every file could be read"
+            yield Diagnostic("baseline", "error", message, point(path, 1, 1), excerpt="")
+            return
+        from mars_asp.cli.baseline import baseline_text
+
+        text = baseline_text(self._written, path)
+        if path == STANDARD_INPUT:
+            print(text, end="")
+            return
+        write_file(path, text)
+        told = f"the baseline lists {counted(len(self._written), 'finding')}"
+        yield Diagnostic("baseline", "note", told, point(path, 1, 1), excerpt="")
+
+    # ---- What is chosen --------------------------------------------------------------------------
+
+    def _choice(self, folder: Path) -> _Choice:
+        """Return what options and the settings for a folder say.
+
+        Raises:
+            MarsError: what is wrong with the settings, or with their baseline.
+        """
+        settings = settings_for(folder)
+        for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):
+            self._check(kinds, partial(settings.place, key))
+        select = self._arguments.select or settings.select
+        ignore = self._arguments.ignore or settings.ignore or ()
+        path = self._arguments.baseline or settings.baseline
+        # A baseline that is written lists what an older one knows, too.
+        compared = path is not None and self._arguments.write_baseline is None
+        return _Choice(
+            None if select is None else frozenset(select),
+            frozenset(ignore),
+            self._baseline(path) if path is not None and compared else None,
+        )
+
+    def _baseline(self, path: str) -> "Baseline":
+        """Return a baseline, which is read once.
+
+        Raises:
+            MarsError: it cannot be read.
+        """
+        from mars_asp.cli.baseline import read_baseline
+
+        if path not in self._baselines:
+            self._baselines[path] = read_baseline(path)
+        return self._baselines[path]
+
+    # ---- Kinds -----------------------------------------------------------------------------------
+
+    @cached_property
+    def _found_kinds(self) -> frozenset[str]:
+        return consequence_kinds(self._rulebook)
+
+    @cached_property
+    def _is_open(self) -> bool:
+        """Whether a rule finds what it names as it goes."""
+        return any(kinds_of(rule) is None for rule in self._rulebook.rules)
+
+    def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
+        """Check that rules find what is named; `place` is that of one of the kinds, by number.
+
+        Raises:
+            MarsError: they do not; all of that.
+        """
+        unknown = {
+            kind: number for number, kind in enumerate(kinds or ()) if self._is_unknown(kind)
+        }
+        if unknown:
+            raise MarsError(
+                Diagnostic("kind", "error", f"no rule finds `{kind}`", place(n), help=advice)
+                for kind, n in unknown.items()
+                for advice in (self._advice(kind),)
+            )
+
+    def _is_unknown(self, kind: str) -> bool:
+        return kind not in self._found_kinds and not self._is_open
+
+    def _advice(self, kind: str) -> str:
+        """Return what may have been meant by a kind that no rule finds."""
+        named = (rule for rule in self._rulebook.rules if rule.id == kind)
+        found = sorted(name for rule in named for name in kinds_of(rule) or ())
+        if found:
+            return f"`{kind}` is a rule; what it finds is called `{found[0]}`"
+        near = nearest(kind, self._found_kinds)
+        if near is not None:
+            return f"did you mean `{near}`?"
+        return "`mars-asp analyse FILE` names the kind of each finding, and --rules adds more"
+
+    # ---- Comments --------------------------------------------------------------------------------
+
+    def _remarks(
+        self, ignores: Sequence[Ignore], found: Sequence[Consequence]
+    ) -> Iterator[Diagnostic]:
+        """Yield what is odd about comments: those that hide nothing, or name nothing."""
+        if not ignores:
+            return
+        matched = {(each.spans[0].path, each.spans[0].line, each.kind) for each in found}
+        for ignore in ignores:
+            if not ignore.kinds:
+                message = "this comment names no kind of finding, so it hides nothing"
+                advice = "write the kinds in brackets, and then why: mars: ignore[KIND] reason"
+                yield _remark(message, ignore.span, advice)
+            for kind, span in dict(ignore.kinds).items():
+                if (span.path, span.line, kind) in matched:
+                    continue
+                if self._is_unknown(kind):
+                    yield _remark(f"no rule finds `{kind}`", span, self._advice(kind))
+                else:
+                    message = f"this comment hides nothing: no `{kind}` is reported at its line"
+                    yield _remark(message, span, _elsewhere(kind, span, found))
+
+
+def _inputs(arguments: argparse.Namespace) -> Sequence[str]:
+    """Return what a verb reads, which takes one FILE or several."""
+    files: Sequence[str] | None = getattr(arguments, "files", None)
+    return [arguments.file] if files is None else files
+
+
+def _in_option(option: str) -> Callable[[int], Span]:
+    """Return what stands for the places of kinds that an option names."""
+    return lambda number: point(f"--{option}", 1, 1)
+
+
+def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:
+    """Return where a comment belongs that hides nothing at its own line."""
+    for each in found:
+        first = each.spans[0]
+        if each.kind == kind and any(
+            (at.path, at.line) == (span.path, span.line) for at in each.spans[1:]
+        ):
+            return f"move it to the end of line {first.line} of {first.path}, its first place"
+    return "delete it, or move it to the end of the line that the finding is reported at"
+
+
+def _remark(message: str, span: Span, advice: str) -> Diagnostic:
+    return Diagnostic("unused-ignore", "warning", message, span, help=advice)
+
+
+def _files(project: Project) -> set[str]:
+    """Return the files of which something is in a project."""
+    configuration = project.configuration
+    placed = (
+        *configuration.modules,
+        *configuration.relationships,
+        *configuration.declared,
+        *project.modules.values(),
+    )
+    return {configuration.path, *(each.span.path for each in placed)}
+
+
+def _ignores(project: Project, files: Iterable[str]) -> Iterator[Ignore]:
+    """Yield the comments of a project's files that hide findings."""
+    own = project.configuration.path
+    yield from ignores_in(own, project.text, None if project.format else "mars")
+    for path in sorted(set(files) - {own}):
+        yield from ignores_of(path)

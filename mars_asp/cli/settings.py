@@ -1,0 +1,119 @@
+"""What `mars.toml`, or `[tool.mars-asp]` of `pyproject.toml`, says about which findings to report.
+
+The nearest of these files counts, from a folder upwards; in one folder `mars.toml` does.
+"""
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.language.parse import decode, read_bytes
+from mars_asp.spelling import nearest
+
+_OWN, _SHARED = "mars.toml", "pyproject.toml"
+#: Where our keys are in the file that others share.
+_TABLE = ("tool", "mars-asp")
+#: A key or a header with our name in it.
+_NAMED = r"(?m)^[^=#\n]*mars-asp"
+_KEYS = ("select", "ignore", "baseline")
+_MOST_BYTES = 1024 * 1024
+
+
+class Settings(NamedTuple):
+    """What is stated; nothing where a key is not given. A baseline's path is seen from here.
+
+    `text` is that of the file, `table` the keys that lead to ours.
+    """
+
+    select: tuple[str, ...] | None = None
+    ignore: tuple[str, ...] | None = None
+    baseline: str | None = None
+    path: str = ""
+    text: str = ""
+    table: tuple[str, ...] = ()
+
+    def place(self, *key: str | int) -> Span:
+        """Return where a key stands, or an entry of its list."""
+        from mars_asp.execution.scenario.toml_places import Places
+
+        return Places(self.text, self.path).of(*self.table, *key)
+
+
+NO_SETTINGS = Settings()
+
+
+def settings_for(folder: Path) -> Settings:
+    """Return the settings for files in a folder.
+
+    Raises:
+        MarsError: what is wrong with the file that has them.
+    """
+    here = folder.resolve()
+    for place in (here, *here.parents):
+        own, shared = place / _OWN, place / _SHARED
+        if os.path.isfile(own):  # noqa: PTH113 -- false where a folder may not be entered
+            return _read(own, _text(own), ())
+        # Most projects have one, and few say anything of robots.
+        if os.path.isfile(shared) and re.search(_NAMED, text := _text(shared)):  # noqa: PTH113
+            found = _read(shared, text, _TABLE)
+            if found is not NO_SETTINGS:
+                return found
+    return NO_SETTINGS
+
+
+def _text(path: Path) -> str:
+    shown = os.path.relpath(path)
+    return decode(read_bytes(Path(shown), _MOST_BYTES), shown, _MOST_BYTES).replace("\r\n", "\n")
+
+
+def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
+    from mars_asp.execution.scenario.toml_tables import read_tables
+
+    # People know their files from where they are.
+    path = Path(os.path.relpath(path))
+    values: Any = read_tables(text, str(path), "settings")
+    for name in table:
+        values = values.get(name) if isinstance(values, Mapping) else None
+    if values is None:
+        return NO_SETTINGS
+    where = Settings(path=str(path), text=text, table=table)
+    if not isinstance(values, Mapping):
+        raise MarsError([_wrong(where, "`tool.mars-asp` must be a table")])
+    problems = list(_problems(where, values))
+    if problems:
+        raise MarsError(problems)
+    select, ignore, baseline = (values.get(key) for key in _KEYS)
+    return Settings(
+        None if select is None else tuple(select),
+        None if ignore is None else tuple(ignore),
+        None if baseline is None else str(path.parent / baseline),
+        where.path,
+        text,
+        table,
+    )
+
+
+def _problems(where: Settings, values: Mapping[str, Any]) -> Iterator[Diagnostic]:
+    for key, value in values.items():
+        if key not in _KEYS:
+            near = nearest(key, _KEYS)
+            known = f"did you mean `{near}`?" if near else f"one of {', '.join(_KEYS)}"
+            yield _wrong(where, f"`{key}` is not a key of the settings", key, help_text=known)
+        elif key == "baseline":
+            if not isinstance(value, str) or not value or "\0" in value:
+                yield _wrong(where, "`baseline` must be the path of a file", key)
+        elif not isinstance(value, list):
+            yield _wrong(where, f"`{key}` must be a list of kinds of findings", key)
+        else:
+            for number, each in enumerate(value):
+                if not isinstance(each, str):
+                    yield _wrong(where, f"`{key}` lists kinds of findings as texts", key, number)
+
+
+def _wrong(
+    where: Settings, message: str, *key: str | int, help_text: str | None = None
+) -> Diagnostic:
+    return Diagnostic("settings", "error", message, where.place(*key), help=help_text)

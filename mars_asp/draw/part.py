@@ -1,0 +1,132 @@
+"""Parts of a picture: lines of some kinds, what is near a box, and what a screen has room for."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
+
+from mars_asp.draw.picture import LineKind, Picture
+
+#: How wide most screens are, in px.
+SCREEN = 1920
+#: A picture of fewer boxes is drawn as it is.
+_LARGE = 30
+#: Nobody finds anything among more boxes, and they would take long to lay out.
+_MOST_SHOWN = 300
+#: How many boxes are tried first, and by which factor more of them.
+_FIRST, _GROWTH = 4, 1.25
+#: After so many pictures in a row that are too wide no larger one is tried.
+_MOST_MISSES = 3
+
+
+def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = None) -> Picture:
+    """Return the lines of some kinds, and the boxes that they join and that of a name."""
+    lines = [line for line in picture.lines if line.kind in kinds]
+    joined = {end for line in lines for end in (line.tail, line.head)}
+    joined |= {number for number, box in enumerate(picture.boxes) if box.name == name}
+    return _with(replace(picture, lines=tuple(lines)), sorted(joined))
+
+
+def about(picture: Picture, name: str, depth: int) -> Picture:
+    """Return the boxes that at most `depth` lines lead to from that of a name, in any direction.
+
+    Boxes of which lines are left out have a note that tells how many.
+    """
+    near = _neighbours(picture)
+    found = {number for number, box in enumerate(picture.boxes) if box.name == name}
+    fringe = found
+    for _ in range(depth):
+        fringe = {other for each in fringe for other in near[each]} - found
+        if not fringe:
+            break
+        found = found | fringe
+    return _noted(picture, sorted(found))
+
+
+def fitting(
+    picture: Picture, width: Callable[[Picture], float], name: str | None = None
+) -> Picture:
+    """Return what a screen has room for of a large picture: what is near the box of a name.
+
+    Without a name that is the busiest one. `width` is how wide a picture is drawn.
+    """
+    count = len(picture.boxes)
+    if count <= _LARGE or (count <= _MOST_SHOWN and width(picture) <= SCREEN):
+        return picture
+    order = list(_outwards(picture, name))
+    shown, many, misses = _noted(picture, order[:1]), _FIRST, 0
+    # More boxes may need less room, where they make another box go to another rank.
+    while many <= min(count, _MOST_SHOWN) and misses < _MOST_MISSES:
+        larger = _noted(picture, sorted(order[:many]))
+        if width(larger) <= SCREEN:
+            shown, misses = larger, 0
+        else:
+            misses += 1
+        many = max(many + 1, int(many * _GROWTH))
+    return shown
+
+
+def left_out(whole: Picture, shown: Picture) -> str | None:
+    """Return how much of a picture is not shown; nothing where all is."""
+    parts = [
+        f"{len(of) - len(left)} of {len(of)} {what}"
+        for of, left, what in (
+            (whole.boxes, shown.boxes, "modules"),
+            (whole.lines, shown.lines, "relationships"),
+        )
+        if len(left) < len(of)
+    ]
+    return f"left out: {' and '.join(parts)}" if parts else None
+
+
+def _outwards(picture: Picture, name: str | None) -> Iterator[int]:
+    """Yield all boxes, nearest to that of a name first, and of equally near ones the busiest.
+
+    Where lines lead no further, it goes on at the busiest box that is left.
+    """
+    near = _neighbours(picture)
+    busiest = sorted(range(len(near)), key=lambda box: (-len(near[box]), box))
+    rank = {box: place for place, box in enumerate(busiest)}
+    seen: set[int] = set()
+    named = (number for number, box in enumerate(picture.boxes) if box.name == name)
+    for start in (*named, *busiest):
+        fringe = [] if start in seen else [start]
+        seen |= {start}
+        while fringe:
+            yield from fringe
+            further = {other for box in fringe for other in near[box]} - seen
+            seen |= further
+            fringe = sorted(further, key=rank.__getitem__)
+
+
+def _neighbours(picture: Picture) -> Sequence[set[int]]:
+    near: list[set[int]] = [set() for _ in picture.boxes]
+    for line in picture.lines:
+        near[line.tail].add(line.head)
+        near[line.head].add(line.tail)
+    return near
+
+
+def _noted(picture: Picture, boxes: Sequence[int]) -> Picture:
+    """Return some boxes with the lines between them, and notes on how many others they have."""
+    kept = set(boxes)
+    more = dict.fromkeys(boxes, 0)
+    for line in picture.lines:
+        if (line.tail in kept) != (line.head in kept):
+            more[line.tail if line.tail in kept else line.head] += 1
+    noted = list(picture.boxes)
+    for box, number in more.items():
+        if number:
+            words = f"{number} more line{'' if number == 1 else 's'}"
+            note = f"{noted[box].note}; {words}" if noted[box].note else words
+            noted[box] = replace(noted[box], note=note)
+    return _with(replace(picture, boxes=tuple(noted)), boxes)
+
+
+def _with(picture: Picture, boxes: Sequence[int]) -> Picture:
+    """Return some boxes, in this order, with the lines between them."""
+    number = {box: place for place, box in enumerate(boxes)}
+    lines = tuple(
+        replace(line, tail=number[line.tail], head=number[line.head])
+        for line in picture.lines
+        if line.tail in number and line.head in number
+    )
+    return replace(picture, boxes=tuple(picture.boxes[box] for box in boxes), lines=lines)

@@ -1,0 +1,247 @@
+"""Findings as SARIF, by its schema, and as workflow commands of GitHub."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import jsonschema_rs
+import pytest
+
+from mars_asp.cli import run_here
+from tests.support.documents import ROOT
+
+SCHEMA = json.loads((ROOT / "tests/sarif/sarif-schema-2.1.0.json").read_text(encoding="utf-8"))
+VALIDATOR = jsonschema_rs.Draft4Validator(SCHEMA, validate_formats=True)
+ROBOT = """\
+@configuration hierarchical
+@modules A, B, Base, Camera, Arm
+Base is_controlled_by A 1
+Base is_controlled_by B 1
+Arm is_mounted_on Arm
+A uses_data_from Camera
+B uses_data_from Camera
+"""
+#: What a message of a pack may hold: what ends commands, and what others read as marks.
+PACK = """\
+%! because: 100% of `{M}` :: crowded, [no](x) %0A ::error::x
+%! help: line %25 and ::
+consequence(crowded, error, M, here) :- module(M).
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a b.mars").write_text(ROBOT)
+    return tmp_path
+
+
+def sarif(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
+    """Return the status of a command and the one run of its log, which the schema allows."""
+    status = run_here([*words, "--format", "sarif"])
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    log = json.loads(shown.out)
+    assert [error.message for error in VALIDATOR.iter_errors(log)] == []
+    (run,) = log["runs"]
+    assert run["invocations"][0]["exitCode"] == status
+    assert run["invocations"][0]["executionSuccessful"] == (status < 2)
+    rules = run["tool"]["driver"]["rules"]
+    for result in run["results"]:
+        assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
+    return status, run
+
+
+def placed(run: dict[str, Any]) -> list[tuple[str, str, int]]:
+    """Return the level, the file and the line of each result."""
+    found = []
+    for result in run["results"]:
+        (location,) = result["locations"]
+        physical = location["physicalLocation"]
+        uri = physical["artifactLocation"]["uri"]
+        found.append((result["level"], unquote(uri), physical["region"]["startLine"]))
+    return found
+
+
+def test_a_schema_that_refuses_nothing_would_be_no_check() -> None:
+    assert not VALIDATOR.is_valid({"version": "2.1.0", "runs": [{"tool": {}}]})
+
+
+@pytest.mark.parametrize(
+    ("verb", "expected"),
+    [
+        ("check", [("warning", 3), ("error", 5)]),
+        ("analyse", [("warning", 3), ("note", 3), ("error", 5), ("note", 6)]),
+    ],
+)
+def test_findings_are_results(
+    verb: str, expected: list[tuple[str, int]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, run = sarif(capsys, verb, "a b.mars")
+    assert status == 1
+    assert placed(run) == [(level, "a b.mars", line) for level, line in expected]
+    warning = run["results"][0]
+    assert warning["locations"][0]["physicalLocation"]["artifactLocation"] == {
+        "uri": "a%20b.mars",
+        "uriBaseId": "%SRCROOT%",
+    }
+    (other,) = warning["relatedLocations"]
+    assert other["physicalLocation"]["region"]["startLine"] == 4
+    assert other["message"]["text"] == "`B` has priority 1, too."
+    rule = run["tool"]["driver"]["rules"][warning["ruleIndex"]]
+    assert rule["name"] == rule["properties"]["kind"] == "ambiguous_priority"
+    assert "give each controller" in rule["help"]["text"].lower()
+    page, _, heading = rule["properties"]["page"].partition("#")
+    assert f"\n## {heading}\n" in (ROOT / page).read_text(encoding="utf-8")
+
+
+def test_each_finding_of_the_examples_makes_a_log(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    files = sorted((ROOT / "tests/findings").glob("*.mars"))
+    names = [str(path.relative_to(ROOT)) for path in files]
+    _, run = sarif(capsys, "check", *names, "docs/how-to/twist_mux.yaml", *names)
+    assert len(run["results"]) > 15
+    for _, uri, line in placed(run):
+        assert line <= len((ROOT / uri).read_text(encoding="utf-8").splitlines())
+    assert "not-read" in {result["ruleId"] for result in run["results"]}
+
+
+@pytest.mark.parametrize("verb", ["check", "analyse"])
+def test_wrong_input_is_a_result_too(
+    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "bad.mars").write_text("@configuration\n@modules A,, B\nA uses_data_from\n")
+    (folder / "own.lp").write_text("consequence(x, error, M, here) :- \n")
+    status, run = sarif(capsys, verb, "bad.mars")
+    assert (status, [place[:2] for place in placed(run)]) == (2, [("error", "bad.mars")] * 2)
+    status, run = sarif(capsys, verb, "missing.mars")
+    assert (status, placed(run)) == (2, [("error", "missing.mars", 1)])
+    status, run = sarif(capsys, verb, "a b.mars", "--rules", "own.lp")
+    assert (status, placed(run)[0][:2]) == (2, ("error", "own.lp"))
+    status, run = sarif(capsys, verb, "a b.mars", "--select", "no")
+    (result,) = run["results"]
+    assert (status, result["locations"]) == (2, [])
+    assert result["message"]["text"].startswith("--select: No rule finds `no`.")
+
+
+def test_what_is_hidden_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = folder / "a b.mars"
+    assert (
+        run_here(["check", path.name, "--select", "ambiguous_priority", "--write-baseline", "k"])
+        == 0
+    )
+    capsys.readouterr()
+    text = ROBOT.replace("on Arm", "on Arm // mars: ignore[module_conflict] it turns")
+    path.write_text(f"{text}Camera is_mounted_on Camera\n")
+    status, run = sarif(capsys, "check", path.name, "--baseline", "k")
+    assert status == 1
+    found = {
+        result["locations"][0]["physicalLocation"]["region"]["startLine"]: (
+            result["baselineState"],
+            result.get("suppressions"),
+        )
+        for result in run["results"]
+    }
+    assert found == {
+        3: ("unchanged", [{"kind": "external", "status": "accepted"}]),
+        5: ("new", [{"kind": "inSource", "status": "accepted", "justification": "it turns"}]),
+        8: ("new", None),
+    }
+
+
+def test_fingerprints_stay_when_lines_move(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def prints() -> list[str]:
+        _, run = sarif(capsys, "check", "a b.mars")
+        return [each["partialFingerprints"]["marsFinding/v1"] for each in run["results"]]
+
+    before = prints()
+    (folder / "a b.mars").write_text(ROBOT.replace("Base is", "\n\nBase is", 1))
+    assert prints() == before
+    assert len(set(before)) == 2
+
+
+def test_paths_are_those_of_the_repository(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "repo/sub").mkdir(parents=True)
+    (folder / "repo/.git").write_text("gitdir: elsewhere")
+    (folder / "repo/sub/r.mars").write_text(ROBOT)
+    monkeypatch.chdir(folder / "repo/sub")
+    _, run = sarif(capsys, "check", "r.mars", str(folder / "a b.mars"))
+    uris = [uri for _, uri, _ in placed(run)]
+    assert uris == ["sub/r.mars"] * 2 + [f"file://{folder}/a b.mars"] * 2
+    run_here(["check", "r.mars", "--format", "github", "--ignore", "module_conflict"])
+    assert capsys.readouterr().out.startswith("::warning file=sub/r.mars,line=3,")
+
+
+# ---- GitHub --------------------------------------------------------------------------------------
+
+
+def github(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, list[list[str]]]:
+    """Return the status of a command, and the parts of each line as a runner reads them."""
+    status = run_here([*words, "--format", "github"])
+    lines = capsys.readouterr().out.splitlines()
+    read = [re.fullmatch(r"::(error|warning|notice) ([^:]*)::(.*)", line) for line in lines]
+    assert all(read)
+
+    def plain(text: str) -> str:
+        for code, sign in (("3A", ":"), ("2C", ","), ("0D", "\r"), ("0A", "\n"), ("25", "%")):
+            text = text.replace(f"%{code}", sign)
+        return text
+
+    return status, [[m[1], *map(plain, m[2].split(",")), plain(m[3])] for m in read if m]
+
+
+def test_findings_are_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "a b.mars").rename(folder / "a, 100%:b.mars")
+    status, told = github(capsys, "check", "a, 100%:b.mars")
+    assert status == 1
+    assert [each[:-1] for each in told] == [
+        [
+            "warning",
+            *("file=a, 100%:b.mars", "line=3", "endLine=3", "col=1", "endColumn=25"),
+            "title=ambiguous_priority",
+        ],
+        [
+            "error",
+            *("file=a, 100%:b.mars", "line=5", "endLine=5", "col=1", "endColumn=21"),
+            "title=module_conflict",
+        ],
+    ]
+    assert told[0][-1].splitlines() == [
+        "`A` and `B` control `Base` with the same priority, 1, so none of them outranks the others",
+        "Among them, the latest message wins.",
+        "help: give each controller a priority of its own",
+    ]
+
+
+def test_nothing_that_a_message_holds_ends_a_command(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "own.lp").write_text(PACK)
+    words = ("a b.mars", "--rules", "own.lp", "--select", "crowded")
+    status, told = github(capsys, "analyse", *words)
+    assert (status, len(told)) == (1, 5)
+    assert told[0][-1].startswith("100% of `A` :: crowded, [no](x) %0A ::error::x\n")
+    status, run = sarif(capsys, "analyse", *words)
+    assert "100% of `A` :: crowded" in run["results"][0]["message"]["text"]
+
+
+def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "bad.mars").write_text("@configuration\n@modules A,, B\n")
+    for verb in ("check", "analyse"):
+        status, (told,) = github(capsys, verb, "bad.mars")
+        assert (status, told[0], told[1], told[-2]) == (2, "error", "file=bad.mars", "title=syntax")
+    status, (told,) = github(capsys, "check", "a b.mars", "--select", "no")
+    assert (status, told[1], told[2][:31]) == (2, "title=kind", "--select: no rule finds `no`\nhe")
+
+
+def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["check", "a b.mars", "--fix", "--format", "sarif"]) == 2
+    assert "leave out" in capsys.readouterr().err

@@ -1,0 +1,474 @@
+"""Which findings are reported: options, settings, comments and baselines."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from tests.support.processes import mars
+
+#: An error at line 5, a warning at line 3, notes at lines 3 and 7.
+ROBOT = """\
+@configuration hierarchical
+@modules A, B, Base, Camera, Arm
+Base is_controlled_by A 1
+Base is_controlled_by B 1
+Arm is_mounted_on Arm
+A uses_data_from Camera
+B uses_data_from Camera
+"""
+ERROR, WARNING, NOTES = "module_conflict", "ambiguous_priority", {"control_convergence"}
+PACK = 'consequence(crowded, error, M, here) :- module(M), M = "Camera".\n'
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+    (tmp_path / "a.mars").write_text(ROBOT)
+    return tmp_path
+
+
+def analysed(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, set[str], list[str]]:
+    """Return the status of `analyse`, the kinds that it reports, and its remarks."""
+    status = run_here(["analyse", *words, "--format", "json"])
+    shown = capsys.readouterr()
+    kinds = {each["kind"] for each in json.loads(shown.out)["consequences"]} if shown.out else set()
+    remarks = [json.loads(line) for line in shown.err.splitlines()]
+    told = [f"{r['line']}:{r['column']} {r['message']}|{r['help']}" for r in remarks]
+    return status, kinds, told
+
+
+def test_the_robot_of_these_tests(capsys: pytest.CaptureFixture[str]) -> None:
+    status, kinds, told = analysed(capsys, "a.mars")
+    assert (status, told) == (1, [])
+    assert {ERROR, WARNING, *NOTES} < kinds
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "kinds"),
+    [
+        (["--select", WARNING], 0, {WARNING}),
+        (["--select", f"{ERROR}, {WARNING}"], 1, {ERROR, WARNING}),
+        (["--select", ERROR, "--select", WARNING], 1, {ERROR, WARNING}),
+        (["--select", f"{WARNING},{WARNING},"], 0, {WARNING}),
+        (["--select", f"{ERROR},{WARNING}", "--ignore", ERROR], 0, {WARNING}),
+        (["--select", ERROR, "--ignore", ERROR], 0, set()),
+    ],
+)
+def test_kinds_are_selected_and_ignored(
+    options: list[str], status: int, kinds: set[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert analysed(capsys, "a.mars", *options) == (status, kinds, [])
+    assert run_here(["check", "a.mars", *options]) == status
+    assert (WARNING.replace("_", "-") in capsys.readouterr().err) == (WARNING in kinds)
+
+
+def test_ignored_kinds_are_all_but_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+    _, everything, _ = analysed(capsys, "a.mars")
+    assert analysed(capsys, "a.mars", "--ignore", ERROR) == (0, everything - {ERROR}, [])
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        ("ambigous_priority", "no rule finds `ambigous_priority`|did you mean"),
+        (
+            "mounts/cycle",
+            f"`mounts/cycle`|`mounts/cycle` is a rule; what it finds is called `{ERROR}`",
+        ),
+        ("zzz", "no rule finds `zzz`|`mars-asp analyse FILE` names"),
+    ],
+)
+def test_unknown_kinds_are_errors(
+    option: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("--select", "--ignore"):
+        status, _, remarks = analysed(capsys, "a.mars", name, option)
+        assert status == 2
+        assert told in remarks[0]
+
+
+def test_kinds_of_packs_are_known_where_the_pack_is(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "own.lp").write_text(PACK)
+    words = ("a.mars", "--select", "crowded")
+    assert analysed(capsys, *words)[0] == 2
+    assert analysed(capsys, *words, "--rules", "own.lp") == (1, {"crowded"}, [])
+
+
+# ---- Settings ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("files", "kinds"),
+    [
+        ({"mars.toml": f'select = ["{WARNING}"]\n'}, {WARNING}),
+        ({"../mars.toml": f'select = ["{WARNING}"]\r\n'}, {WARNING}),
+        ({"pyproject.toml": f'[tool.mars-asp]\nselect = ["{WARNING}"]\n'}, {WARNING}),
+        (
+            {
+                "mars.toml": f'select = ["{WARNING}"]\n',
+                "pyproject.toml": f'[tool.mars-asp]\nselect = ["{ERROR}"]\n',
+            },
+            {WARNING},
+        ),
+        (
+            {
+                "pyproject.toml": "[project]\nname = 'mars-asp-robot'\n",
+                "../mars.toml": f'select = ["{WARNING}"]\nignore = []\n',
+            },
+            {WARNING},
+        ),
+        ({"mars.toml": "", "../mars.toml": 'select = ["no"]\n'}, None),
+    ],
+)
+def test_the_nearest_settings_count(
+    files: dict[str, str],
+    kinds: set[str] | None,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (folder / "robots").mkdir()
+    (folder / "robots/a.mars").write_text(ROBOT)
+    for name, text in files.items():
+        (folder / "robots" / name).write_bytes(text.encode())
+    _, everything, _ = analysed(capsys, "robots/a.mars")
+    assert everything == kinds or (kinds is None and ERROR in everything)
+    # Options replace what settings say under their name.
+    assert analysed(capsys, "robots/a.mars", "--select", ERROR)[1] == {ERROR}
+    monkeypatch.chdir(folder / "robots")
+    assert analysed(capsys, "a.mars")[1] == everything
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('\nselct = ["a"]', "2:1 `selct` is not a key of the settings|did you mean `select`?"),
+        (
+            'ignore = ["module_conflict", "moduleconflict"]',
+            "1:30 no rule finds `moduleconflict`|did you mean",
+        ),
+        ("select = 'module_conflict'", "1:1 `select` must be a list"),
+        ("select = [\n 1]", "2:2 `select` lists kinds"),
+        ("baseline = 1", "1:1 `baseline` must be the path"),
+        ("select = [", "1:1 Invalid value"),
+        ("baseline = 'none.json'", "1:1 the file cannot be read"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["analyse", "check"])
+def test_what_is_wrong_with_settings_has_its_place(
+    verb: str, text: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "mars.toml").write_text(text)
+    assert run_here([verb, "a.mars", "--format", "json"]) == 2
+    found = json.loads(capsys.readouterr().err.splitlines()[0])
+    if "none.json" in text:
+        assert found["path"] == "none.json"
+        assert found["severity"] == "error"
+        return
+    assert f"{found['line']}:{found['column']} {found['message']}|{found['help']}".startswith(told)
+    assert found["path"] == "mars.toml"
+
+
+# ---- Comments ------------------------------------------------------------------------------------
+
+
+def commented(line: int, comment: str) -> str:
+    lines = ROBOT.splitlines()
+    lines[line - 1] += f" {comment}"
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    ("line", "comment", "hidden", "told"),
+    [
+        (5, f"// mars: ignore[{ERROR}] it turns", {ERROR}, []),
+        (5, f"# mars:ignore[ {ERROR} ]", {ERROR}, []),
+        (3, f"// why // mars: ignore[{WARNING}, control_convergence]", {WARNING, *NOTES}, []),
+        (3, f"// mars: ignore[{WARNING},{WARNING}]", {WARNING}, []),
+        (4, f"// mars: ignore[{WARNING}]", set(), ["4:43 this comment hides nothing"]),
+        (6, f"// mars: ignore[{ERROR}]", set(), ["6:41 this comment hides nothing"]),
+        (5, "// mars: ignore[module_conflit]", set(), ["5:39 no rule finds `module_conflit`"]),
+        (5, "// mars: ignore it turns", set(), ["5:26 this comment names no kind"]),
+        (5, "// mars: ignore[] it turns", set(), ["5:26 this comment names no kind"]),
+        (5, "// on mars: ignore it", set(), []),
+    ],
+)
+def test_comments_hide_findings_of_their_line(
+    line: int,
+    comment: str,
+    hidden: set[str],
+    told: list[str],
+    end: str,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    _, everything, _ = analysed(capsys, "a.mars")
+    (folder / "a.mars").write_bytes(commented(line, comment).replace("\n", end).encode())
+    status, kinds, remarks = analysed(capsys, "a.mars")
+    assert (status, kinds) == (int(ERROR not in hidden), everything - hidden)
+    assert [each[: len(start)] for each, start in zip(remarks, told, strict=True)] == told
+    assert run_here(["check", "a.mars"]) == status
+    assert ("hides nothing" in capsys.readouterr().err) == any(
+        " hides nothing" in each for each in remarks
+    )
+
+
+def test_a_comment_belongs_to_the_first_place(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "a.mars").write_text(commented(4, f"// mars: ignore[{WARNING}]"))
+    _, _, (told,) = analysed(capsys, "a.mars")
+    assert told.endswith("|move it to the end of line 3 of a.mars, its first place")
+
+
+def test_a_finding_without_a_line_is_at_the_first(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "own.lp").write_text(PACK)
+    (folder / "a.mars").write_text(commented(1, "// mars: ignore[crowded] so it is"))
+    words = ("a.mars", "--select", "crowded", "--rules", "own.lp")
+    assert analysed(capsys, *words) == (0, set(), [])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("a.yaml", "a: 'x # mars: ignore[n]' # mars: ignore[y] so\n", [(1, "y", "so")]),
+        ("a.yaml", "a: it's # mars: ignore[y]\nb: x#mars:ignore[n]\n", [(1, "y", "")]),
+        ("a.yml", "a: | # mars: ignore[y]\n  b # mars: ignore[n]\n", [(1, "y", "")]),
+        ("a.yaml", 'a: "b\n  # mars: ignore[n]"\n', []),
+        ("a.yaml", "a: [ # mars: ignore[n]\n", [(1, "n", "")]),
+        ("a.launch.py", "x = '# mars: ignore[n]'  # mars: ignore[y] so\n", [(1, "y", "so")]),
+        ("a.launch", "<a b='# mars: ignore[n]'/> <!-- mars: ignore[y] so -->\n", [(1, "y", "so")]),
+        ("a.xml", "<a><![CDATA[<!-- mars: ignore[n] -->]]></a>", []),
+        ("a.m", "x = '% mars: ignore[n]'; % mars: ignore[y]\n", [(1, "y", "")]),
+        ("a.cpp", 's("// mars: ignore[n]"); /* mars: ignore[y] so */\n', [(1, "y", "so")]),
+        ("a.rs", '/* a\n mars: ignore[y] /* b */ */ "// mars: ignore[n]"\n', [(2, "y", "/* b */")]),
+        ("a.dot", 'graph { "// mars: ignore[n]"; } // mars: ignore[y]\n', [(1, "y", "")]),
+        ("robot", "<a/> <!-- mars: ignore[y] -->", [(1, "y", "")]),
+        ("a.mars", '"// mars: ignore[n]" uses_data_from B # mars: ignore[y]\n', [(1, "y", "")]),
+        ("a.mars", "@sources a/*.cpp, b // mars: ignore[y]\n", [(1, "y", "")]),
+        ("a.mars", "// mars: ignored[n] mars: ignores mars: ignore-not\n", []),
+    ],
+)
+def test_comments_are_those_of_the_language(
+    name: str, text: str, expected: list[tuple[int, str, str]]
+) -> None:
+    from mars_asp.cli.ignores import ignores_in
+
+    found = [(span.line, kind, i.reason) for i in ignores_in(name, text) for kind, span in i.kinds]
+    assert found == expected
+
+
+def test_comments_of_sources_count_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = """\
+# @module_start
+# @module_name Camera
+# @Sense NotifyWhenReady
+# @Output Image{}
+def grab() -> Image: ...
+# @Sense NotifyWhenReady
+# @Output Pose
+def look() -> Pose: ...
+# @module_end
+"""
+    (folder / "a.mars").write_text(ROBOT.replace("@modules", "@sources camera.py\n@modules"))
+    (folder / "camera.py").write_text(source.format(""))
+    run_here(["analyse", "a.mars", "--format", "json"])
+    listed = json.loads(capsys.readouterr().out)["consequences"]
+    placed = [c for c in listed if c["locations"][0]["path"] == "camera.py"]
+    assert placed
+    line, kind = placed[0]["locations"][0]["line"], placed[0]["kind"]
+    lines = source.format("").splitlines()
+    lines[line - 1] += f"  mars: ignore[{kind}]"
+    (folder / "camera.py").write_bytes("\r\n".join(lines).encode("latin-1") + b" # \xe9")
+    _, kinds, told = analysed(capsys, "a.mars")
+    assert kind not in kinds
+    assert not any("hides nothing" in each for each in told)
+
+
+# ---- Baselines -----------------------------------------------------------------------------------
+
+
+def test_a_baseline_hides_what_it_lists_wherever_it_moves(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
+    assert capsys.readouterr().err.startswith("known.json:1:1: note: the baseline lists 2 findings")
+    assert (folder / "known.json").read_text() == (
+        '{"format": "mars-baseline", "version": 1, "findings": [\n'
+        '  {"file": "a.mars", "kind": "ambiguous_priority", "subject": "Base", "participants": '
+        '["A", "B"]},\n'
+        '  {"file": "a.mars", "kind": "module_conflict", "subject": "Arm", "participants": '
+        '["Arm"]}\n'
+        "]}\n"
+    )
+    moved = ROBOT.replace("Base is", "// moved\n\n\nBase is", 1)
+    (folder / "a.mars").write_text(moved)
+    assert run_here(["check", "a.mars", "--baseline", "known.json"]) == 0
+    assert capsys.readouterr().err == "not reported: 2 in the baseline\n"
+    (folder / "mars.toml").write_text('baseline = "known.json"')
+    assert analysed(capsys, "a.mars", "--select", f"{ERROR},{WARNING}") == (0, set(), [])
+    # What is new is reported, also where something alike is known.
+    (folder / "a.mars").write_text(f"{moved}Camera is_mounted_on Camera\n")
+    assert run_here(["check", "a.mars"]) == 1
+    assert "`Camera -> Camera`" in capsys.readouterr().err
+    # One that is written anew lists what the old one does, too.
+    assert run_here(["check", "a.mars", "--write-baseline", "known.json"]) == 0
+    assert len((folder / "known.json").read_text().splitlines()) == 5
+
+
+def test_what_a_baseline_lists_in_vain_is_noted(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "b.mars").write_text(ROBOT)
+    assert run_here(["analyse", "a.mars", "--write-baseline", "known.json"]) == 0
+    (folder / "sub").mkdir()
+    assert run_here(["check", "a.mars", "b.mars", "--write-baseline", "sub/known.json"]) == 0
+    capsys.readouterr()
+    assert '"../a.mars"' in (folder / "sub/known.json").read_text()
+    # Notes that are listed were found, though `check` reports none, and so were ignored kinds.
+    assert run_here(["check", "a.mars", "--baseline", "known.json", "--ignore", ERROR]) == 0
+    assert "nothing any more" not in capsys.readouterr().err
+    # Nobody has looked at `b.mars`.
+    (folder / "a.mars").write_text(ROBOT.replace("Arm is_mounted_on Arm\n", ""))
+    assert run_here(["check", "a.mars", "--baseline", "sub/known.json"]) == 0
+    assert (
+        "sub/known.json:1:1: note: 1 finding of the baseline matches nothing any more: "
+        "`module_conflict(Arm)` of `../a.mars` [baseline]\n"
+    ) in capsys.readouterr().err
+    # A file that is gone is not found again.
+    (folder / "b.mars").unlink()
+    assert run_here(["check", "a.mars", "--baseline", "sub/known.json"]) == 0
+    assert "3 findings of the baseline match nothing" in capsys.readouterr().err
+
+
+def test_a_baseline_lists_each_of_two_that_are_alike(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    twice = ROBOT + "A uses_data_from Camera\n"
+    (folder / "a.mars").write_text(twice)
+    run_here(["check", "a.mars", "--select", "duplicate_relationship", "--write-baseline", "k"])
+    (folder / "a.mars").write_text(twice + "Base is_controlled_by B 1\n")
+    assert (
+        run_here(["check", "a.mars", "--baseline", "k", "--select", "duplicate_relationship"]) == 0
+    )
+    assert "1 warning" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("raw", "told"),
+    [
+        (b"", "1:1: error: the baseline is not JSON"),
+        (
+            b'{"format": "mars-baseline",\n "version": 1,\n "findings": [}',
+            "3:15: error: the baseline is not JSON",
+        ),
+        (b"[]", "1:1: error: a baseline begins"),
+        (b'{"format": "mars-trace"}', "1:1: error: a baseline begins"),
+        (b'{"format": "mars-baseline", "version": 2}', "1:1: error: this baseline has version 2"),
+        (b'{"format": "mars-baseline"}', "1:1: error: this baseline has version null"),
+        (b'{"format": "mars-baseline", "version": 1}', "1:1: error: `findings` must be a list"),
+        (
+            b'{"format": "mars-baseline", "version": 1, "findings": [{"file": 1}]}',
+            "1:1: error: entry 1 of `findings`",
+        ),
+        (b"[" * 100_000, "1:1: error: the JSON is nested"),
+        (b"\xff\xfe\x00", "1:1: error: "),
+        (b"\x00\xff", "1:1: error: the file is not UTF-8"),
+        (b" " * (33 * 1024 * 1024), "1:1: error: `k.json`: is larger"),
+        (None, "1:1: error: "),
+    ],
+)
+def test_what_is_no_baseline_is_refused(
+    raw: bytes | None, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if raw is not None:
+        (folder / "k.json").write_bytes(raw)
+    assert run_here(["check", "a.mars", "--baseline", "k.json"]) == 2
+    assert capsys.readouterr().err.startswith(f"k.json:{told}")
+
+
+def test_no_baseline_is_written_of_what_could_not_be_read(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
+    assert run_here(["check", "a.mars", "bad.mars", "--write-baseline", "k.json"]) == 2
+    assert "no baseline was written" in capsys.readouterr().err
+    assert not (folder / "k.json").exists()
+
+
+def test_what_a_comment_hides_is_in_no_baseline(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
+    assert run_here(["check", "a.mars", "--write-baseline", "-"]) == 0
+    (listed,) = json.loads(capsys.readouterr().out)["findings"]
+    assert listed["kind"] == WARNING
+
+
+def test_a_baseline_comes_from_standard_input(folder: Path) -> None:
+    listed = mars("check", str(folder / "a.mars"), "--write-baseline", "-").stdout
+    done = mars("check", str(folder / "a.mars"), "--baseline", "-", text=listed)
+    assert (done.returncode, done.stderr) == (0, "not reported: 2 in the baseline\n")
+    twice = mars("check", "-", "--baseline", "-", text=listed)
+    assert (twice.returncode, twice.stderr[:14]) == (2, "-:1:1: error: ")
+
+
+def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
+    text = ROBOT + "B uses_data_from Camera\n"
+    (folder / "a.mars").write_text(text)
+    assert (
+        run_here(["check", "a.mars", "--fix", "--ignore", f"duplicate_relationship,{ERROR}"]) == 0
+    )
+    assert (folder / "a.mars").read_text() == text
+    run_here(["check", "a.mars", "--fix", "--ignore", ERROR])
+    assert (folder / "a.mars").read_text() == ROBOT
+
+
+# ---- Other verbs ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hidden_by", ["option", "settings", "comment", "baseline"])
+@pytest.mark.parametrize(
+    ("verb", "more"),
+    [
+        ("synthesise", []),
+        ("explain", []),
+        ("explain", ["--repair"]),
+        ("explain", ["--alternatives"]),
+    ],
+)
+def test_verbs_that_find_something_on_their_way_hide_it_too(
+    verb: str, more: list[str], hidden_by: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_here([verb, "a.mars", *more]) == 1
+    shown = capsys.readouterr()
+    told = "mounts form a cycle" in shown.out + shown.err
+    # To these the cycle is no topic.
+    assert told == (more != ["--alternatives"])
+    options = []
+    if hidden_by == "option":
+        options = ["--ignore", ERROR]
+    elif hidden_by == "settings":
+        (folder / "mars.toml").write_text(f'ignore = ["{ERROR}"]')
+    elif hidden_by == "comment":
+        (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
+    else:
+        run_here(["check", "a.mars", "--write-baseline", "k.json"])
+        options = ["--baseline", "k.json"]
+    capsys.readouterr()
+    assert run_here([verb, "a.mars", *more, *options]) == 0
+    shown = capsys.readouterr()
+    assert "mounts form a cycle" not in shown.out + shown.err
+
+
+def test_who_asks_about_a_hidden_finding_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["explain", "a.mars", f"{ERROR}(Arm)", "--ignore", ERROR]) == 0
+    assert "mounts form a cycle" in capsys.readouterr().out

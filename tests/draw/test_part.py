@@ -1,0 +1,179 @@
+"""Parts of pictures: what is near a box, lines of some kinds, and what a screen has room for."""
+
+import re
+from collections import deque
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mars_asp.cli import run_here
+from mars_asp.draw.part import SCREEN, about, fitting, left_out, of_kinds
+from mars_asp.draw.picture import Box, Line, LineKind, Picture
+from mars_asp.draw.svg import drawn_width, svg_text
+
+KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
+ROBOT = """\
+@configuration hierarchical
+@modules A, B, "C d", Base, Arm, Lone
+B uses_data_from A
+"C d" uses_data_from B
+Base is_controlled_by "C d" 1
+Arm is_mounted_on Base
+"""
+
+
+@st.composite
+def pictures(draw: st.DrawFn) -> Picture:
+    count = draw(st.integers(1, 12))
+    boxes = tuple(Box(f"M{number}", "", None) for number in range(count))
+    ends = st.integers(0, count - 1)
+    lines = draw(
+        st.lists(st.builds(Line, st.sampled_from(KINDS), ends, ends, st.just(""), st.just("")))
+    )
+    return Picture("", boxes, tuple(lines))
+
+
+def named(picture: Picture) -> set[tuple[str, str, str]]:
+    """Return the lines by the names of their ends."""
+    names = [box.name for box in picture.boxes]
+    return {(line.kind, names[line.tail], names[line.head]) for line in picture.lines}
+
+
+@settings(max_examples=60)
+@given(pictures(), st.integers(0, 4))
+def test_what_is_near_is_what_a_walk_reaches(picture: Picture, depth: int) -> None:
+    distance, queue = {"M0": 0}, deque(["M0"])
+    joined = named(picture)
+    while queue:
+        name = queue.popleft()
+        for _, tail, head in joined:
+            for other in (head,) if tail == name else (tail,) if head == name else ():
+                if other not in distance:
+                    distance[other] = distance[name] + 1
+                    queue.append(other)
+    near = {name for name, steps in distance.items() if steps <= depth}
+    part = about(picture, "M0", depth)
+    assert {box.name for box in part.boxes} == near
+    assert named(part) == {line for line in joined if set(line[1:]) <= near}
+    # What a box notes is what it lacks.
+    for box in part.boxes:
+        lacks = sum(
+            (line.tail != line.head)
+            and box.name in (ends := (f"M{line.tail}", f"M{line.head}"))
+            and not set(ends) <= near
+            for line in picture.lines
+        )
+        assert int((re.findall(r"\d+", box.note) or ["0"])[0]) == lacks
+
+
+@settings(max_examples=30)
+@given(pictures(), st.sets(st.sampled_from(KINDS)))
+def test_lines_of_some_kinds_bring_their_boxes(picture: Picture, kinds: set[LineKind]) -> None:
+    part = of_kinds(picture, kinds)
+    assert named(part) == {line for line in named(picture) if line[0] in kinds}
+    assert {box.name for box in part.boxes} == {name for line in named(part) for name in line[1:]}
+
+
+@pytest.mark.parametrize("count", [31, 2000])
+@pytest.mark.parametrize("shape", ["star", "chain", "apart", "dense"])
+def test_a_large_picture_is_as_wide_as_a_screen(shape: str, count: int) -> None:
+    ends = {
+        "star": [(0, n) for n in range(1, count)],
+        "chain": [(n, n + 1) for n in range(count - 1)],
+        "apart": [],
+        "dense": [(n // 3, (n * n + 1) % count) for n in range(2 * count)],
+    }[shape]
+    boxes = tuple(Box(f"Module{number}", "", None) for number in range(count))
+    lines = tuple(Line("data", tail, head, "10 Hz", "") for tail, head in ends)
+    whole = Picture("", boxes, lines)
+    shown = fitting(whole, drawn_width)
+    assert drawn_width(shown) <= SCREEN
+    assert len(shown.boxes) >= (8 if count < 100 else 12 if shape != "chain" else 100)
+    assert (left_out(whole, shown) is None) == (len(shown.boxes) == count)
+    # Around one that is named, it is among what is shown.
+    name = f"Module{count - 2}"
+    assert name in {box.name for box in fitting(whole, drawn_width, name).boxes}
+
+
+def test_a_small_picture_is_drawn_as_it_is() -> None:
+    boxes = tuple(Box("M" * 40 + str(number), "", None) for number in range(30))
+    lines = tuple(Line("data", 0, number, "", "") for number in range(1, 30))
+    whole = Picture("", boxes, lines)
+    assert fitting(whole, drawn_width) is whole
+
+
+@pytest.mark.parametrize(
+    ("words", "shown", "told"),
+    [
+        ([], "A Arm B Base C-d Lone", ""),
+        (["--about", "B"], "A B C-d", "3 of 6 modules and 2 of 4 relationships"),
+        (["--about", "B", "--depth", "2"], "A B Base C-d", "2 of 6 modules and 1 of 4"),
+        (["--about", "B", "--depth", "0"], "B", "5 of 6 modules and 4 of 4 relationships"),
+        (["--about", '"C d"', "--only", "control"], "Base C-d", "4 of 6 modules and 3 of 4"),
+        (["--about", "Lone", "--only", "data"], "Lone", "5 of 6 modules"),
+        (["--only", "control, mounts,control"], "Arm Base C-d", "3 of 6 modules and 2 of 4"),
+    ],
+)
+def test_parts_are_drawn_and_what_is_left_out_is_told(
+    words: list[str],
+    shown: str,
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+    Path("a.mars").write_text(ROBOT)
+    for kind, pattern in (
+        ("svg", r">([^<>]+)</text>"),
+        ("dot", r'label="([^"\\]+)'),
+        ("mmd", r'"([^"<]+)'),
+    ):
+        assert run_here(["draw", "a.mars", "-o", f"a.{kind}", *words]) == 0
+        text = Path(f"a.{kind}").read_text()
+        drawn = {name.replace(" ", "-") for name in re.findall(pattern, text)}
+        assert {name for name in drawn if re.fullmatch(r"A|B|C-d|Base|Arm|Lone", name)} == set(
+            shown.split()
+        )
+        assert (f"left out: {told}" in text) or not told
+        assert (f"note: left out: {told}" in capsys.readouterr().err) == bool(told)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (
+            ["--about", "Bse"],
+            "a.mars:1:1: error: `Bse` is not a module [draw]\n    help: did you mean `Base`?",
+        ),
+        (["--only", "mount"], "found `mount`: did you mean `mounts`?"),
+        (["--only", ","], "found `,`: expected data, control, mounts"),
+        (["--depth", "1"], "--depth needs --about NAME"),
+        (["--about", "A", "--depth", "-1"], "a depth is a number from 0"),
+    ],
+)
+def test_what_is_no_part_is_refused(
+    words: list[str],
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+    Path("a.mars").write_text(ROBOT)
+    try:
+        status = run_here(["draw", "a.mars", "-o", "a.svg", *words])
+    except SystemExit as ended:
+        status = int(ended.code or 0)
+    assert status == 2
+    assert told in capsys.readouterr().err
+    assert not Path("a.svg").exists()
+
+
+def test_a_remark_is_drawn_whole() -> None:
+    remark = "left out: " + "1000 of 2000 modules and " * 4
+    assert f">{remark}<" in svg_text(Picture("", (Box("A", "", None),), (), remark))
