@@ -112,7 +112,10 @@ def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
                 words.append(f"allocation {relationship.allocation}")
         case Data():
             kind = "data"
-            words = [] if relationship.mode is None else [relationship.mode.text]
+            ports = relationship.source_port, relationship.client_port
+            words = [" → ".join(port for port in ports if port is not None)] if any(ports) else []
+            if relationship.mode is not None:
+                words.append(relationship.mode.text)
             if relationship.hz is not None:
                 words.append(_rate(relationship.hz))
     return Line(kind, tail, head, _shown(" ".join(words)), _shown(print_relationship(relationship)))

@@ -13,6 +13,7 @@ from mars_asp.execution.executor import Executor
 from mars_asp.execution.executor.link import Observer
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.execution.parts import in_parts
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions
 from mars_asp.execution.scenario.read import Scenario
@@ -133,7 +134,7 @@ def _stage(
     scenario: Scenario,
     observe: Observer | None,
 ) -> Trial:
-    every = {**modules, **{module.name: module for module in specification.declared}}
+    specification, every = in_parts(specification, modules)
     limits = _limits(every, scenario)
     robot = scenario.robot
     body = Body(
@@ -148,14 +149,14 @@ def _stage(
     def clock() -> float:
         return running[0].schedule.now / SECOND if running else 0.0
 
-    plan = Plan(specification, modules, {})
+    plan = Plan(specification, every, {})
     _check_robot(plan, scenario)
     behaviours = bind_functions(every, scenario, plan.names, clock)
     joints = make_joints(scenario)
     behaviours |= bind_devices(plan, scenario, body, joints, clock)
     _check_faults(behaviours.keys() - {robot["module"], *joints}, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
-    running.append(Executor(specification, modules, behaviours, timeout, observe))
+    running.append(Executor(specification, every, behaviours, timeout, observe))
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
     moves[robot["module"]] = planar_functions(scenario.up)
     return Trial(scenario, running[0], body, limits, moves)

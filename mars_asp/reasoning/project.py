@@ -12,7 +12,10 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.model.declarations import Configuration, Module, Mount, Name
+from mars_asp.model.described import described_modules
+from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
+from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 from mars_asp.reasoning.includes import instances, undescribed, with_includes, without_idle
@@ -153,6 +156,22 @@ def project_facts(
         return facts
     frames = _frame_facts(project, asked)
     return facts + tuple(f for f in frames if wanted is None or f.atom.name in wanted)
+
+
+def port_names(project: Project, module: str | None = None) -> Mapping[str, tuple[str, str]]:
+    """Return the modules and ports that rules are told of, of all modules or of one, by name."""
+    configuration = project.configuration
+    described = described_modules(configuration, project.modules)
+    ends = ends_in(configuration, described)
+    named = {
+        f"{name}.{port}": (name, port)
+        for name, each in described.items()
+        if module in (None, name)
+        for port in (*outputs(each), *inputs(each))
+    }
+    told = [(text, each.module, each.port) for text, each in ends.outputs.items()]
+    told += [(text, each.module, each.port) for text, each in ends.entries.items()]
+    return named | {text: (name, port) for text, name, port in told if module in (None, name)}
 
 
 def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -> Lookup:

@@ -43,6 +43,7 @@ from mars_asp.reasoning.facts.identifiers import (
 )
 from mars_asp.reasoning.facts.loose_ends import Port, nearest
 from mars_asp.reasoning.facts.rates import Rates, rates_in
+from mars_asp.spelling import nearest as nearest_name
 from mars_asp.spelling import resemblances
 
 
@@ -458,10 +459,27 @@ class Compiler:
             unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}
+        for written, known in self._unknown_ports().items():
+            near = nearest_name(written, known)
+            if near is not None:
+                self.add(self.configuration.span, "resembles", written, near)
         for strangers, candidates in pools:
             for stranger, near in resemblances(sorted(strangers), candidates, 0.75):
                 span = places.get(stranger, self.configuration.span)
                 self.add(span, "resembles", stranger, near)
+
+    def _unknown_ports(self) -> Mapping[str, Iterable[str]]:
+        """Return the ports that lines name and modules lack, with those that they have."""
+        found: dict[str, Iterable[str]] = {}
+        for text, output in self.ends.outputs.items():
+            if output.service is None and output.module in self.described:
+                known = outputs(self.described[output.module])
+                found[text] = [f"{output.module}.{port}" for port in known]
+        for text, entry in self.ends.entries.items():
+            if entry.found is None and entry.module in self.described:
+                into = inputs(self.described[entry.module])
+                found[text] = [f"{entry.module}.{port}" for port in into]
+        return found
 
     def knots(self) -> None:
         """Add what relationships of one kind lead back to itself, and the shortest way round."""

@@ -31,11 +31,11 @@ from mars_asp.model.declarations import (
     Service,
 )
 from mars_asp.model.described import described_modules
-from mars_asp.model.names import written
+from mars_asp.model.names import end, read_end, written
 from mars_asp.model.rates import as_written
 from mars_asp.reasoning.facts.identifiers import mode_of, numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import Rates, rates_in
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
 
 _VERBS = ("uses_data_from", "is_mounted_on")
@@ -83,6 +83,19 @@ class Texts:
         configuration = self.project.configuration
         known = described_modules(configuration, self.project.modules)
         return rates_in(configuration, known)
+
+    @cached_property
+    def _ports(self) -> Mapping[str, tuple[str, str]]:
+        return port_names(self.project)
+
+    def end(self, name: Symbol) -> str:
+        """Return a module or a port as a line writes it."""
+        module, port = self._ports.get(name.string, (name.string, None))
+        return end(module, port)
+
+    def module_of(self, name: Symbol) -> str:
+        """Return a module, or that of a port."""
+        return self._ports.get(name.string, (name.string, None))[0]
 
     @cached_property
     def controlled(self) -> Counter[str]:
@@ -294,11 +307,11 @@ def _offer(drafts: _Drafts, number: Symbol, mode: Symbol, rate: Symbol) -> None:
     drafts.annotations(service.span).offer(service, mode_of(mode), drafts.texts.hertz(rate))
 
 
-def _redirect(drafts: _Drafts, number: Symbol, end: Symbol, module: Symbol) -> None:
+def _redirect(drafts: _Drafts, number: Symbol, side: Symbol, module: Symbol) -> None:
     stated = drafts.texts.relationships[number.number]
     if isinstance(stated, Control):
         listed, member = drafts.member(stated)
-        if end.name != "first":
+        if side.name != "first":
             listed.rename(member, written(module.string))
         elif len(listed.members) == 1:
             listed.head = written(module.string)
@@ -308,7 +321,7 @@ def _redirect(drafts: _Drafts, number: Symbol, end: Symbol, module: Symbol) -> N
             drafts.add(drafts.statement(stated.span), line)
         return
     first, second = drafts.names_of(drafts.statement(stated.span))
-    drafts.replace(first if end.name == "first" else second, written(module.string))
+    drafts.replace(first if side.name == "first" else second, drafts.texts.end(module))
 
 
 def _swap(drafts: _Drafts, number: Symbol) -> None:
@@ -339,8 +352,8 @@ def _drop(drafts: _Drafts, number: Symbol) -> None:
 
 
 def _relate(drafts: _Drafts, client: Symbol, source: Symbol) -> None:
-    line = f"{written(client.string)} uses_data_from {written(source.string)}"
-    drafts.add(_neighbour(drafts, client.string), line)
+    line = f"{drafts.texts.end(client)} uses_data_from {drafts.texts.end(source)}"
+    drafts.add(_neighbour(drafts, drafts.texts.module_of(client)), line)
 
 
 def _neighbour(drafts: _Drafts, client: str) -> int:
@@ -412,7 +425,8 @@ def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
         else:
             for token in drafts.names_of(drafts.statement(stated.span)):
                 if token.name == old.string:
-                    drafts.replace(token, written(new.string))
+                    _, port = read_end(token.text) or (old.string, None)
+                    drafts.replace(token, end(new.string, port))
 
 
 def _annotate(drafts: _Drafts, module: Symbol, word: Symbol) -> None:

@@ -20,7 +20,7 @@ from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.declarations import node_kind
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.account import (
     Account,
     UnnamedNodeError,
@@ -260,10 +260,13 @@ def _consequences(
         return read_consequences(evidence.analysis, participants=False)
     if evidence.analysis.subject is not None:
         return evidence.analysis.consequences
+    # What concerns a port concerns its module.
+    asked = {subject, *port_names(project, subject)}
     return tuple(
         c
         for c in read_consequences(evidence.analysis)
-        if subject in (c.kind, f"{c.kind}({c.subject})", c.subject, *c.participants, str(c.atom))
+        if not asked.isdisjoint((c.subject, *c.participants))
+        or subject in (c.kind, f"{c.kind}({c.subject})", str(c.atom))
     )
 
 

@@ -26,7 +26,7 @@ from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
@@ -516,6 +516,7 @@ class _Vocabulary:
         self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
         self._modules = {name.text for name in configuration.modules}
         self._modules.update(end for r in configuration.relationships for end in ends_of(r))
+        self._modules.update(port_names(reasoner.project))
 
     @cached_property
     def _predicates(self) -> set[Signature]:
