@@ -10,22 +10,12 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli.limits import run_plain
+from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT
 from tests.support.processes import mars
 
 LEVEL0 = "examples/level0/config.mars"
 SCARA = "examples/scara/config.mars"
-IMPOSSIBLE = """\
-@configuration
-@modules A, B, C
-A uses_data_from B NotifyWhenReady
-C uses_data_from B
-@module_start
-@module_name B
-@Sense RequestWhenReady
-Image look();
-@module_end
-"""
 GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
 
 

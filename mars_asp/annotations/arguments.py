@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from typing import TypeAlias
 
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Mode, Transformation
 from mars_asp.model.modes import ModeProblem, parse_mode
 from mars_asp.model.ranges import BOUND, COST, FREQUENCY, PERIODS, RATE, VERTEX, NumberProblem
-from mars_asp.model.rates import Rate, every
+from mars_asp.model.rates import Rate, every, read_frequency
 from mars_asp.model.transformation import read_transformation
 from mars_asp.spelling import nearest
 
@@ -111,12 +112,12 @@ def read_delivery(text: str) -> Delivery | list[Wrong]:
     return wrong or (tuple(modes), hz[0] if hz else None)
 
 
+@lru_cache(maxsize=1024)
 def read_rate(text: str) -> Rate | NumberProblem:
     """Read `HZ`, `every N ms` or `every N s`, or return what is wrong with it."""
     period = _PERIOD.fullmatch(text)
     if period is None:
-        hz = FREQUENCY.read(text)
-        return hz if isinstance(hz, NumberProblem) else Rate(hz)
+        return read_frequency(text)
     number = PERIODS[period[2]].read(period[1])
     return number if isinstance(number, NumberProblem) else every(number, period[2])
 

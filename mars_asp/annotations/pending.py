@@ -1,7 +1,6 @@
 """Function annotations and overrides, until the declaration that they belong to is read."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from mars_asp.annotations.arguments import Wrong, read_commands, read_cost, read_delivery
 from mars_asp.annotations.declarations import Declaration, NoFunction
@@ -156,13 +155,18 @@ class Pending:
                 self._problems.note("MARS208", at, at, message, help_text)
                 continue
             bound.append(
-                replace(
-                    service,
-                    function=declaration.name,
-                    output=signature.output,
-                    inputs=signature.inputs,
-                    port=overrides.port,
-                    parameters=signature.parameters,
+                Service(
+                    service.kind,
+                    service.span,
+                    declaration.name,
+                    signature.output,
+                    signature.inputs,
+                    service.modes,
+                    service.hz,
+                    service.commands,
+                    service.cost,
+                    overrides.port,
+                    signature.parameters,
                 )
             )
         if declaration.conditional is not None and overrides.inputs is None:

@@ -26,7 +26,6 @@ from mars_asp.model.declarations import (
 from mars_asp.model.modes import ModeProblem, parse_mode
 from mars_asp.model.names import read_name
 from mars_asp.model.ranges import (
-    FREQUENCY,
     HOLD,
     PERIOD,
     PERIODS,
@@ -35,7 +34,7 @@ from mars_asp.model.ranges import (
     NumberProblem,
     Range,
 )
-from mars_asp.model.rates import Rate, every
+from mars_asp.model.rates import every, read_frequency
 from mars_asp.model.transformation import read_transformation
 
 #: The name of a statement's rule and what stands in it: words, absences, statements within.
@@ -279,8 +278,13 @@ class Builder:
             assert isinstance(number, Word)
             period = self._whole(number, PERIODS[str(unit)])
             return (None if period is None else every(period, str(unit))), number
-        found = self._number(child, FREQUENCY)
-        return (None if found is None else Rate(found)), child
+        if child is None:
+            return None, None
+        found = read_frequency(str(child))
+        if isinstance(found, NumberProblem):
+            self._note_word(child, found.message, found.help)
+            return None, child
+        return found, child
 
     def _number(self, word: "Word | Raw | None", wanted: Range) -> Decimal | None:
         """Return the number that a word writes; note what is wrong with it."""

@@ -2,7 +2,10 @@
 
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from typing import Self
+
+from mars_asp.model.ranges import FREQUENCY, NumberProblem
 
 #: Milliseconds of the units in which a period is written.
 _UNITS = {"ms": 1, "s": 1000}
@@ -31,6 +34,13 @@ class Rate(Fraction):
     def __reduce__(self) -> tuple[type[Self], tuple[Fraction, str]]:
         """Say how it is made again."""
         return type(self), (Fraction(self), self.written)
+
+
+@lru_cache(maxsize=1024)
+def read_frequency(text: str) -> Rate | NumberProblem:
+    """Return the rate that a number of Hertz writes, or what is wrong with it."""
+    hz = FREQUENCY.read(text)
+    return hz if isinstance(hz, NumberProblem) else Rate(hz)
 
 
 def every(period: Decimal | int, unit: str) -> Rate:

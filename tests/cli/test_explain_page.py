@@ -13,6 +13,7 @@ import pytest
 
 from mars_asp.cli import explain
 from tests.support.browser import Browser, in_a_browser
+from tests.support.configurations import IMPOSSIBLE
 from tests.support.documents import ROOT, run
 from tests.support.pages import Page
 
@@ -37,17 +38,6 @@ std::map<Ray, Ray> grab();
 Motion act(std::map<Key, Value> x);
 /* @module_end */
 // \u202e</script>
-"""
-IMPOSSIBLE = """\
-@configuration
-@modules A, B, C
-A uses_data_from B NotifyWhenReady
-C uses_data_from B
-@module_start
-@module_name B
-@Sense RequestWhenReady
-Image look();
-@module_end
 """
 PLAIN = "@configuration\n@modules A, B\nA uses_data_from B\n"
 

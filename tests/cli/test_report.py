@@ -87,6 +87,9 @@ def test_no_line_is_wider_than_asked_but_quoted_ones_and_long_words() -> None:
         lines = diagnostic_text(finding, width=width).split("\n")
         assert all(cells(line) <= width or "xxx" in line for line in lines)
     assert wrapped("`a b` c `d e`", 9) == ["`a b` c", "`d e`"]
+    # What is quoted may hold a backtick, so where the quote ends is not the third of them.
+    quoted = "found ``7...`, expected a `b`, or `c` [syntax]"
+    assert wrapped(quoted, 20) == ["found ``7...`,", "expected a `b`, or", "`c` [syntax]"]
     # A rule at the end is not alone, unless there is no room beside it.
     assert wrapped("aa bb cc [r/x]", 10) == ["aa bb", "cc [r/x]"]
     assert wrapped("aa bb \x1b[2m[r/x]\x1b[0m", 8, "", "") == ["aa", "bb \x1b[2m[r/x]\x1b[0m"]

@@ -22,6 +22,24 @@ def commands(document: Path) -> Iterator[tuple[str, str]]:
             yield command, output
 
 
+def questions(path: Path) -> list[tuple[str, str]]:
+    """Return the commands in a file, each behind `$ `, with the output that follows it."""
+    parts = f"\n{path.read_text(encoding='utf-8')}".split("\n$ ")[1:]
+    return [(command.strip(), output) for command, _, output in (p.partition("\n") for p in parts)]
+
+
+def answered(path: Path, command: str, expected: str, update_golden: bool) -> str:
+    """Return what a command of `questions` prints; keep it in the file, or check that it is it."""
+    found = run(command)
+    if update_golden:
+        text = path.read_text(encoding="utf-8")
+        text = text.replace(f"{command}\n{expected}", f"{command}\n{found.strip()}\n\n")
+        path.write_text(text, encoding="utf-8")
+    else:
+        assert found.strip() == expected.strip()
+    return found
+
+
 def run(command: str, folder: Path = ROOT) -> str:
     """Run a `mars-asp`, `python` or `cat` command in a folder; return what it prints."""
     from mars_asp.cli import run_here

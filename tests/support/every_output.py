@@ -10,6 +10,8 @@ A `.mars` file is asked about by every verb that takes one, is compared with the
 folder, and is run in each scenario of its folder. `import` reads `.urdf` files, `rules lint` reads
 `.lp` files, and `extract` what is beside none of these.
 
+Single answers are counted as standard output has them, without the messages beside them.
+
 Of what `facts`, `fmt`, `export`, `import` and `extract` print only messages are read: the rest is
 text for programs, or the user's own. For the same reason `rules list` and `rules show` are left
 out, and what messages about rules quote. A mistake in headings such as `@module_start` names them.
@@ -24,6 +26,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
@@ -50,19 +53,30 @@ _READ = (".mars", ".urdf", ".lp", ".cpp", ".c", ".hpp", ".py", ".go", ".m")
 Command = tuple[Sequence[str], str]
 
 
-def printed(words: Sequence[str], given: str = "") -> str:
+class Printed(NamedTuple):
+    """What a command tells: messages on standard error, and what is on standard output."""
+
+    messages: str
+    output: str
+
+    @property
+    def told(self) -> str:
+        """Return all that is told, messages first."""
+        return self.messages + self.output
+
+
+def printed(words: Sequence[str], given: str = "") -> Printed:
     """Return what a command tells in this folder, standard input being what is given."""
-    output, before = io.StringIO(), sys.stdin
-    text = io.StringIO() if words[0] in _MESSAGES_ALONE else output
+    messages, output, before = io.StringIO(), io.StringIO(), sys.stdin
     sys.stdin = io.TextIOWrapper(io.BytesIO(given.encode()))
     try:
-        with redirect_stdout(text), redirect_stderr(output):
+        with redirect_stdout(output), redirect_stderr(messages):
             run_here(words)
     except SystemExit:
         pass
     finally:
         sys.stdin = before
-    return output.getvalue()
+    return Printed(messages.getvalue(), "" if words[0] in _MESSAGES_ALONE else output.getvalue())
 
 
 def helps() -> Iterator[Command]:
@@ -112,7 +126,7 @@ def of_whole_files(name: str) -> Iterator[Command]:
     yield ["export", "urdf", name], ""
     for other in [each.name for each in sorted(Path().glob("*.mars")) if each.name > name][:1]:
         yield ["diff", name, other], ""
-    specification = printed(["synthesise", name, "--quiet"])
+    specification = printed(["synthesise", name, "--quiet"]).output
     yield ["verify", "-", name], specification
     for text in _shortened(specification):
         yield ["verify", "-", name], text
@@ -133,7 +147,7 @@ def _shortened(text: str) -> Iterator[str]:
 
 def questions(name: str, each: int = 1) -> Iterator[Command]:
     """Yield questions about each name in a file, of those about what is not there every n-th."""
-    found = printed(["explain", name])
+    found = printed(["explain", name]).output
     for line in found.split("\n"):
         if line[:1].isalpha() and ":" in line:
             subject = line.partition(":")[0].partition(",")[0]
@@ -157,7 +171,7 @@ def questions(name: str, each: int = 1) -> Iterator[Command]:
 
 def answers(words: Sequence[str], output: str) -> Sequence[str]:
     """Return the single answers in the output of a command; a module has one for each topic."""
-    if words[0] != "explain" or len(words) < 3 or output.startswith("mars-asp"):
+    if words[0] != "explain" or len(words) < 3 or not output:
         return ()
     if words[2] == "--why-not":
         return (output.strip(),)
@@ -196,10 +210,10 @@ def main(words: Sequence[str]) -> int:
         os.chdir(path.parent)
         commands = of_file(path, each)
         for asked, given in commands if outputs else chain(helps(), of_rules(), commands):
-            output = printed(asked, given)
+            found = printed(asked, given)
             outputs += 1
-            lengths.update(len(each.split("\n")) for each in answers(asked, output))
-            for wrong in wrong_in(asked, output):
+            lengths.update(len(each.split("\n")) for each in answers(asked, found.output))
+            for wrong in wrong_in(asked, found.told):
                 sentence = re.sub(r"`[^`]*`|\d+", "", wrong)
                 if sentence not in seen:
                     seen.add(sentence)

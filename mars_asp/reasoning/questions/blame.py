@@ -12,11 +12,13 @@ import clingo
 
 from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import Said, fill, said, saying, shown
+from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol
 from mars_asp.diagnostic import MarsError, Span
+from mars_asp.model.names import written
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import ABSENT
@@ -163,9 +165,17 @@ class _Told:
         return (each for each in self._every if each.rule.derives(signature))
 
     def text(self, told: Said) -> str:
-        """Return what a rule says, with places for `at(I)`."""
-        values = zip(told.rule.holes, map(as_symbol, arguments(told.values)), strict=True)
-        return fill(told.rule.because, dict(values), self._shown) or ""
+        """Return what a rule says, with places for `at(I)`, and names in lines as these write them.
+
+        A line is what is between backticks, unless that is nothing but a name.
+        """
+        values = dict(zip(told.rule.holes, map(as_symbol, arguments(told.values)), strict=True))
+        parts = (told.rule.because or "").split("`")
+        return "`".join(
+            fill(part, values, _in_line if at % 2 and not HOLE.fullmatch(part) else self._shown)
+            or ""
+            for at, part in enumerate(parts)
+        )
 
     def evidence(self, reason: clingo.Symbol) -> tuple[Span, ...]:
         """Return the places that a reason cites, in the order of the file."""
@@ -191,3 +201,8 @@ class _Told:
             span = self._place(value.arguments[0])
             return f"{span.path}:{span.line}"
         return shown(value)
+
+
+def _in_line(value: clingo.Symbol) -> str:
+    """Return a term as a line of a configuration writes it."""
+    return written(value.string) if value.type == clingo.SymbolType.String else shown(value)

@@ -16,6 +16,7 @@ from mars_asp.asp.trace.patterns import is_hole, pattern_in
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Attempt, Given, Missing, Trace
 from mars_asp.diagnostic import Span
+from mars_asp.model.names import written
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import Blame
 from mars_asp.reasoning.questions.changes import changed
@@ -155,7 +156,7 @@ def _of_absent(atom: str, kept: Set[str]) -> _Lack:
 def _of_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:
     """Return that there is no line of two ends, of which some may be any module."""
     verb, change, _ = _LINES[name]
-    words = [_end(end) if keep else "..." for end, keep in zip(ends, kept, strict=True)]
+    words = [written(end.string) if keep else "..." for end, keep in zip(ends, kept, strict=True)]
     line = f"`{words[0]} {verb} {words[1]}`"
     terms = [
         end if keep else _new(number)
@@ -215,7 +216,7 @@ def _another(leaves: Sequence[Given], pattern: clingo.Symbol) -> tuple[clingo.Sy
         if not kept & {end.string for end in ends}:
             continue
         terms = [end if end.string in kept else _new(n) for n, end in enumerate(ends, 1)]
-        words = [end.string if end.string in kept else "..." for end in ends]
+        words = [written(end.string) if end.string in kept else "..." for end in ends]
         return clingo.Function(change, terms), f"a further line `{words[0]} {verb} {words[1]}`"
     return None, ""
 

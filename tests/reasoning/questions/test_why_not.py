@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.documents import ROOT, run
+from tests.support.documents import ROOT, answered, questions, run
 from tests.support.processes import mars
 
 LEVEL0 = "examples/level0/config.mars"
@@ -141,22 +141,12 @@ def test_a_rule_of_any_kind_speaks_of_those_that_no_rule_names(tmp_path: Path) -
 
 
 CASES = ROOT / "tests" / "why-not" / "questions.txt"
-QUESTIONS = [
-    (command.strip(), expected)
-    for command, _, expected in (
-        each.partition("\n") for each in CASES.read_text(encoding="utf-8").split("$ ")[1:]
-    )
-]
+QUESTIONS = questions(CASES)
 
 
 @pytest.mark.parametrize(("command", "expected"), QUESTIONS, ids=[each for each, _ in QUESTIONS])
 def test_the_answer(command: str, expected: str, update_golden: bool) -> None:
-    found = run(command)
-    if update_golden:
-        text = CASES.read_text(encoding="utf-8")
-        CASES.write_text(text.replace(f"{command}\n{expected}", f"{command}\n{found.strip()}\n\n"))
-        return
-    assert found.strip() == expected.strip()
+    found = answered(CASES, command, expected, update_golden)
     assert len(found.splitlines()) <= 12
     # Lines of users and commands are not broken.
     whole = re.compile(r"    (\S+:\d+  |Why: mars-asp )")
