@@ -196,7 +196,10 @@ def read_consequences(
     for head, key in keys.items():
         kind, severity, about, _ = arguments(head)
         told = first[head]
-        places = (span_of.get(row[0]) for row in concerned.get(key, ()))
+        said_of = labels_of.get(head, {})
+        found = {span_of.get(row[0]) for row in concerned.get(key, ())}
+        # What a rule says more of stands beside what it is about.
+        places = sorted((span in said_of, span) for span in found if span is not None)
         consequences.append(
             Consequence(
                 write(kind),
@@ -206,9 +209,9 @@ def read_consequences(
                 told.message or str(as_symbol(head)),
                 told.help,
                 told.rule,
-                tuple(sorted({span for span in places if span})) or (analysis.configuration,),
+                tuple(span for _, span in places) or (analysis.configuration,),
                 as_symbol(head),
-                tuple(labels_of.get(head, {}).items()),
+                tuple(said_of.items()),
                 told.effect,
             )
         )
