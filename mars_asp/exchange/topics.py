@@ -186,12 +186,14 @@ def configuration_of(graph: Graph) -> Mapped:
     sent = {end.topic for node in graph.nodes for end in node.published}
     sent |= {mux.output for mux in graph.muxes}
     nodes = tuple(_without_dropped(node, sent, unread) for node in graph.nodes)
-    wiring = _Wiring(nodes, graph.muxes)
+    if graph.observed:
+        nodes = tuple(_taking_part(nodes, unread))
+    wiring = _Wiring(nodes, graph.muxes, graph.observed)
     controls, muxed, ends = _commands(wiring)
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
-    loose = _loose_commands(wiring, graph.observed)
+    loose = _loose_commands(wiring)
     described = (_described(node, wiring, loose) for node in nodes)
     configuration = Configuration(
         graph.path,
@@ -209,8 +211,9 @@ def configuration_of(graph: Graph) -> Mapped:
 class _Wiring:
     """Who publishes and who hears each topic, and which topics are commands."""
 
-    def __init__(self, nodes: Sequence[Node], muxes: Sequence[Mux]) -> None:
+    def __init__(self, nodes: Sequence[Node], muxes: Sequence[Mux], observed: bool) -> None:
         self.muxes = muxes
+        self.observed = observed
         self.published: dict[str, list[_End]] = {}
         self.subscribed: dict[str, list[_End]] = {}
         for node in nodes:
@@ -229,7 +232,7 @@ class _Wiring:
     def controlled(self, topic: str) -> tuple[str, ...]:
         """Return what obeys the commands on a topic: nodes, or else a module named like it."""
         hearing = tuple(each.node for each in self.subscribed.get(topic, ()))
-        if hearing or topic in self.heard:
+        if hearing or topic in self.heard or (self.observed and topic not in self.outputs):
             return hearing
         return (end_of(topic),)
 
@@ -264,8 +267,19 @@ def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) ->
     return replace(node, published=published, subscribed=subscribed)
 
 
+def _taking_part(nodes: Iterable[Node], unread: list[Unread]) -> Iterator[Node]:
+    """Yield the nodes that have a topic, and note the others."""
+    for node in nodes:
+        if node.published or node.subscribed:
+            yield node
+        else:
+            unread.append(Unread("nodes without other topics", node.name, node.span))
+
+
 def _dropped(topic: str) -> str | None:
     """Return as what sort of topic one is left out, if it is."""
+    if "_action" in topic.split("/") or topic.endswith("/action_topics"):
+        return "topics of actions"
     if topic.rpartition("/")[2] in _MIDDLEWARE:
         return "topics of the middleware"
     return "debug topics" if _DEBUG.search(topic) else None
@@ -333,7 +347,8 @@ def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
             port = end.topic
             sources = wiring.published.get(port, ())
             for source in sources:
-                if source.node != node.name:
+                # What ran took its own data, too; it would be missing otherwise.
+                if source.node != node.name or wiring.observed:
                     # Where several publish, each is to be told from the others.
                     span = (source.end if len(sources) > 1 else end).span
                     yield Data(node.name, source.node, span, client_port=port, source_port=port)
@@ -346,9 +361,9 @@ class _Loose(NamedTuple):
     outputs: frozenset[str]
 
 
-def _loose_commands(wiring: _Wiring, observed: bool) -> _Loose:
+def _loose_commands(wiring: _Wiring) -> _Loose:
     """Return the command topics of an observed graph that lead nowhere or come from nowhere."""
-    if not observed:
+    if not wiring.observed:
         return _Loose(frozenset(), frozenset())
     sent = wiring.published.keys() | wiring.outputs.keys()
     taken = wiring.subscribed.keys() | wiring.heard

@@ -15,7 +15,6 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
-from mars_asp.model.names import read_name, written
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every
 
@@ -161,7 +160,7 @@ class _Reader:
 
     def check_name(self, name: Scalar) -> None:
         """Note a name that no configuration can write, and one port too many."""
-        if read_name(written(name.text)) is None:
+        if not ports.is_writable(name.text):
             message = f"`{name.text[:40]}` cannot be a name"
             self.wrong(name.span, message, "write a name of one line")
 
