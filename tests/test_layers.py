@@ -62,12 +62,13 @@ FILES = {
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
     "exchange": (
-        "recognise lift yaml_document unread ports unite urdf twist_mux rosgraph dora foreign"
+        "recognise lift yaml_document unread ports elements topics unite urdf twist_mux rosgraph dora "
+        "ros2 foreign"
     ),
     "exchange/dora": "document read",
-    "exchange/rosgraph": ("graph lists rosdiscover caret dot_tokens dot node_info topic_info read"),
+    "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/twist_mux": "document read",
-    "exchange/urdf": "angles elements document read write",
+    "exchange/urdf": "angles document read write",
     "draw": (
         "picture colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"

@@ -7,9 +7,11 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import dump_of, recognised
 from mars_asp.exchange.rosgraph import import_rosgraph
 from mars_asp.language import parse_text, print_configuration
+from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control, Data
 from tests.support.documents import ROOT
 from tests.support.imported import findings_of, meaning, place, said
@@ -88,6 +90,65 @@ def test_a_node_does_not_command_itself() -> None:
     (line,) = found.configuration.relationships
     assert isinstance(line, Control)
     assert (line.controlled, line.controller) == ("/base", "/joy")
+
+
+MUX = """twist_mux:
+  ros__parameters:
+    topics:
+      nav: {topic: nav_vel, timeout: 0.5, priority: 10}
+      joy: {topic: joy_vel, timeout: 0.5, priority: 100}
+"""
+RAN = """/twist_mux
+  Subscribers:
+    /nav_vel: any
+    /joy_vel: any
+  Publishers:
+    /cmd_vel: geometry_msgs/msg/Twist
+/nav
+  Publishers:
+    /nav_vel: geometry_msgs/msg/Twist
+/base
+  Subscribers:
+    /cmd_vel: geometry_msgs/msg/Twist
+"""
+PAST = "/docking\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+
+
+@pytest.mark.parametrize(
+    ("ran", "lines"),
+    [
+        (RAN, ["/base is_controlled_by /nav 10 hold 500",
+               "/base is_controlled_by joy 100 hold 500"]),
+        (
+            RAN + PAST,
+            [
+                "/base is_controlled_by /docking 0",
+                "/base is_controlled_by /twist_mux 0",
+                "/twist_mux is_controlled_by /nav 10 hold 500",
+                "/twist_mux is_controlled_by joy 100 hold 500",
+            ],
+        ),
+        (PAST, ["cmd_vel_out is_controlled_by nav 10 hold 500",
+                "cmd_vel_out is_controlled_by joy 100 hold 500"]),
+    ],
+)  # fmt: skip
+def test_parameters_of_a_mux_rank_what_its_node_hears(ran: str, lines: list[str]) -> None:
+    found = import_rosgraph([(ran, "nodes.txt"), (MUX, "mux.yaml")]).configuration
+    assert list(map(print_relationship, found.relationships)) == lines
+
+
+def test_what_a_middleware_does_counts_as_nodes() -> None:
+    ran = RAN + PAST + "/odometry\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+    found = lifted(import_rosgraph([(ran, "nodes.txt")]).configuration)
+    assert list(map(print_relationship, found.relationships)) == [
+        "ControlSplitter1 is_controlled_by ArbitrationNode",
+        "/base is_controlled_by ControlSplitter1",
+        "/odometry is_controlled_by ControlSplitter1",
+        "ArbitrationNode is_controlled_by /twist_mux 0",
+        "ArbitrationNode is_controlled_by /docking 0",
+        "/twist_mux is_controlled_by /nav 0",
+    ]
+    assert run_here(["verify", str(FOLDER / "rosdiscover_warehouse.yml")]) == 0
 
 
 # ---- Files that are refused ----------------------------------------------------------------------
