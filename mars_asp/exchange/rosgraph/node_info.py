@@ -11,6 +11,8 @@ _NODE = re.compile(r"[ \t]*(/[^\s:]*)[ \t]*")
 _ENTRY = re.compile(r"[ \t]*(?P<name>/[^\s:]+)[ \t]*:[ \t]*(?P<types>[^\n]*?)[ \t]*")
 _OUT = {"Publishers": True, "Subscribers": False}
 _CALLS = {
+    # Up to ROS 2 Dashing.
+    "Services": "services",
     "Service Servers": "services",
     "Service Clients": "services",
     "Action Servers": "actions",

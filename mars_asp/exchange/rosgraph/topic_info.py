@@ -12,6 +12,8 @@ from mars_asp.exchange.rosgraph.dump import Dump
 
 _FIELD = re.compile(r"[ \t]*(?P<key>[A-Za-z][\w ()]*?)[ \t]*:[ \t]*(?P<value>[^\n]*?)[ \t]*")
 _TOPIC = re.compile(r"(?<![\w./~])(/\w+(?:/\w+)*)(?![\w./])")
+#: The command, where a topic may stand without its slash.
+_COMMAND = re.compile(r"\bros2\s+topic\s+info\s+(?:-\S+\s+)*/?(\w+(?:/\w+)*)")
 _STEM = re.compile(r"\w+")
 _UNKNOWN = re.compile(r"_(?:NODE_NAME|NODE_NAMESPACE)_UNKNOWN_|_CREATED_BY_BARE_DDS_APP_")
 _OUT = {"PUBLISHER": True, "SUBSCRIPTION": False}
@@ -81,7 +83,8 @@ class _Reader:
     def begin_topic(self, type_: str, span: Span) -> None:
         """Begin with the next topic."""
         self.finish_topic()
-        named = _TOPIC.findall(self.above)
+        command = _COMMAND.search(self.above)
+        named = _TOPIC.findall(self.above) if command is None else [f"/{command[1]}"]
         self.above = ""
         self.type = None if type_.startswith("[") else type_
         self.topic = named[-1] if named else self.topic_of_file(span)
