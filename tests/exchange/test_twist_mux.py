@@ -186,7 +186,7 @@ def test_findings_and_what_was_not_read_stand_at_lines_of_the_file(
     assert status == 0
     for code in ("muxes/tie-in-twist-mux", "muxes/never-expires", "muxes/never-wins", "not-read"):
         assert f"[{code}]" in found.replace("\n  ", " ")
-    assert "In twist_mux the first of them in its list wins" in found
+    assert "In twist_mux the first input in its list wins" in found
 
 
 def test_quiet_hides_what_was_not_read_and_json_never_does(

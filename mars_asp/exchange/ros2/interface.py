@@ -14,8 +14,8 @@ class Topic:
 
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
-    is where the program says so, `None` where the catalogue does; `optional` is whether the program works as well without
-    it.
+    is where the program says so, `None` where the catalogue does; `optional` is whether the program
+    works as well without it.
     """
 
     name: str

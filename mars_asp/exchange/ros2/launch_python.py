@@ -450,7 +450,18 @@ class _Reader:
         names.update(
             (parameter.arg, value) for parameter, value in zip(every, arguments, strict=False)
         )
-        names.update(named)
+        for parameter, given in zip(parameters.kwonlyargs, parameters.kw_defaults, strict=True):
+            if given is not None:
+                names[parameter.arg] = self.value(given, self.globals)
+        if parameters.vararg is not None:
+            names[parameters.vararg.arg] = Listed(list(arguments[len(every) :]))
+        own = {parameter.arg for parameter in (*every, *parameters.kwonlyargs)}
+        names.update((name, value) for name, value in named.items() if name in own)
+        if parameters.kwarg is not None:
+            span = self.span(function.of)
+            names[parameters.kwarg.arg] = Mapped(
+                tuple((Plain((key,), span), v) for key, v in named.items() if key not in own)
+            )
         self.calls += 1
         try:
             return self.run(function.of.body, names)
@@ -514,9 +525,6 @@ class _Reader:
             case Listed(items):
                 for item in tuple(items):
                     yield from self.interpret(item, conditional)
-            case Mapped(pairs):
-                for _, held in pairs:
-                    yield from self.interpret(held, conditional)
             case Call(name) if name in _NODES or name in _CONTAINERS:
                 yield from self.started(value, conditional)
             case Call():
@@ -774,17 +782,22 @@ def _given(value: Value) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
     parameters: list[Parameter] = []
     for item in _items(value) or ([] if value is None else [value]):
         if isinstance(item, Mapped):
-            parameters += _flat(item, ())
+            parameters += _flat(item)
         elif isinstance(item, Plain | Listed):
             files.append(_text(item))
     return tuple(files), tuple(parameters)
 
 
-def _flat(value: Mapped, before: Text) -> Iterator[Parameter]:
-    for key, held in value.pairs:
-        name = text_of(before, ".", _text(key)) if before else _text(key)
-        if isinstance(held, Mapped) and len(name) < _MOST_PARTS and name != UNKNOWN:
-            yield from _flat(held, name)
+def _flat(value: Mapped) -> Iterator[Parameter]:
+    """Yield the values of a dictionary, the names of those in inner ones dotted."""
+    waiting: list[tuple[Text, Value]] = [((), value)]
+    for _ in range(_MOST_ITEMS):
+        if not waiting:
+            return
+        name, held = waiting.pop()
+        if isinstance(held, Mapped):
+            before = (*name, ".") if name else ()
+            waiting += [(text_of(*before, _text(k)), v) for k, v in reversed(held.pairs)]
         else:
             yield Parameter(name, _text(held))
 

@@ -204,17 +204,21 @@ class _Robot:
 
     def _is_launch(self, file: Path) -> bool:
         """Whether a file is a launch file, by its name or by the folder and what it says."""
-        if not _LAUNCH.match(file.name):
-            in_folder = file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]
-            if not in_folder:
-                return False
+        is_named = _LAUNCH.match(file.name) is not None
+        if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
+            return False
         try:
-            return is_launch(self.workspace.text(file))
+            found = is_launch(self.workspace.text(file))
         except MarsError as error:
             self.unread.append(
                 Unread("launch files with errors", file.name, error.diagnostics[0].span)
             )
             return False
+        if not found and is_named:
+            place = point(self.workspace.shown(file), 1, 1)
+            sort = "files that are named as launch files but are none"
+            self.unread.append(Unread(sort, file.name, place))
+        return found
 
     def _alone(self, paths: Sequence[Path]) -> Iterator[Started]:
         """Yield each program of a folder as if it were started, where no launch file is."""

@@ -1,0 +1,338 @@
+"""Launch files, packages and workspaces: trees with what they say beside them, and hostile ones."""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.exchange.recognise import recognised
+from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.ros2.launch_markup import substituted
+from mars_asp.exchange.ros2.names import absolute, renamed
+from mars_asp.exchange.ros2.source_cpp import read_cpp
+from mars_asp.exchange.ros2.source_python import PythonPrograms
+from mars_asp.language import Parsed
+from mars_asp.language.print import print_relationship
+from mars_asp.model.declarations import Control
+from tests.support.documents import ROOT
+
+FOLDER = ROOT / "tests" / "ros2"
+TREES = [
+    *sorted(path for path in FOLDER.iterdir() if path.is_dir()),
+    ROOT / "examples/ros2_workspace",
+]
+_NAV2 = "shared/cases/imports/ros_launch/nav2_navigation_launch.py"
+NAV2 = next((path for up in ROOT.parents if (path := up / _NAV2).exists()), ROOT / _NAV2)
+
+
+def place(path: str, line: int, column: int, root: Path) -> str:
+    return f"{Path(path).resolve().relative_to(root)}:{line}:{column}"
+
+
+def said(found: Parsed, root: Path) -> Iterator[str]:
+    """What a tree says: its modules, how they are wired and what is noteworthy, with places."""
+    configuration = found.configuration
+    yield f"modules: {', '.join(name.text for name in configuration.modules)}"
+    for mux in configuration.muxes:
+        yield f"{place(*mux.span[:3], root)}: {mux.engine} before {mux.module}"
+    for line in configuration.relationships:
+        yield f"{place(*line.span[:3], root)}: {print_relationship(line)}"
+    for module in configuration.declared:
+        guard = "" if module.guard is None else " (guard)"
+        yield f"{place(*module.span[:3], root)}: {module.name}{guard}"
+        for service in module.services:
+            port = service.port or ", ".join(filter(None, service.parameters))
+            kind = service.output or service.inputs or ""
+            rate = "" if service.hz is None else f" {service.hz} Hz"
+            at = place(*service.span[:3], root)
+            yield f"  {at}: {service.kind} {port} {kind}{rate}".rstrip()
+    for note in found.warnings:
+        yield f"{place(*note.span[:3], root)}: {note.severity}: {note.message}"
+
+
+@pytest.mark.parametrize("tree", TREES, ids=lambda path: path.stem)
+def test_each_tree_says_what_stands_beside_it(tree: Path, update_golden: bool) -> None:
+    found = "\n".join(said(import_ros2([("", str(tree))]), tree)) + "\n"
+    golden = FOLDER / f"{tree.stem}.txt"
+    if update_golden:
+        golden.write_text(found, encoding="utf-8")
+    assert golden.read_text(encoding="utf-8") == found
+
+
+@pytest.mark.skipif(not NAV2.exists(), reason="the file of others is not beside the checkout")
+def test_docking_and_following_reach_the_base_of_nav2_past_its_guards() -> None:
+    found = import_ros2([(NAV2.read_text(encoding="utf-8"), str(NAV2))])
+    modules = [name.text for name in found.configuration.modules]
+    assert len(modules) == 13
+    assert modules[-1] == "cmd_vel"
+    lines = [line for line in found.configuration.relationships if isinstance(line, Control)]
+    assert {(line.controlled, line.controller, line.priority) for line in lines} == {
+        ("cmd_vel", "/collision_monitor", 0),
+        ("cmd_vel", "/docking_server", 0),
+        ("cmd_vel", "/following_server", 0),
+        ("/collision_monitor", "/velocity_smoother", 0),
+        ("/velocity_smoother", "/controller_server", 0),
+        ("/velocity_smoother", "/behavior_server", 0),
+    }
+    guards = [module.name for module in found.configuration.declared if module.guard]
+    assert guards == ["/velocity_smoother", "/collision_monitor"]
+    assert any("12 nodes start only under conditions" in note.message for note in found.warnings)
+
+
+def launched(text: str, path: str = "robot.launch.py") -> Parsed:
+    return import_ros2([(text, path)])
+
+
+PYTHON = """
+from launch import LaunchDescription
+from launch_ros.actions import Node
+def generate_launch_description():
+    {before}
+    return LaunchDescription([{nodes}])
+"""
+JOY = 'Node(package="joy", executable="joy_node")'
+#: What stands before the return, the nodes, and the modules that there are.
+DESCRIPTIONS = [
+    ("pass", JOY, ["/joy_node"]),
+    ("n = " + JOY, "n, n", ["/joy_node"]),
+    ("n = [" + JOY + "]", "*n", ["/joy_node"]),
+    ("x = LaunchConfiguration('unknown')", JOY.replace(")", ", namespace=x)"), ["/joy_node"]),
+    (
+        "x = LaunchConfiguration('a', default='b')",
+        JOY.replace(")", ", namespace=x)"),
+        ["/b/joy_node"],
+    ),
+    ("x = 'a' if y else 'c'", JOY.replace(")", ", name=x)"), ["/a"]),
+    ("x = ['a', '_', 'b']", JOY.replace(")", ", name=x)"), ["/a_b"]),
+    ("x = {'name': 'k'}", JOY.replace(")", ", **x)"), ["/k"]),
+    ("x = f'r{1}'", JOY.replace(")", ", name=x)"), ["/r1"]),
+    ("x = [" + JOY.replace(")", ", name=i)") + " for i in ('p', 'q')]", "*x", ["/p", "/q"]),
+    (
+        "x = []\n    for i in ('p', 'q'):\n        x.append(" + JOY.replace(")", ", name=i)") + ")",
+        "*x",
+        ["/p", "/q"],
+    ),
+    ("x = '/g/'", JOY.replace(")", ", namespace=x)"), ["/g/joy_node"]),
+    ("pass", "Node(package='x', executable='y', name='z')", ["/z"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("before", "nodes", "modules"), DESCRIPTIONS)
+def test_descriptions_are_read_as_they_would_be_built(
+    before: str, nodes: str, modules: list[str]
+) -> None:
+    found = launched(PYTHON.format(before=before, nodes=nodes))
+    assert [name.text for name in found.configuration.modules] == modules
+
+
+NAMES = [
+    ("scan", "/", "n", (), "/scan"),
+    ("~/scan", "/a", "n", (), "/a/n/scan"),
+    ("/scan", "/a", "n", (("scan", "x"),), "/scan"),
+    ("scan", "/a", "n", (("scan", "x"), ("scan", "y")), "/a/x"),
+    ("scan", "/a", "n", (("/a/scan", "~/y"),), "/a/n/y"),
+    ("/scan", "/", "n", (("scan", "/y"),), "/y"),
+    ("~/scan", "/", "n", (("~/scan", "scan"),), "/scan"),
+    ("scan", "/", "n", (("other:scan", "y"),), "/scan"),
+    ("scan", "/", "n", (("n:scan", "y"),), "/y"),
+]
+
+
+@pytest.mark.parametrize(("name", "namespace", "node", "rules", "full"), NAMES)
+def test_topics_are_named_and_renamed_as_in_ros(
+    name: str, namespace: str, node: str, rules: tuple[tuple[str, str], ...], full: str
+) -> None:
+    assert renamed(name, namespace, node, rules) == full
+    assert renamed(full, namespace, node, ()) == absolute(full, namespace, node)
+
+
+CPP = [
+    ('create_publisher<A>("t", 1);', ["t"]),
+    ('this->create_publisher<a::msg::B<int>>("t", 1);', ["t"]),
+    ('// create_publisher<A>("t", 1);', []),
+    ('auto s = "create_publisher<A>(\\"t\\", 1)";', []),
+    ('\n#if 0\ncreate_publisher<A>("t", 1);\n#endif\n', []),
+    ('create_publisher<A>(R"(t)", 1);', ["t"]),
+    ('const char* n = "t"; create_publisher<A>(n, 1);', ["t"]),
+    ('rclcpp::create_publisher<A>(node, "t", 1);', ["t"]),
+    ('declare_parameter("p", "d"); get_parameter("p", n_); create_publisher<A>(n_, 1);', ["d"]),
+    ("create_publisher<A>(name(), 1);", []),
+    ("create_publisher<A>(", []),
+    ("a < b; create_publisher < c;", []),
+]
+
+
+@pytest.mark.parametrize(("text", "topics"), CPP)
+def test_publishers_in_cpp_are_found_by_tokens(text: str, topics: list[str]) -> None:
+    found = read_cpp([(f"void f() {{ {text} }}", "x.cpp")])
+    assert [topic.name for topic in found.published] == topics
+
+
+PROGRAMS = [
+    ("self.create_publisher(A, 't', 1)", ["t"]),
+    ("self.create_publisher(msg_type=A, topic='t', qos_profile=1)", ["t"]),
+    ("'''self.create_publisher(A, 't', 1)'''", []),
+    ("n = 'a'; self.create_publisher(A, n + '/b', 1)", ["a/b"]),
+    ("self.create_publisher(A, self.declare_parameter('p', 'd').value, 1)", ["d"]),
+    ("self.create_publisher(A, other(), 1)", []),
+    ("rospy.Publisher('t', A)", ["t"]),
+]
+
+
+@pytest.mark.parametrize(("statement", "topics"), PROGRAMS)
+def test_publishers_in_python_are_found_by_the_tree(statement: str, topics: list[str]) -> None:
+    text = f"class N:\n    def __init__(self):\n        {statement}\ndef main():\n    N()\n"
+    found = PythonPrograms(lambda _: (text, "x.py")).interface("x", "main")
+    assert found is not None
+    assert [topic.name for topic in found.published] == topics
+
+
+def refused(text: str, path: str) -> tuple[Diagnostic, ...]:
+    with pytest.raises(MarsError) as error:
+        launched(text, path)
+    return error.value.diagnostics
+
+
+BOMB = '<!DOCTYPE x [<!ENTITY a "b">]>\n<launch><node pkg="&a;" exec="x"/></launch>'
+HOSTILE = [
+    ("x.launch.py", "def generate_launch_description(:\n", "1:33: this is not Python: "),
+    ("x.launch.py", "x = " + "(" * 5000 + ")" * 5000, "1:"),
+    ("x.launch.py", "x = " + "-" * 100_000 + "1", "1:"),
+    ("x.launch.py", "x = 1" + " + 1" * 20_000, "1:1: this Python is nested too deeply"),
+    ("x.launch.py", "import os\n", "1:1: the file has no function `generate_launch_description`"),
+    ("x.launch.py", PYTHON.format(before="x", nodes=""), "1:1: the launch file starts no node"),
+    ("x.launch.xml", BOMB, "1:1: a document type, which is refused"),
+    ("x.launch.xml", "<launch>" + "<group>" * 5000, "1:"),
+    ("x.launch.xml", "<launch><node></launch>", "1:"),
+    ("x.launch.xml", "<robot/>", "1:1: the document is `robot`, not `launch`"),
+    ("x.launch.yaml", "launch: *a\n", "1:9: "),
+    ("x.launch.yaml", "launch: " + "[" * 5000, "1:"),
+    ("x.launch.yaml", "nodes: []\n", "1:1: the file has no `launch:`"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("path", "text", "first"), HOSTILE)
+def test_hostile_files_end_with_a_located_error(path: str, text: str, first: str) -> None:
+    begun = time.process_time()
+    span, message = (found := refused(text, path)[0]).span, found.message
+    assert f"{span.line}:{span.column}: {message}".startswith(first)
+    assert time.process_time() - begun < 2
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        "x = ['a']\n    for i in range(9): x = x + x\n    for i in x: x += x",
+        "x = 'a'\n" + "    x = x + x\n" * 100,
+        "x = []\n" + "    x = [x, x]\n" * 100,
+        "x = {}\n" + "    x = {'a': x, 'b': x}\n" * 60,
+        "def f(): return [f(), f(), f()]\n    x = f()",
+        "x = 1" + " + 1" * 500,
+    ],
+)
+def test_what_grows_without_end_is_given_up(before: str) -> None:
+    begun = time.process_time()
+    nodes = JOY.replace(")", ", parameters=[x], remappings=x)")
+    found = launched(PYTHON.format(before=before, nodes=f"{nodes}, x, *x"))
+    assert "/joy_node" in [name.text for name in found.configuration.modules]
+    assert time.process_time() - begun < 5
+
+
+def test_a_launch_file_is_not_run(tmp_path: Path) -> None:
+    marker = tmp_path / "marker"
+    file = tmp_path / "evil.launch.py"
+    evil = f"open({str(marker)!r}, 'w').write('x')\n"
+    file.write_text(evil + PYTHON.format(before=evil, nodes=JOY), encoding="utf-8")
+    for name in ("joy.py", "launch.py", "setup.py"):
+        (tmp_path / name).write_text(evil, encoding="utf-8")
+    for path in (file, tmp_path):
+        assert run_here(["check", str(path)]) == 0
+    assert not marker.exists()
+
+
+def test_nothing_outside_of_the_workspace_is_read(tmp_path: Path) -> None:
+    inside, outside = tmp_path / "ws", tmp_path / "out"
+    for folder in (inside, outside):
+        folder.mkdir()
+    secret = '<launch><node pkg="joy" exec="joy_node" name="secret"/></launch>'
+    (outside / "secret.launch.xml").write_text(secret, encoding="utf-8")
+    (inside / "linked.launch.xml").symlink_to(outside / "secret.launch.xml")
+    (inside / "folder").symlink_to(outside)
+    (inside / "self").symlink_to(inside)
+    paths = ("../out/secret.launch.xml", str(outside / "secret.launch.xml"), "linked.launch.xml")
+    includes = "".join(f'<include file="{path}"/>' for path in paths)
+    text = f'<launch>{includes}<node pkg="joy" exec="joy_node" name="own"/></launch>'
+    (inside / "main.launch.xml").write_text(text, encoding="utf-8")
+    found = import_ros2([("", str(inside))])
+    assert [name.text for name in found.configuration.modules] == ["/own"]
+    messages = [note.message for note in found.warnings]
+    assert any(m.startswith("links out of the workspace not read: 2") for m in messages)
+    assert any("that are not in the workspace not read: 3" in m for m in messages)
+
+
+def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
+    (tmp_path / "a.launch.py").write_bytes(b"\xff\xfe\x00binary\x00")
+    (tmp_path / "b.launch.py").write_bytes("# caf\xe9\n".encode("latin-1"))
+    (tmp_path / "c.launch.xml").write_text("<launch>", encoding="utf-8")
+    with (tmp_path / "d.launch.py").open("wb") as large:
+        large.truncate(100 * 1024 * 1024)
+    (tmp_path / "e.launch.py").write_text(PYTHON.format(before="pass", nodes=JOY), encoding="utf-8")
+    begun = time.process_time()
+    found = import_ros2([("", str(tmp_path))])
+    assert [name.text for name in found.configuration.modules] == ["/joy_node"]
+    messages = [note.message for note in found.warnings]
+    assert any(m.startswith("launch files with errors not read: 3") for m in messages)
+    assert any("named as launch files but are none not read: 1" in m for m in messages)
+    assert time.process_time() - begun < 2
+
+
+def test_programs_count_as_started_where_no_launch_file_is() -> None:
+    folder = ROOT / "examples/ros2_workspace/src/scout_base/src"
+    package = folder.parent
+    assert import_ros2([("", str(package))]).configuration.modules
+    with pytest.raises(MarsError) as error:
+        import_ros2([("", str(folder))])
+    assert "no launch file and no package" in error.value.diagnostics[0].message
+
+
+def test_a_mux_that_is_named_beside_a_launch_file_is_its_mux() -> None:
+    mux = "m:\n  ros__parameters:\n    topics:\n      a: {topic: t, timeout: 0.5, priority: 7}\n"
+    nodes = (
+        "Node(package='twist_mux', executable='twist_mux', remappings=[('cmd_vel_out', 'go')]),"
+        "Node(package='teleop_twist_keyboard', executable='teleop_twist_keyboard',"
+        " remappings=[('cmd_vel', 't')])"
+    )
+    launch = PYTHON.format(before="pass", nodes=nodes)
+    found = import_ros2([(launch, "x.launch.py"), (mux, "mux.yaml")])
+    [line] = found.configuration.relationships
+    assert print_relationship(line) == "go is_controlled_by /teleop_twist_keyboard 7 hold 500"
+    assert (line.span.path, line.span.line) == ("mux.yaml", 4)
+
+
+def test_a_users_catalogue_wins(tmp_path: Path) -> None:
+    (tmp_path / "x.launch.py").write_text(PYTHON.format(before="pass", nodes=JOY), encoding="utf-8")
+    own = tmp_path / "mars-catalogue.toml"
+    own.write_text('[joy.joy_node]\nnode = "mine"\npublishes = { a = "p/msg/A" }\n', "utf-8")
+    [module] = import_ros2([("", str(tmp_path))]).configuration.declared
+    assert (module.name, module.services[0].port) == ("/mine", "/a")
+    own.write_text("[joy]\njoy_node = 3\n", encoding="utf-8")
+    with pytest.raises(MarsError, match="is not a table"):
+        import_ros2([("", str(tmp_path))])
+    own.write_text("[joy\n", encoding="utf-8")
+    with pytest.raises(MarsError, match="this is not TOML"):
+        import_ros2([("", str(tmp_path))])
+
+
+def test_substitutions_are_parts_of_a_text() -> None:
+    assert substituted("a$(env X b)c") == ("abc",)
+    assert substituted("$(arg a") == substituted("$(eval 1)")
+
+
+def test_launch_files_are_recognised() -> None:
+    assert recognised(PYTHON) == "ros2"
+    assert recognised("<?xml version='1.0'?>\n<!-- <robot> -->\n<launch/>") == "ros2"
+    assert recognised("launch:\n- node: {}\n") == "ros2"
+    assert recognised("# launch: no\n@configuration\n") == "mars"
