@@ -183,7 +183,6 @@ def commented(line: int, comment: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
 @pytest.mark.parametrize(
     ("line", "comment", "hidden", "told"),
     [
@@ -204,12 +203,11 @@ def test_comments_hide_findings_of_their_line(
     comment: str,
     hidden: set[str],
     told: list[str],
-    end: str,
     folder: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     _, everything, _ = analysed(capsys, "a.mars")
-    (folder / "a.mars").write_bytes(commented(line, comment).replace("\n", end).encode())
+    (folder / "a.mars").write_bytes(commented(line, comment).replace("\n", "\r\n").encode())
     status, kinds, remarks = analysed(capsys, "a.mars")
     assert (status, kinds) == (int(ERROR not in hidden), everything - hidden)
     assert [each[: len(start)] for each, start in zip(remarks, told, strict=True)] == told
@@ -435,14 +433,15 @@ def test_fix_leaves_alone_what_is_hidden(folder: Path) -> None:
 # ---- Other verbs ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("hidden_by", ["option", "settings", "comment", "baseline"])
 @pytest.mark.parametrize(
-    ("verb", "more"),
+    ("verb", "more", "hidden_by"),
     [
-        ("synthesise", []),
-        ("explain", []),
-        ("explain", ["--repair"]),
-        ("explain", ["--alternatives"]),
+        ("synthesise", [], "option"),
+        ("synthesise", [], "settings"),
+        ("explain", [], "comment"),
+        ("explain", [], "baseline"),
+        ("explain", ["--repair"], "option"),
+        ("explain", ["--alternatives"], "comment"),
     ],
 )
 def test_verbs_that_find_something_on_their_way_hide_it_too(
