@@ -25,8 +25,8 @@ from mars_asp.model.declarations import (
     Transformation,
     Vertex,
 )
-from mars_asp.model.rates import Rate, every
 from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
+from mars_asp.model.rates import Rate, every
 from tests.support.documents import ROOT
 from tests.support.robots import HERE
 
