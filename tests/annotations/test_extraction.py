@@ -27,6 +27,10 @@ CASES = [path for path in sorted((FOLDER / "cases").iterdir()) if path.suffix in
 EXPECTED = json.loads((FOLDER / "expected.json").read_text(encoding="utf-8"))
 
 
+#: Keys of services that came later.
+ADDED = ("port", "parameters")
+
+
 def plain(word: str) -> str:
     return re.sub(r"[-_ ]", "", word.lower())
 
@@ -35,7 +39,10 @@ def comparable(module: dict[str, object]) -> dict[str, object]:
     module = {key: value for key, value in module.items() if key != "path"}
     classes = module["class"]
     assert isinstance(classes, list)
-    return {**module, "class": [plain(name) for name in classes]}
+    services = module["services"]
+    assert isinstance(services, list)
+    read = [{k: v for k, v in each.items() if k not in ADDED} for each in services]
+    return {**module, "class": [plain(name) for name in classes], "services": read}
 
 
 def answers(found: Diagnostic, problem: dict[str, list[list[int | None]] | list[str]]) -> bool:

@@ -71,7 +71,7 @@ def noisy(rng: random.Random, text: str, remarks: bool) -> str:
 
     lines = []
     for statement in text.splitlines():
-        pieces = rf"{QUOTED}|[(),=]|[^\s(),=]+"
+        pieces = rf"[(),=:]|(?:{QUOTED}|[^\s(),=:])+"
         if statement.startswith("@sources"):
             pieces = r"@sources|,|[^,\n]*[^,\s]"
         words = [match[0].strip() for match in re.finditer(pieces, statement)]

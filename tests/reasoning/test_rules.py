@@ -120,7 +120,7 @@ TOGETHER = (
     "hears(R, B, inherited(M))",
     "heard_as(M, I, L, V)",
     "offers(S, I, mode(N, X), none)",
-    "says(C, S, D, F, R)",
+    "says(X, S, D, F, R)",
     "edit(Kind, M, cycle, drop(R), 3) :- about(mount, W, Kind, M)",
 )
 

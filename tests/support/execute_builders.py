@@ -1,7 +1,7 @@
 """Small builders of specifications, modules and behaviours for the executor's tests."""
 
 from collections.abc import Callable, Iterable
-from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 from mars_asp.diagnostic import point
@@ -50,7 +50,7 @@ def effector(name: str, *functions: str) -> Module:
 
 def _with_service(name: str, kind: Any, modes: str, hz: float | None) -> Module:
     found = tuple(mode(text) for text in modes.split(" | "))
-    rate = None if hz is None else Decimal(str(hz))
+    rate = None if hz is None else Fraction(str(hz))
     return Module(name, HERE, (Service(kind, HERE, modes=found, hz=rate),))
 
 

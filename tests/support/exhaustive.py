@@ -11,7 +11,7 @@ on random configurations.
 import itertools
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
+from fractions import Fraction
 from typing import TypeAlias
 
 from mars_asp.model.declarations import Configuration, Control, Data, Hold, Mode, Module, Mount
@@ -70,7 +70,7 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
 
 # ---- Services: the table of section 6 ------------------------------------------------------------
 
-Offer: TypeAlias = tuple[Mode, Decimal | None]
+Offer: TypeAlias = tuple[Mode, Fraction | None]
 PERIODIC, READY, REQUEST = "NotifyAtFrequency", "NotifyWhenReady", "RequestWhenReady"
 
 

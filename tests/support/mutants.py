@@ -3,7 +3,7 @@
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from decimal import Decimal
+from fractions import Fraction
 from typing import TypeAlias
 
 from mars_asp.model.declarations import (
@@ -246,9 +246,9 @@ def change_a_service(specification: Configuration, rng: random.Random) -> Config
     words = rng.choice([*CONDITIONS, " NotifyAtFrequency 20", " NotifyAtFrequency 25"]).split()
     mode = parse_mode(words[0]) if words else None
     assert mode is None or isinstance(mode, Mode)
-    hz = Decimal(words[1]) if len(words) > 1 else None
+    hz = Fraction(words[1]) if len(words) > 1 else None
     if rng.random() < 0.3 and mode is not None:
-        mode, hz = line.mode, Decimal(rng.choice(["0.1", "9", "10", "11", "1000"]))
+        mode, hz = line.mode, Fraction(rng.choice(["0.1", "9", "10", "11", "1000"]))
         if mode is None or mode.name != "NotifyAtFrequency":
             return None
     if (mode, hz) == (line.mode, line.hz):

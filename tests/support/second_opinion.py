@@ -15,7 +15,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
@@ -132,7 +132,7 @@ def specification_of(atoms: Sequence[clingo.Symbol], project: Project) -> Config
     ]
     for line, client, source in sorted(rows.get("spec_uses_data_from", ())):
         mode = mode_of(modes[line]) if line in modes else None
-        hz = Decimal(rates[line].number) / 1000 if line in rates else None
+        hz = Fraction(rates[line].number, 1000) if line in rates else None
         lines.append(Data(named[client.string], named[source.string], span, mode, hz))
     for line, controlled, controller in sorted(rows.get("spec_is_controlled_by", ())):
         lines.append(

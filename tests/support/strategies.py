@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from mars_asp.diagnostic import point
 from mars_asp.model.declarations import FOREVER, Configuration, Control, Data, Mode, Mount, Name
 from mars_asp.model.ranges import MOST
+from mars_asp.model.rates import Rate, every
 
 HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "/robot1/base", "dora-camera", 'the "3 # eyes"', "Wheel")
@@ -19,15 +20,27 @@ names = st.sampled_from(NAMES)
 modes = st.sampled_from(
     [
         (None, None),
-        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("12.5")),
-        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("0.001")),
-        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Decimal("2147483.647")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Rate(Decimal("12.5"))),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Rate(Decimal("0.001"))),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Rate(Decimal("2147483.647"))),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), Rate(Decimal("58.8235294117647"))),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), every(17, "ms")),
+        (Mode("NotifyAtFrequency", text="NotifyAtFrequency"), every(3, "s")),
         (Mode("RequestWhenReady", text="RequestWhenReady"), None),
         (Mode("NotifyOnMax", (Decimal(80),), text="NotifyOnMax(80)"), None),
     ]
 )
+#: Slashes, a blank, a quote, what is quoted as it holds a `.` or is a number, and a number behind.
+ports = st.none() | st.sampled_from(
+    ["image", "/imu/data", "bumper response", 'say "go"', "a.b", "3", "Raw#2", "hold", "every"]
+)
 data = st.builds(
-    lambda client, source, mode: Data(client, source, HERE, *mode), names, names, modes
+    lambda client, source, mode, *ends: Data(client, source, HERE, *mode, *ends),
+    names,
+    names,
+    modes,
+    ports,
+    ports,
 )
 control = st.builds(
     lambda controlled, controller, priority, hold: Control(
