@@ -88,7 +88,7 @@ RELATIONSHIPS = frozenset(
 )
 WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
 #: Those that are told together, of the ports that modules have and lines name.
-PORTS = frozenset("output_of into input_of takes_in called near".split())
+PORTS = frozenset("output_of into input_of takes_in port_name near".split())
 ANNOTATIONS = frozenset(
     "described class guard native place converts commands unknown_input input ambiguous_name"
     " delivers output offered_mode offered_rate".split()
@@ -186,7 +186,7 @@ class Compiler:
             (self.annotations, ANNOTATIONS),
             (self.words, {"in_words"}),
             (self.ports, PORTS),
-            (self.loose_ends, {"called", "near"}),
+            (self.loose_ends, {"port_name", "near"}),
             (self.exact_rates, {"rounded", "multiple"}),
             (self.resemblances, {"resembles"}),
             (self.knots, {"closed_walk", "entangled", "spelt"}),
@@ -397,7 +397,7 @@ class Compiler:
             if self.ends.output(port.module, port.port) not in taken
         ]
         for port in free:
-            self.add(port.span, "called", port.annotation, f"{port.module}.{port.port}")
+            self.add(port.span, "port_name", port.annotation, f"{port.module}.{port.port}")
         if not free:
             return
         entered = {(line.client, line.client_port) for line in lines}
