@@ -7,7 +7,6 @@ in common and the share of letters in order (Ratcliff and Metzener, 1988, as `di
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from difflib import SequenceMatcher
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
@@ -83,6 +82,9 @@ class _Pool:
         other = self.words[number]
         either = words | other
         shared = len(words & other) / len(either) if either else 0.0
+        # Few configurations have loose ends of one type.
+        from difflib import SequenceMatcher  # noqa: PLC0415
+
         letters = SequenceMatcher(None, entry.port, self.outputs[number].port, autojunk=False)
         return shared + letters.ratio()
 
