@@ -5,6 +5,7 @@ written out and through calls of the file's own functions. Of a condition both b
 """
 
 import ast
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -59,6 +60,7 @@ _NODES = {
     "ComposableLifecycleNode": True,
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
+_WHOLE = re.compile(r"-?[0-9]{1,9}")
 _ENTRY = "generate_launch_description"
 
 
@@ -149,9 +151,13 @@ class _Reader:
         self.calls = 0
         self.launched: set[tuple[int, int]] = set()
         self.globals: _Names = {}
+        self.called: dict[str, str] = {}
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
         """Return the actions of the description that the file generates."""
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom):
+                self.called.update((n.asname, n.name) for n in node.names if n.asname)
         self.run(tree.body, self.globals)
         entry = self.globals.get(_ENTRY)
         if not isinstance(entry, Local):
@@ -400,6 +406,7 @@ class _Reader:
             function = names.get(name, self.globals.get(name))
             if isinstance(function, Local):
                 return self.call_local(function, arguments, named)
+            name = self.called.get(name, name)
         else:
             return None
         return self.known(Call(name, arguments, named, span))
@@ -468,7 +475,7 @@ class _Reader:
         finally:
             self.calls -= 1
 
-    def known(self, call: Call) -> Value:
+    def known(self, call: Call) -> Value:  # noqa: C901 -- one case for each function
         """Return the text that a call makes, where it makes one; else the call itself."""
         first = call.arguments[0] if call.arguments else None
         match call.name:
@@ -500,8 +507,10 @@ class _Reader:
                 return Plain(_text(call.get(at, 0)), call.span)
             case "ParameterValue":
                 return call.get("value", 0)
-            case "list" | "tuple" | "sorted":
+            case "list" | "tuple" | "sorted" | "reversed":
                 return first
+            case "range" | "enumerate" | "zip":
+                return _counted(call)
             case "dict":
                 pairs = tuple(
                     (Plain((key,), call.span), value) for key, value in call.named.items()
@@ -567,6 +576,10 @@ class _Reader:
                 path = _text(described)
                 passed = tuple(_parameters(call.get("launch_arguments", 1)))
                 yield Include(path, call.span, passed, conditional)
+            case "ExecuteProcess" | "ExecuteLocal":
+                command = _items(call.get("cmd", 0))
+                called = " ".join(filter(None, (_plain(_text(word)) for word in command[:4])))
+                yield NotRead("programs that are not nodes", called or "?", call.span)
             case "OpaqueFunction":
                 function = call.get("function", 0)
                 if isinstance(function, Local):
@@ -630,7 +643,7 @@ class _Reader:
     def declared(self, tree: ast.Module, names: _Names) -> Iterator[Declare]:
         """Yield the launch arguments that the file declares, wherever it does."""
         for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _called(node) == "DeclareLaunchArgument":
+            if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
                 found = self.alone(node, names)
                 name = _plain(_text(found.get("name", 0)))
                 if name is not None:
@@ -645,12 +658,16 @@ class _Reader:
             for keyword in node.keywords
             if keyword.arg is not None
         }
-        return Call(_called(node), arguments, named, self.span(node))
+        return Call(self.name_of(node), arguments, named, self.span(node))
+
+    def name_of(self, node: ast.Call) -> str:
+        """Return the name of what is called, whatever the file imports it as."""
+        return self.called.get(_called(node), _called(node))
 
     def left_out(self, tree: ast.Module, names: _Names) -> Iterator[NotRead]:
         """Yield the nodes that the file makes and that nothing of it launches."""
         for node in ast.walk(tree):
-            if not isinstance(node, ast.Call) or _called(node) not in _NODES:
+            if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
                 continue
             span = self.span(node)
             if (span.line, span.column) not in self.launched:
@@ -730,6 +747,24 @@ def _sum(first: Value, second: Value) -> Value:
             return second
         case _:
             return None
+
+
+def _counted(call: Call) -> Value:
+    """Return what `range`, `enumerate` or `zip` gives, as far as that is written out."""
+    if call.name == "range":
+        texts = [_plain(_text(each)) for each in call.arguments]
+        bounds = [int(text) for text in texts if text is not None and _WHOLE.fullmatch(text)]
+        if not bounds or len(bounds) != len(texts) or bounds[2:] == [0]:
+            return None
+        return Listed([Plain((str(n),), call.span) for n in range(*bounds[:3])[:_MOST_PARTS]])
+    lists = [_items(each) for each in call.arguments]
+    if call.name == "enumerate":
+        lists = (
+            [[Plain((str(n),), call.span) for n in range(len(lists[0]))], *lists[:1]]
+            if lists
+            else []
+        )
+    return Listed([Listed(list(each)) for each in zip(*lists, strict=False)])
 
 
 def _picked(owner: Value, key: Value) -> Value:

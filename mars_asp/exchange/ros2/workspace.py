@@ -5,7 +5,7 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -40,11 +40,15 @@ class Package:
 class Workspace:
     """The files below a folder."""
 
-    def __init__(self, root: Path, named: str) -> None:
-        """Take the folder that holds everything, and a path by which the user named it."""
+    def __init__(self, root: Path, named: str, *, deep: bool = True) -> None:
+        """Take the folder that holds everything, and a path by which the user named it.
+
+        `deep` is whether packages are looked for in the folders below, too.
+        """
         self.root = root.resolve()
         self.named = named
         self.unread: list[Unread] = []
+        self._deep = deep
         self._is_absolute = Path(named).is_absolute()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
@@ -78,6 +82,8 @@ class Workspace:
                 # What was installed or is not to be built says the same once more, or nothing.
                 and not (Path(folder) / name / "COLCON_IGNORE").exists()
             )
+            if not self._deep:
+                folders.clear()
             at = Path(folder)
             for name in folders:
                 self._note_link(at / name)
@@ -89,10 +95,9 @@ class Workspace:
                 if path.suffix.lower() in _KEPT or os.access(path, os.X_OK):
                     found.append(path)
             if len(found) > _MOST_FILES:
-                message = f"more than {_MOST_FILES} files lie below the folder"
-                help_text = "name the folder of a package, or a launch file"
-                place = point(self.named, 1, 1)
-                raise MarsError((Diagnostic("ros2", "error", message, place, help=help_text),))
+                sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
+                self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
+                break
         return tuple(found)
 
     def _note_link(self, path: Path) -> bool:
@@ -134,12 +139,6 @@ class Workspace:
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
         return next((each for each in self.packages if each.folder in file.parents), None)
-
-    def files_of(self, package: Package) -> Iterator[Path]:
-        """Yield the files of a package, without those of packages that lie in it."""
-        for file in self.files:
-            if package.folder in file.parents and self.package_of(file) is package:
-                yield file
 
     def find(self, path: str, folder: Path) -> Path | None:
         """Return the file that a path of a launch file in a folder names, if it lies here."""
