@@ -15,7 +15,7 @@ from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
 #: What a launch file or a source may hold, and how many files a workspace.
-MOST_BYTES = 4 * 1024 * 1024
+MOST_BYTES = 1024 * 1024
 _MOST_FILES = 100_000
 _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "test", "tests"}
@@ -54,7 +54,16 @@ class Workspace:
         self._shown: dict[Path, str] = {}
 
     def given(self, path: str, text: str) -> Path:
-        """Return the path of a file or folder that the user names, of a file with its text."""
+        """Return the path of a file or folder that the user names, of a file with its text.
+
+        Raises:
+            MarsError: the file is too large.
+        """
+        if len(text) > MOST_BYTES:
+            message = f"the file has more than {MOST_BYTES} characters, which no launch file needs"
+            help_text = "name the launch file that starts the robot"
+            place = point(path, 1, 1)
+            raise MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
         there = Path(path).exists()
         # What the user names is read, wherever it is linked to.
         found = Path(path).resolve() if there else self.root / path
