@@ -66,7 +66,7 @@ FILES = {
         "dora ros2 foreign"
     ),
     "exchange/dora": "document read",
-    "exchange/rosgraph": ("graph lists rosdiscover caret dot_tokens dot node_info topic_info read"),
+    "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions names interface catalogue cmake workspace parameters source_cpp source_python "
         "programs launch_python launch_markup launch read"

@@ -1,6 +1,6 @@
 """Files that are not ours, in whichever of the formats that are read, as one robot."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from importlib import import_module
 from typing import NamedTuple, TypeAlias
 
@@ -16,8 +16,8 @@ READERS: Mapping[str, tuple[str, str]] = {
     "dora": ("mars_asp.exchange.dora", "import_dora"),
     "ros2": ("mars_asp.exchange.ros2", "import_ros2"),
 }
-#: Formats whose files say more of what another format reads, which then reads them, too.
-_READ_WITH: Mapping[str, str] = {"twist_mux": "ros2"}
+#: Formats whose files say more of what another format reads: the first of these reads them, too.
+_READ_WITH: Mapping[str, tuple[str, ...]] = {"twist_mux": ("ros2", "rosgraph")}
 
 
 class File(NamedTuple):
@@ -38,9 +38,9 @@ def read_foreign(files: Sequence[File]) -> Parsed:
     problems: list[Diagnostic] = []
     formats = dict.fromkeys(file.format for file in files)
     for format in formats:
-        if _READ_WITH.get(format) in formats:
+        if _with(format, formats) != format:
             continue
-        read = {format, *(other for other in formats if _READ_WITH.get(other) == format)}
+        read = {other for other in formats if _with(other, formats) == format}
         own = [(file.text, file.path) for file in files if file.format in read]
         try:
             found.append(_reader(format)(own))
@@ -49,6 +49,11 @@ def read_foreign(files: Sequence[File]) -> Parsed:
     if problems:
         raise MarsError(problems)
     return united(found)
+
+
+def _with(format: str, formats: Collection[str]) -> str:
+    """Return the format with which files of a format are read."""
+    return next((each for each in _READ_WITH.get(format, ()) if each in formats), format)
 
 
 def _reader(format: str) -> _Reader:

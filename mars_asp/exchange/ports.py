@@ -1,7 +1,6 @@
 """Modules by the ports that somebody else's file gives them, each a service of its own."""
 
 import re
-from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
@@ -55,6 +54,6 @@ def too_many(span: Span) -> MarsError:
     return MarsError((Diagnostic("ports", "error", message, span, help=help_text),))
 
 
-def unwritable(names: Iterable[str]) -> Iterator[str]:
-    """Yield the names that no configuration can write: empty ones, and those of several lines."""
-    return (name for name in names if read_name(written(name)) is None)
+def is_writable(name: str) -> bool:
+    """Whether a configuration can write a name: one that is not empty and of one line."""
+    return read_name(written(name)) is not None

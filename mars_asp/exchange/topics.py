@@ -94,11 +94,16 @@ class Mux:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Nodes, muxes and how they are wired; a mux is not among the nodes."""
+    """Nodes, muxes and how they are wired; a mux is not among the nodes.
+
+    `observed` is whether it is all of a robot that ran, so that what nobody hears is loose;
+    elsewhere the base may hear it that is no node.
+    """
 
     path: str
     nodes: tuple[Node, ...]
     muxes: tuple[Mux, ...] = ()
+    observed: bool = False
 
 
 class Mapped(NamedTuple):
@@ -123,7 +128,8 @@ def joined(graphs: Sequence[Graph]) -> Graph:
         nodes[node.name] = node if known is None else _united(known, node)
     muxes = {mux.name: mux for mux in chain.from_iterable(graph.muxes for graph in graphs)}
     kept = tuple(node for node in nodes.values() if node.name not in muxes)
-    return Graph(graphs[0].path, kept, tuple(muxes.values()))
+    observed = any(graph.observed for graph in graphs)
+    return Graph(graphs[0].path, kept, tuple(muxes.values()), observed)
 
 
 def _united(first: Node, second: Node) -> Node:
@@ -180,12 +186,15 @@ def configuration_of(graph: Graph) -> Mapped:
     sent = {end.topic for node in graph.nodes for end in node.published}
     sent |= {mux.output for mux in graph.muxes}
     nodes = tuple(_without_dropped(node, sent, unread) for node in graph.nodes)
-    wiring = _Wiring(nodes, graph.muxes)
+    if graph.observed:
+        nodes = tuple(_taking_part(nodes, unread))
+    wiring = _Wiring(nodes, graph.muxes, graph.observed)
     controls, muxed, ends = _commands(wiring)
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
-    described = (_described(node, wiring) for node in nodes)
+    loose = _loose_commands(wiring)
+    described = (_described(node, wiring, loose) for node in nodes)
     configuration = Configuration(
         graph.path,
         point(graph.path, 1, 1),
@@ -202,8 +211,9 @@ def configuration_of(graph: Graph) -> Mapped:
 class _Wiring:
     """Who publishes and who hears each topic, and which topics are commands."""
 
-    def __init__(self, nodes: Sequence[Node], muxes: Sequence[Mux]) -> None:
+    def __init__(self, nodes: Sequence[Node], muxes: Sequence[Mux], observed: bool) -> None:
         self.muxes = muxes
+        self.observed = observed
         self.published: dict[str, list[_End]] = {}
         self.subscribed: dict[str, list[_End]] = {}
         for node in nodes:
@@ -222,7 +232,7 @@ class _Wiring:
     def controlled(self, topic: str) -> tuple[str, ...]:
         """Return what obeys the commands on a topic: nodes, or else a module named like it."""
         hearing = tuple(each.node for each in self.subscribed.get(topic, ()))
-        if hearing or topic in self.heard:
+        if hearing or topic in self.heard or (self.observed and topic not in self.outputs):
             return hearing
         return (end_of(topic),)
 
@@ -257,8 +267,19 @@ def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) ->
     return replace(node, published=published, subscribed=subscribed)
 
 
+def _taking_part(nodes: Iterable[Node], unread: list[Unread]) -> Iterator[Node]:
+    """Yield the nodes that have a topic, and note the others."""
+    for node in nodes:
+        if node.published or node.subscribed:
+            yield node
+        else:
+            unread.append(Unread("nodes without other topics", node.name, node.span))
+
+
 def _dropped(topic: str) -> str | None:
     """Return as what sort of topic one is left out, if it is."""
+    if "_action" in topic.split("/") or topic.endswith("/action_topics"):
+        return "topics of actions"
     if topic.rpartition("/")[2] in _MIDDLEWARE:
         return "topics of the middleware"
     return "debug topics" if _DEBUG.search(topic) else None
@@ -326,13 +347,33 @@ def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
             port = end.topic
             sources = wiring.published.get(port, ())
             for source in sources:
-                if source.node != node.name:
+                # What ran took its own data, too; it would be missing otherwise.
+                if source.node != node.name or wiring.observed:
                     # Where several publish, each is to be told from the others.
                     span = (source.end if len(sources) > 1 else end).span
                     yield Data(node.name, source.node, span, client_port=port, source_port=port)
 
 
-def _described(node: Node, wiring: _Wiring) -> Module | None:
+class _Loose(NamedTuple):
+    """Command topics that only one side knows: what listens in vain, and what is not heard."""
+
+    inputs: frozenset[str]
+    outputs: frozenset[str]
+
+
+def _loose_commands(wiring: _Wiring) -> _Loose:
+    """Return the command topics of an observed graph that lead nowhere or come from nowhere."""
+    if not wiring.observed:
+        return _Loose(frozenset(), frozenset())
+    sent = wiring.published.keys() | wiring.outputs.keys()
+    taken = wiring.subscribed.keys() | wiring.heard
+    return _Loose(
+        frozenset((wiring.commands & wiring.subscribed.keys()) - sent),
+        frozenset((wiring.commands & wiring.published.keys()) - taken),
+    )
+
+
+def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
     """Return the module that a node is, as far as it exchanges data or sends commands.
 
     What only obeys stays undescribed, as no graph says how it moves.
@@ -341,10 +382,10 @@ def _described(node: Node, wiring: _Wiring) -> Module | None:
     commanding = [end for end in node.published if end.topic in wiring.commands]
     obeying = [end for end in node.subscribed if end.topic in wiring.commands]
     for end in node.published:
-        if end.topic not in wiring.commands:
+        if end.topic not in wiring.commands or end.topic in loose.outputs:
             services.append(ports.output(end.topic, represented(end.type), end.span, end.hz))
     for end in node.subscribed:
-        if end.topic not in wiring.commands:
+        if end.topic not in wiring.commands or end.topic in loose.inputs:
             services.append(ports.taken(end.topic, represented(end.type), end.span))
     if commanding or (obeying and services):
         at = (*commanding, *obeying)[0]

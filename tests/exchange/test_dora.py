@@ -73,7 +73,7 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(text: str, wrong: list
 
 def test_more_ports_than_any_robot_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ports, "MOST", 2)
-    with pytest.raises(MarsError, match="d.yml:3:19: there are more than 2 inputs and outputs"):
+    with pytest.raises(MarsError, match=r"d\.yml:3:19: there are more than 2 inputs and outputs"):
         import_dora([(NODE + "outputs: [x, y, z]\n", "d.yml")])
 
 

@@ -1,15 +1,21 @@
 """Dumps of graphs: files with what they say beside them, and files that are refused."""
 
 import json
+import random
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TypeAlias
 
 import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import dump_of, recognised
 from mars_asp.exchange.rosgraph import import_rosgraph
 from mars_asp.language import parse_text, print_configuration
+from mars_asp.language.print import print_relationship
 from mars_asp.model.declarations import Control, Data
 from tests.support.documents import ROOT
 from tests.support.imported import findings_of, meaning, place, said
@@ -90,6 +96,200 @@ def test_a_node_does_not_command_itself() -> None:
     assert (line.controlled, line.controller) == ("/base", "/joy")
 
 
+MUX = """twist_mux:
+  ros__parameters:
+    topics:
+      nav: {topic: nav_vel, timeout: 0.5, priority: 10}
+      joy: {topic: joy_vel, timeout: 0.5, priority: 100}
+"""
+RAN = """/twist_mux
+  Subscribers:
+    /nav_vel: any
+    /joy_vel: any
+  Publishers:
+    /cmd_vel: geometry_msgs/msg/Twist
+/nav
+  Publishers:
+    /nav_vel: geometry_msgs/msg/Twist
+/base
+  Subscribers:
+    /cmd_vel: geometry_msgs/msg/Twist
+"""
+PAST = "/docking\n  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+
+
+@pytest.mark.parametrize(
+    ("ran", "lines"),
+    [
+        (RAN, ["/base is_controlled_by /nav 10 hold 500",
+               "/base is_controlled_by joy 100 hold 500"]),
+        (
+            RAN + PAST,
+            [
+                "/base is_controlled_by /docking 0",
+                "/base is_controlled_by /twist_mux 0",
+                "/twist_mux is_controlled_by /nav 10 hold 500",
+                "/twist_mux is_controlled_by joy 100 hold 500",
+            ],
+        ),
+        (PAST, ["cmd_vel_out is_controlled_by nav 10 hold 500",
+                "cmd_vel_out is_controlled_by joy 100 hold 500"]),
+    ],
+)  # fmt: skip
+def test_parameters_of_a_mux_rank_what_its_node_hears(ran: str, lines: list[str]) -> None:
+    found = import_rosgraph([(ran, "nodes.txt"), (MUX, "mux.yaml")]).configuration
+    assert list(map(print_relationship, found.relationships)) == lines
+
+
+def test_what_a_middleware_does_counts_as_nodes() -> None:
+    ran = RAN + PAST + "/odometry\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+    found = lifted(import_rosgraph([(ran, "nodes.txt")]).configuration)
+    assert list(map(print_relationship, found.relationships)) == [
+        "ControlSplitter1 is_controlled_by ArbitrationNode",
+        "/base is_controlled_by ControlSplitter1",
+        "/odometry is_controlled_by ControlSplitter1",
+        "ArbitrationNode is_controlled_by /twist_mux 0",
+        "ArbitrationNode is_controlled_by /docking 0",
+        "/twist_mux is_controlled_by /nav 0",
+    ]
+    assert run_here(["verify", str(FOLDER / "rosdiscover_warehouse.yml")]) == 0
+
+
+# ---- One graph in each format --------------------------------------------------------------------
+
+TYPES = (
+    "geometry_msgs/msg/Twist",
+    "sensor_msgs/msg/Joy",
+    "a/msg/B",
+    "trajectory_msgs/msg/JointTrajectory",
+)
+NAMES = ("/map", "/left/cmd_vel", "/tf", "/x/debug/y", "/odom", "/scan", "/rosout", "/goal")
+#: Type, publishers and subscribers of each topic.
+Drawn: TypeAlias = dict[str, tuple[str, list[str], list[str]]]
+
+
+def drawn(rng: random.Random) -> Drawn:
+    nodes = [f"/n{number}" for number in range(5)]
+    return {
+        name: (rng.choice(TYPES), rng.sample(nodes, rng.choice([0, 1, 1, 2])),
+               rng.sample(nodes, rng.choice([0, 1, 2, 3])))
+        for name in rng.sample(NAMES, 6)
+    }  # fmt: skip
+
+
+def expected(graph: Drawn, typed: bool) -> set[tuple[str, ...]]:
+    """What real-robots.md says of it: who commands whom, and who takes which topic from whom."""
+    found: set[tuple[str, ...]] = set()
+    for name, (type_, publishers, subscribers) in graph.items():
+        if name in ("/tf", "/rosout") or "debug" in name:
+            continue
+        pairs = {(s, p) for s in subscribers for p in publishers}
+        commands = typed and type_.endswith(("Twist", "JointTrajectory"))
+        # A node does not command itself.
+        found |= (
+            {(s, p) for s, p in pairs if s != p} if commands else {(s, p, name) for s, p in pairs}
+        )
+    return found
+
+
+def written(graph: Drawn) -> Iterator[tuple[str, str, bool]]:
+    """Each format's text, with the name of a file, and whether it says types."""
+    nodes = sorted({n for _, out, into in graph.values() for n in (*out, *into)})
+    ends = {n: [[t for t, each in graph.items() if n in each[i]] for i in (1, 2)] for n in nodes}
+    yield (
+        "".join(
+            f"- fullname: {n}\n  pubs: [{', '.join(_published(t, graph[t][0]) for t in out)}]\n"
+            f"  subs: [{', '.join(f'{{name: {t}, format: any}}' for t in into)}]\n"
+            for n, (out, into) in ends.items()
+        ),
+        "r.yml",
+        True,
+    )
+    yield (
+        "".join(
+            f"{n}\n  Subscribers:\n"
+            + "".join(f"    {t}: {graph[t][0]}\n" for t in into)
+            + "  Publishers:\n"
+            + "".join(f"    {t}: {graph[t][0]}\n" for t in out)
+            for n, (out, into) in ends.items()
+        ),
+        "n.txt",
+        True,
+    )
+    yield (
+        "".join(
+            f"$ ros2 topic info -v {t}\nType: {type_}\n"
+            + "".join(
+                f"{head} count: {len(of)}\n"
+                + "".join(
+                    f"Node name: {n[1:]}\nNode namespace: /\nEndpoint type: {word}\n" for n in of
+                )
+                for head, word, of in (
+                    ("Publisher", "PUBLISHER", out),
+                    ("Subscription", "SUBSCRIPTION", into),
+                )
+            )
+            for t, (type_, out, into) in graph.items()
+        ),
+        "t.txt",
+        True,
+    )
+    yield (
+        "nodes:\n"
+        + "".join(
+            f"- node_name: {n}\n  publishes: [{', '.join(f'{{topic_name: {t}}}' for t in out)}]\n"
+            f"  callbacks: [{', '.join(_callback(t, graph[t][0]) for t in into)}]\n"
+            for n, (out, into) in ends.items()
+        ),
+        "c.yaml",
+        True,
+    )
+    yield (
+        "digraph g {\n"
+        + "".join(f'"n_{n}" [label="{n}"];\n' for n in nodes)
+        + "".join(
+            f'"t_{t}" [label="{t}", tooltip="topic:{t}"];\n'
+            + "".join(f'"n_{n}" -> "t_{t}";\n' for n in out)
+            + "".join(f'"t_{t}" -> "n_{n}";\n' for n in into)
+            for t, (_, out, into) in graph.items()
+        )
+        + "}\n",
+        "g.dot",
+        False,
+    )
+
+
+def _published(topic: str, type_: str) -> str:
+    return f"{{name: {topic}, format: {type_}}}"
+
+
+def _callback(topic: str, type_: str) -> str:
+    symbol = f'"N::on(std::shared_ptr<{type_.replace("/", "::")}>)"'
+    return f"{{callback_type: subscription_callback, topic_name: {topic}, symbol: {symbol}}}"
+
+
+def test_every_format_says_the_same_of_a_graph() -> None:
+    rng = random.Random(1)
+    kinds = Counter[str]()
+    for _ in range(40):
+        graph = drawn(rng)
+        for text, name, typed in written(graph):
+            wanted = expected(graph, typed)
+            if not wanted:
+                continue
+            kinds[name] += 1
+            lines = import_rosgraph([(text, name)]).configuration.relationships
+            found = {
+                (r.client, r.source, r.client_port or "") if isinstance(r, Data)
+                else (r.controlled, r.controller) if isinstance(r, Control) else ()
+                for r in lines
+            }  # fmt: skip
+            assert found == wanted, text
+            assert len(lines) == len(found)
+    assert min(kinds.values()) > 30
+    assert len(kinds) == 5
+
+
 # ---- Files that are refused ----------------------------------------------------------------------
 
 NAMED = '- fullname: /a\n  pubs: [{name: "/x'
@@ -154,6 +354,30 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(
         import_rosgraph([(text, "cmd_vel.txt")])
     assert [place(d) for d in caught.value.diagnostics] == wrong
     assert all(d.help for d in caught.value.diagnostics)
+
+
+FLOW = "nodes:\n- id: a\n  outputs: [x]\n- id: b\n  inputs: {i: a/x}\n"
+#: What a file holds, and what `check` says of it.
+BYTES = [
+    (bytes(range(256)) * 9, "2:1: error: the file is not UTF-8"),
+    (FLOW.replace("a", "\xe9").encode("latin-1"), "2:1: error: the file is not UTF-8"),
+    (FLOW.encode("utf-16")[:-1], "the file is not UTF-8"),
+    (FLOW.encode("utf-16-le"), "1:2: error: found `"),
+    (FLOW.replace("x", "\0").encode(), "3:13: error: character U+0000 is not allowed in YAML"),
+    (FLOW.encode("utf-16"), None),
+    (("\ufeff" + FLOW).replace("\n", "\r\n").encode(), None),
+]
+
+
+@pytest.mark.parametrize(("raw", "said"), BYTES, ids=range(len(BYTES)))
+def test_bytes_that_are_no_text_are_refused_at_a_place(
+    raw: bytes, said: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "d.yml"
+    path.write_bytes(raw)
+    assert run_here(["check", "--quiet", str(path)]) == (0 if said is None else 2)
+    found = " ".join(capsys.readouterr().err.split())
+    assert said is None or (said in found and "d.yml:" in found)
 
 
 # ---- The command line ----------------------------------------------------------------------------

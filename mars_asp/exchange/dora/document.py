@@ -15,15 +15,18 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_dump
-from mars_asp.model.names import read_name, written
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every
 
 #: The part of a file that a single operator is in a source: `webcam/op/image`.
 _ALONE = "op"
 _TIMER = re.compile(r"a?dora/timer/(?P<unit>\w+)/(?P<number>[^/]+)")
-_WIRING = frozenset({"id", "inputs", "outputs", "input_types", "output_types"})
+_WIRING = frozenset(
+    "id inputs outputs input_types output_types send_stdout_as send_logs_as".split()
+)
 _PARTS = ("custom", "operator", "operators")
+#: An output may carry what a node prints or logs.
+_PRINTED = ("send_stdout_as", "send_logs_as")
 #: What of an input is no source.
 _SETTINGS = {"queue_size": "queue sizes", "input_timeout": "timeouts of inputs"}
 #: `[sample_type=f32]` behind a type.
@@ -50,13 +53,14 @@ class Wire(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A node, or an operator of one."""
+    """A node, or an operator of one; all that is told of it stands here where it is `complete`."""
 
     name: str
     span: Span
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     wires: tuple[Wire, ...]
+    complete: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +165,7 @@ class _Reader:
 
     def check_name(self, name: Scalar) -> None:
         """Note a name that no configuration can write, and one port too many."""
-        if read_name(written(name.text)) is None:
+        if not ports.is_writable(name.text):
             message = f"`{name.text[:40]}` cannot be a name"
             self.wrong(name.span, message, "write a name of one line")
 
@@ -205,14 +209,28 @@ class _Reader:
             wire = self.wire(name, key, source)
             if wire is not None:
                 wires.append(wire)
-        self.workers[name] = Worker(name, span, tuple(inputs), tuple(outputs), tuple(wires))
+        self.workers[name] = Worker(
+            name, span, tuple(inputs), tuple(outputs), tuple(wires), "module" not in pairs
+        )
 
     def outputs(self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]) -> Iterator[Scalar]:
-        """Yield the outputs of a node."""
-        key, listed = pairs.get("outputs", (None, None))
+        """Yield the outputs of a node, also that which carries what it prints."""
+        listed = list(self.listed_outputs(name, pairs))
+        yield from listed
+        for key in _PRINTED:
+            _, named = pairs.get(key, (None, None))
+            if isinstance(named, Scalar) and named.text not in ("", *(o.text for o in listed)):
+                self.port(named)
+                yield named
+
+    def listed_outputs(
+        self, name: str, pairs: Mapping[str, tuple[Scalar, Node]]
+    ) -> Iterator[Scalar]:
+        """Yield the outputs that a node lists."""
+        _, listed = pairs.get("outputs", (None, None))
         if listed is None or _is_empty(listed):
             return
-        if not isinstance(listed, Items) or key is None:
+        if not isinstance(listed, Items):
             message = f"the outputs of `{name}` are not a list"
             self.wrong(_begin(listed.span), message, "write `- OUTPUT`")
             return

@@ -64,7 +64,7 @@ def _configuration(workers: Sequence[Worker], path: str) -> Configuration:
         modules=tuple(names),
         relationships=tuple(_line(w.name, wire) for w in workers for wire in w.wires),
         declared=(
-            *(_module(worker) for worker in workers),
+            *(_module(worker) for worker in workers if worker.complete),
             *(_timer(name, wire.span, wire) for name, wire in timers.items()),
         ),
     )

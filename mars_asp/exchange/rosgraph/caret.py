@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from fractions import Fraction
 
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.rosgraph.lists import beginning, maps, value, word
 from mars_asp.exchange.yaml_document import WHOLE, Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.ranges import MOST
@@ -22,74 +22,74 @@ _MOST_DIGITS = 18
 _DECIMALS = 4
 
 
-def read_caret(text: str, path: str) -> Graph:
+def read_caret(text: str, path: str) -> Dump:
     """Return the graph of an architecture file.
 
     Raises:
         MarsError: it is no YAML.
     """
-    graph = Graph()
+    dump = Dump()
     root = read_dump(text, path)
     nodes = value(root, "nodes") if isinstance(root, Pairs) else None
     if nodes is None:
-        graph.wrong(beginning(root.span), "the file has no `nodes`", "write `nodes:` and a list")
-    for node in maps(graph, nodes, "nodes"):
+        dump.wrong(beginning(root.span), "the file has no `nodes`", "write `nodes:` and a list")
+    for node in maps(dump, nodes, "nodes"):
         named = word(node, "node_name")
         if named is None:
             message = "a node has no `node_name`"
-            graph.wrong(beginning(node.span), message, "add `node_name: /NODE`")
+            dump.wrong(beginning(node.span), message, "add `node_name: /NODE`")
         else:
-            graph.node(named.text, named.span)
-            _read_node(graph, node, named.text)
+            dump.node(named.text, named.span)
+            _read_node(dump, node, named.text)
     if isinstance(root, Pairs):
         for key in ("named_paths", "path_name_aliases"):
-            for named_path in maps(graph, value(root, key), key):
+            for named_path in maps(dump, value(root, key), key):
                 called = word(named_path, "path_name")
                 if called is not None:
-                    graph.skip("paths", called.text, called.span)
-    return graph
+                    dump.skip("paths", called.text, called.span)
+    return dump
 
 
-def _read_node(graph: Graph, node: Pairs, name: str) -> None:
+def _read_node(dump: Dump, node: Pairs, name: str) -> None:
     """Add what a node publishes and subscribes to."""
     rates: dict[str, Rate] = {}
     types: dict[str, str | None] = {}
-    callbacks = list(maps(graph, value(node, "callbacks"), "callbacks"))
+    callbacks = list(maps(dump, value(node, "callbacks"), "callbacks"))
     for callback in callbacks:
         called, sort = word(callback, "callback_name"), word(callback, "callback_type", "type")
         if sort is None:
             message = f"a callback of `{name}` has no `callback_type`"
-            graph.wrong(beginning(callback.span), message, "add `callback_type: timer_callback`")
+            dump.wrong(beginning(callback.span), message, "add `callback_type: timer_callback`")
         elif sort.text == "timer_callback":
-            rate = _rate(graph, callback, name)
+            rate = _rate(dump, callback, name)
             if called is not None and rate is not None:
                 rates[called.text] = rate
         elif sort.text == "service_callback":
             service = word(callback, "service_name") or sort
-            graph.skip("services", service.text, service.span)
+            dump.skip("services", service.text, service.span)
         elif sort.text == "subscription_callback":
             topic, symbol = word(callback, "topic_name"), word(callback, "symbol")
             if topic is None:
                 message = f"a subscription of `{name}` has no `topic_name`"
-                graph.wrong(beginning(callback.span), message, "add `topic_name: /TOPIC`")
+                dump.wrong(beginning(callback.span), message, "add `topic_name: /TOPIC`")
                 continue
             types[topic.text] = _argument(symbol)
-            graph.end(name, topic.text, False, types[topic.text], topic.span)
-    for entry in maps(graph, value(node, "subscribes"), "subscribes"):
+            dump.end(name, topic.text, False, types[topic.text], topic.span)
+    for entry in maps(dump, value(node, "subscribes"), "subscribes"):
         topic = word(entry, "topic_name")
         if topic is not None and topic.text not in (*types, _UNDEFINED):
-            graph.end(name, topic.text, False, None, topic.span)
-    for entry in maps(graph, value(node, "publishes", "publish"), "publishes"):
+            dump.end(name, topic.text, False, None, topic.span)
+    for entry in maps(dump, value(node, "publishes", "publish"), "publishes"):
         topic = word(entry, "topic_name")
         if topic is not None and topic.text != _UNDEFINED:
             by = _names(value(entry, "callback_names", "callback_name"))
             if not by and len(callbacks) == 1:
                 # Nothing else calls the node, so that is when it publishes.
                 by = tuple(rates)
-            graph.end(name, topic.text, True, None, topic.span, _common(by, rates))
+            dump.end(name, topic.text, True, None, topic.span, _common(by, rates))
 
 
-def _rate(graph: Graph, callback: Pairs, name: str) -> Rate | None:
+def _rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
     """Return the rate of a timer; note where it has none."""
     period = word(callback, "period_ns")
     if (
@@ -100,7 +100,7 @@ def _rate(graph: Graph, callback: Pairs, name: str) -> Rate | None:
     ):
         at = beginning(callback.span) if period is None else period.span
         message = f"a timer of `{name}` has no period of whole nanoseconds above 0"
-        graph.wrong(at, message, "write `period_ns: 100000000`")
+        dump.wrong(at, message, "write `period_ns: 100000000`")
         return None
     return rate_of(int(period.text))
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange.rosgraph.dot_tokens import Places, Token, tokens, wrong
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import MOST_BYTES_OF_DUMP, MOST_DEPTH
 
 _BOXES = frozenset({"box", "box3d", "rect", "rectangle"})
@@ -41,7 +41,7 @@ class _Edge:
     attributes: dict[str, Token]
 
 
-def read_dot(text: str, path: str) -> Graph:
+def read_dot(text: str, path: str) -> Dump:
     """Return the graph of nodes and topics that a drawing shows.
 
     Raises:
@@ -52,31 +52,31 @@ def read_dot(text: str, path: str) -> Graph:
         raise wrong(point(path, 1, 1), message, "give the file of the graph alone")
     drawing = _Drawing(text, path)
     drawing.read()
-    graph = Graph()
+    dump = Dump()
     topics = set(_topics(drawing.elements))
     names = {each.id: _name(each, drawing.places) for each in drawing.elements.values()}
     for element in drawing.elements.values():
         if element.id not in topics:
-            graph.node(names[element.id], element.span)
+            dump.node(names[element.id], element.span)
     for edge in drawing.edges:
         start, end = names[edge.start], names[edge.end]
         match edge.start in topics, edge.end in topics:
             case False, True:
-                graph.end(start, end, True, None, edge.span)
+                dump.end(start, end, True, None, edge.span)
             case True, False:
-                graph.end(end, start, False, None, edge.span)
+                dump.end(end, start, False, None, edge.span)
             case False, False:
                 topic = _topic_of(edge, drawing.places)
                 if topic:
-                    graph.end(start, topic, True, None, edge.span)
-                    graph.end(end, topic, False, None, edge.span)
+                    dump.end(start, topic, True, None, edge.span)
+                    dump.end(end, topic, False, None, edge.span)
                 else:
-                    graph.skip("edges without a topic", f"{start} -> {end}", edge.span)
+                    dump.skip("edges without a topic", f"{start} -> {end}", edge.span)
             case _:
-                graph.skip("edges between topics", f"{start} -> {end}", edge.span)
+                dump.skip("edges between topics", f"{start} -> {end}", edge.span)
     if not drawing.edges:
-        graph.wrong(point(path, 1, 1), "the graph has no edges", "save it with nodes and topics")
-    return graph
+        dump.wrong(point(path, 1, 1), "the graph has no edges", "save it with nodes and topics")
+    return dump
 
 
 def _topics(elements: dict[str, _Element]) -> Iterator[str]:
@@ -141,7 +141,7 @@ class _Drawing:
         self.next: Token | None = next(self.rest, None)
 
     def read(self) -> None:
-        """Read the one graph.
+        """Read the one dump.
 
         Raises:
             MarsError: it is no DOT.

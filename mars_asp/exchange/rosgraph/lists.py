@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
 
@@ -19,19 +19,19 @@ def word(pairs: Pairs, *keys: str) -> Scalar | None:
     return found if isinstance(found, Scalar) and found.text else None
 
 
-def maps(graph: Graph, node: Node | None, what: str) -> Iterator[Pairs]:
+def maps(dump: Dump, node: Node | None, what: str) -> Iterator[Pairs]:
     """Yield the maps of a list, which may be missing or empty; note what is no map."""
     if node is None or (isinstance(node, Scalar) and node.text in ("", "~", "null", "UNDEFINED")):
         return
     if not isinstance(node, Items):
-        graph.wrong(beginning(node.span), f"`{what}` is not a list", f"write a list of {what}")
+        dump.wrong(beginning(node.span), f"`{what}` is not a list", f"write a list of {what}")
         return
     for each in node.nodes:
         if isinstance(each, Pairs):
             yield each
         else:
             message = f"an entry of `{what}` is not a map"
-            graph.wrong(beginning(each.span), message, "write `- KEY: VALUE`")
+            dump.wrong(beginning(each.span), message, "write `- KEY: VALUE`")
 
 
 def beginning(span: Span) -> Span:

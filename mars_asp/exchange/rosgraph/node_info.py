@@ -4,13 +4,15 @@ import re
 from itertools import pairwise
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 
 _SECTION = re.compile(r"[ \t]*(\w+(?: \w+)?):[ \t]*")
 _NODE = re.compile(r"[ \t]*(/[^\s:]*)[ \t]*")
 _ENTRY = re.compile(r"[ \t]*(?P<name>/[^\s:]+)[ \t]*:[ \t]*(?P<types>[^\n]*?)[ \t]*")
 _OUT = {"Publishers": True, "Subscribers": False}
 _CALLS = {
+    # Up to ROS 2 Dashing.
+    "Services": "services",
     "Service Servers": "services",
     "Service Clients": "services",
     "Action Servers": "actions",
@@ -21,9 +23,9 @@ _PROMPT = re.compile(r"[^\n]*\bros2[ \t]+node[ \t]+(?:info|list)\b")
 _HELP = "give what `ros2 node info /NODE` prints, each node below the one before"
 
 
-def read_node_info(text: str, path: str) -> Graph:
+def read_node_info(text: str, path: str) -> Dump:
     """Return the graph that the output of `ros2 node info` tells."""
-    graph = Graph()
+    dump = Dump()
     node = section = None
     lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
     for (number, line), (_, following) in pairwise((*lines, (0, ""))):
@@ -32,24 +34,24 @@ def read_node_info(text: str, path: str) -> Graph:
             section = head[1]
             if node is None:
                 message = f"`{section}` of a node without a name"
-                graph.wrong(_span(path, number, head), message, _HELP)
+                dump.wrong(_span(path, number, head), message, _HELP)
                 node = ""
         elif named and _heads_section(following):
             node, section = named[1], None
-            graph.node(node, _span(path, number, named))
+            dump.node(node, _span(path, number, named))
         elif entry and section is not None and node is not None:
             types = entry["types"].split(",")
             # With several types nobody knows which is meant.
             type_ = types[0] if len(types) == 1 else None
             span = _span(path, number, entry)
             if section in _CALLS:
-                graph.skip(_CALLS[section], entry["name"], span)
+                dump.skip(_CALLS[section], entry["name"], span)
             elif node:
-                graph.end(node, entry["name"], _OUT[section], type_, span)
+                dump.end(node, entry["name"], _OUT[section], type_, span)
         elif not _PROMPT.match(line):
             begin = len(line) - len(line.lstrip()) + 1
-            graph.skip("lines", line.strip()[:40], Span(path, number, begin, number, len(line) + 1))
-    return graph
+            dump.skip("lines", line.strip()[:40], Span(path, number, begin, number, len(line) + 1))
+    return dump
 
 
 def _heads_section(line: str) -> bool:

@@ -3,7 +3,7 @@
 https://github.com/rosqual/rosdiscover
 """
 
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.rosgraph.lists import beginning, maps, value, word
 from mars_asp.exchange.yaml_document import Items, Pairs, Scalar, read_dump
 
@@ -16,48 +16,48 @@ _CALLS = {
 _PARAMETERS = ("reads", "writes")
 
 
-def read_rosdiscover(text: str, path: str) -> Graph:
+def read_rosdiscover(text: str, path: str) -> Dump:
     """Return the graph of a dump of ROSDiscover.
 
     Raises:
         MarsError: it is no YAML.
     """
-    graph = Graph()
+    dump = Dump()
     root = read_dump(text, path)
     if not isinstance(root, Items):
-        graph.wrong(beginning(root.span), "the dump is not a list of nodes", "write `- fullname:`")
-    for node in maps(graph, root if isinstance(root, Items) else None, "nodes"):
-        _read_node(graph, node)
-    return graph
+        dump.wrong(beginning(root.span), "the dump is not a list of nodes", "write `- fullname:`")
+    for node in maps(dump, root if isinstance(root, Items) else None, "nodes"):
+        _read_node(dump, node)
+    return dump
 
 
-def _read_node(graph: Graph, node: Pairs) -> None:
+def _read_node(dump: Dump, node: Pairs) -> None:
     named = word(node, "fullname") or word(node, "name")
     if named is None:
-        graph.wrong(beginning(node.span), "a node has no `fullname`", "add `fullname: /NODE`")
+        dump.wrong(beginning(node.span), "a node has no `fullname`", "add `fullname: /NODE`")
         return
     name = _full_name(node, named)
-    graph.node(name, named.span)
+    dump.node(name, named.span)
     for key, out in (("pubs", True), ("subs", False)):
-        for entry in maps(graph, value(node, key), key):
+        for entry in maps(dump, value(node, key), key):
             topic, type_ = word(entry, "name"), word(entry, "format")
             if topic is None:
                 message = f"an entry of `{key}` of `{name}` has no `name`"
-                graph.wrong(beginning(entry.span), message, "add `name: /TOPIC`")
+                dump.wrong(beginning(entry.span), message, "add `name: /TOPIC`")
             else:
                 written = None if type_ is None else type_.text
-                graph.end(name, topic.text, out, written, topic.span)
+                dump.end(name, topic.text, out, written, topic.span)
     for key, sort in _CALLS.items():
-        for entry in maps(graph, value(node, key), key):
+        for entry in maps(dump, value(node, key), key):
             called = word(entry, "name")
             if called is not None:
-                graph.skip(sort, called.text, called.span)
+                dump.skip(sort, called.text, called.span)
     for key in _PARAMETERS:
         listed = value(node, key)
         for each in listed.nodes if isinstance(listed, Items) else ():
             parameter = word(each, "name") if isinstance(each, Pairs) else each
             if isinstance(parameter, Scalar):
-                graph.skip("parameters", parameter.text, parameter.span)
+                dump.skip("parameters", parameter.text, parameter.span)
 
 
 def _full_name(node: Pairs, named: Scalar) -> str:

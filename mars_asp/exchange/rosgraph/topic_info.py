@@ -8,10 +8,12 @@ import re
 from pathlib import PurePath
 
 from mars_asp.diagnostic import Span, point
-from mars_asp.exchange.rosgraph.graph import Graph
+from mars_asp.exchange.rosgraph.dump import Dump
 
 _FIELD = re.compile(r"[ \t]*(?P<key>[A-Za-z][\w ()]*?)[ \t]*:[ \t]*(?P<value>[^\n]*?)[ \t]*")
 _TOPIC = re.compile(r"(?<![\w./~])(/\w+(?:/\w+)*)(?![\w./])")
+#: The command, where a topic may stand without its slash.
+_COMMAND = re.compile(r"\bros2\s+topic\s+info\s+(?:-\S+\s+)*/?(\w+(?:/\w+)*)")
 _STEM = re.compile(r"\w+")
 _UNKNOWN = re.compile(r"_(?:NODE_NAME|NODE_NAMESPACE)_UNKNOWN_|_CREATED_BY_BARE_DDS_APP_")
 _OUT = {"PUBLISHER": True, "SUBSCRIPTION": False}
@@ -23,21 +25,21 @@ _NAME_IT = (
 )
 
 
-def read_topic_info(text: str, path: str) -> Graph:
+def read_topic_info(text: str, path: str) -> Dump:
     """Return the graph that the output of `ros2 topic info -v` tells, of one topic or several."""
     reader = _Reader(path, sum(line.lstrip().startswith("Type:") for line in text.split("\n")))
     for number, line in enumerate(text.split("\n"), 1):
         if line.strip():
             reader.take(number, line)
     reader.finish_topic()
-    return reader.graph
+    return reader.dump
 
 
 class _Reader:
     """Collects the ends of topics, line by line."""
 
     def __init__(self, path: str, topics: int) -> None:
-        self.graph = Graph()
+        self.dump = Dump()
         self.path = path
         self.topics = topics
         #: What stands above the next `Type:`.
@@ -74,14 +76,15 @@ class _Reader:
                 self.out = _OUT.get(value.partition(" ")[0], self.out)
             case "QoS profile":
                 if self.node is not None:
-                    self.graph.skip("QoS profiles", self.full_name(), self.node[1])
+                    self.dump.skip("QoS profiles", self.full_name(), self.node[1])
             case _:
                 self.above = line
 
     def begin_topic(self, type_: str, span: Span) -> None:
         """Begin with the next topic."""
         self.finish_topic()
-        named = _TOPIC.findall(self.above)
+        command = _COMMAND.search(self.above)
+        named = _TOPIC.findall(self.above) if command is None else [f"/{command[1]}"]
         self.above = ""
         self.type = None if type_.startswith("[") else type_
         self.topic = named[-1] if named else self.topic_of_file(span)
@@ -91,7 +94,7 @@ class _Reader:
         stem = PurePath(self.path).stem
         if self.topics == 1 and _STEM.fullmatch(stem):
             return "/" + stem.strip("_").replace("__", "/")
-        self.graph.wrong(span, "nothing says which topic this is about", _NAME_IT)
+        self.dump.wrong(span, "nothing says which topic this is about", _NAME_IT)
         return None
 
     def finish_topic(self) -> None:
@@ -100,7 +103,7 @@ class _Reader:
         most = max(self.promised.values(), default=(0, point(self.path, 1, 1)))
         if self.topic is not None and most[0] > 0 and not self.told:
             message = f"the nodes at `{self.topic}` are counted, but not named"
-            self.graph.wrong(most[1], message, _VERBOSE)
+            self.dump.wrong(most[1], message, _VERBOSE)
         self.promised, self.told, self.out = {}, 0, True
 
     def finish_node(self) -> None:
@@ -110,10 +113,10 @@ class _Reader:
         name, span = self.node
         self.told += 1
         if _UNKNOWN.search(name + self.space) or not name:
-            self.graph.skip("endpoints of unknown nodes", name or "?", span)
+            self.dump.skip("endpoints of unknown nodes", name or "?", span)
         elif self.topic is not None:
-            self.graph.node(self.full_name(), span)
-            self.graph.end(self.full_name(), self.topic, self.out, self.type, span)
+            self.dump.node(self.full_name(), span)
+            self.dump.end(self.full_name(), self.topic, self.out, self.type, span)
         self.node, self.space = None, "/"
 
     def full_name(self) -> str:

@@ -1,0 +1,76 @@
+"""What a dump says of nodes and topics, part by part."""
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.exchange import ports
+from mars_asp.exchange.topics import Endpoint, Graph, Node
+from mars_asp.exchange.unread import Unread
+
+
+@dataclass(slots=True)
+class _Ends:
+    """A node's place and its ends of topics."""
+
+    span: Span
+    published: list[Endpoint] = field(default_factory=list)
+    subscribed: list[Endpoint] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Dump:
+    """Collects nodes with their ends of topics, what was not read, and what is wrong."""
+
+    nodes: dict[str, _Ends] = field(default_factory=dict)
+    ends: int = 0
+    unread: list[Unread] = field(default_factory=list)
+    problems: list[Diagnostic] = field(default_factory=list)
+
+    def node(self, name: str, span: Span) -> None:
+        """Add a node, unless it is there."""
+        if name not in self.nodes:
+            self.nodes[name] = _Ends(span)
+            self._check(name, span)
+
+    def end(
+        self,
+        node: str,
+        topic: str,
+        out: bool,
+        type_: str | None,
+        span: Span,
+        hz: Fraction | None = None,
+    ) -> None:
+        """Add that a node publishes a topic, if `out`, or else subscribes to it.
+
+        Raises:
+            MarsError: there are more ends than any robot has.
+        """
+        self.node(node, span)
+        if self.ends == ports.MOST:
+            raise ports.too_many(span)
+        self.ends += 1
+        self._check(topic, span)
+        own = self.nodes[node]
+        (own.published if out else own.subscribed).append(Endpoint(topic, type_, span, hz))
+
+    def _check(self, name: str, span: Span) -> None:
+        if not ports.is_writable(name):
+            self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one line")
+
+    def skip(self, sort: str, name: str, span: Span) -> None:
+        """Note something that is not read."""
+        self.unread.append(Unread(sort, name, span))
+
+    def wrong(self, span: Span, message: str, help_text: str) -> None:
+        """Note an error."""
+        self.problems.append(Diagnostic("rosgraph", "error", message, span, help=help_text))
+
+    def graph(self, path: str) -> Graph:
+        """Return all nodes, as those of a robot that ran."""
+        nodes = tuple(
+            Node(name, each.span, tuple(each.published), tuple(each.subscribed))
+            for name, each in self.nodes.items()
+        )
+        return Graph(path, nodes, observed=True)
