@@ -115,6 +115,22 @@ DESCRIPTIONS = [
         "*x",
         ["/p", "/q"],
     ),
+    ("x = range(2)", "*[" + JOY.replace(")", ", name=f'n{i}')") + " for i in x]", ["/n0", "/n1"]),
+    (
+        "d = [DeclareLaunchArgument(p['n'], default_value=p['d']) for p in [{'n': 'a', 'd': 'b'}]]",
+        "*d, " + JOY.replace(")", ", name=LaunchConfiguration('a'))"),
+        ["/b"],
+    ),
+    (
+        "def start(event, context): return [" + JOY + "]",
+        "RegisterEventHandler(OnProcessStart(target_action=None, on_start=start))",
+        ["/joy_node"],
+    ),
+    (
+        "s = [Node(package='controller_manager', executable='spawner') for i in 'ab']",
+        "*s, TimerAction(period=1.0, actions=[" + JOY + "])",
+        ["/joy_node"],
+    ),
     ("x = '/g/'", JOY.replace(")", ", namespace=x)"), ["/g/joy_node"]),
     ("pass", "Node(package='x', executable='y', name='z')", ["/z"]),
 ]  # fmt: skip

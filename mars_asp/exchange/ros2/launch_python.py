@@ -152,6 +152,7 @@ class _Reader:
         self.launched: set[tuple[int, int]] = set()
         self.globals: _Names = {}
         self.called: dict[str, str] = {}
+        self.declarations: list[Declare] = []
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
         """Return the actions of the description that the file generates."""
@@ -166,7 +167,7 @@ class _Reader:
         found = tuple(self.interpret(self.call_local(entry, (), {}), False))
         names = self.entered(entry)
         declared = tuple(self.declared(tree, names))
-        return (*declared, *found, *self.left_out(tree, names))
+        return (*self.declarations, *declared, *found, *self.left_out(tree, names))
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return where a node of the tree stands; the tree counts columns in bytes."""
@@ -490,6 +491,9 @@ class _Reader:
                     return Plain(UNKNOWN, call.span)
                 text = None if default is None else _text(default)
                 return Plain((Argument(name, text),), call.span)
+            case "DeclareLaunchArgument":
+                self.declarations += _declared(call)
+                return call
             case "ThisLaunchFileDir":
                 return Plain((Here(),), call.span)
             case "EnvironmentVariable" | "getenv":
@@ -541,7 +545,9 @@ class _Reader:
             case _:
                 return
 
-    def action(self, call: Call, conditional: bool) -> Iterator[Action]:
+    def action(  # noqa: C901 -- one case for each action
+        self, call: Call, conditional: bool
+    ) -> Iterator[Action]:
         """Yield what an action that starts no node itself does."""
         conditional = conditional or "condition" in call.named
         match call.name:
@@ -581,22 +587,31 @@ class _Reader:
                 called = " ".join(filter(None, (_plain(_text(word)) for word in command[:4])))
                 yield NotRead("programs that are not nodes", called or "?", call.span)
             case "OpaqueFunction":
-                function = call.get("function", 0)
-                if isinstance(function, Local):
-                    given_args = _items(call.get("args"))
-                    named = call.get("kwargs")
-                    by_name = {
-                        _plain(_text(key)) or "": value
-                        for key, value in (named.pairs if isinstance(named, Mapped) else ())
-                    }
-                    found = self.call_local(function, (None, *given_args), by_name)
-                    yield together(tuple(self.interpret(found, conditional)), conditional)
-                else:
-                    yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
+                yield from self.opaque(call, conditional)
             case _:
-                # Timers and handlers of events: what they hold is started some time.
-                held = [v for key, v in call.named.items() if key != "target_action"]
-                yield from self.interpret(Listed([*call.arguments, *held]), conditional)
+                yield from self.handled(call, conditional)
+
+    def opaque(self, call: Call, conditional: bool) -> Iterator[Action]:
+        """Yield what a function of the file that launching would call returns."""
+        function = call.get("function", 0)
+        if not isinstance(function, Local):
+            yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
+            return
+        named = call.get("kwargs")
+        by_name = {
+            _plain(_text(key)) or "": value
+            for key, value in (named.pairs if isinstance(named, Mapped) else ())
+        }
+        found = self.call_local(function, (None, *_items(call.get("args"))), by_name)
+        yield together(tuple(self.interpret(found, conditional)), conditional)
+
+    def handled(self, call: Call, conditional: bool) -> Iterator[Action]:
+        """Yield what timers and handlers of events hold, which is started some time."""
+        held = [value for name, value in call.named.items() if name != "target_action"]
+        for each in (*call.arguments, *held):
+            # A handler may be a function that takes the event and the context.
+            given = self.call_local(each, (), {}) if isinstance(each, Local) else each
+            yield from self.interpret(given, conditional)
 
     def started(self, call: Call, conditional: bool) -> Iterator[Action]:
         """Yield the node that a call starts, or those that go into a container."""
@@ -644,11 +659,7 @@ class _Reader:
         """Yield the launch arguments that the file declares, wherever it does."""
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
-                found = self.alone(node, names)
-                name = _plain(_text(found.get("name", 0)))
-                if name is not None:
-                    default = found.get("default_value")
-                    yield Declare(name, None if default is None else _text(default))
+                yield from _declared(self.alone(node, names))
 
     def alone(self, node: ast.Call, names: _Names) -> Call:
         """Return a call with what is known of its arguments by names alone."""
@@ -747,6 +758,14 @@ def _sum(first: Value, second: Value) -> Value:
             return second
         case _:
             return None
+
+
+def _declared(call: Call) -> Iterator[Declare]:
+    """Yield the launch argument that a call declares, if its name is known."""
+    name = _plain(_text(call.get("name", 0)))
+    if name is not None:
+        default = call.get("default_value")
+        yield Declare(name, None if default is None else _text(default))
 
 
 def _counted(call: Call) -> Value:

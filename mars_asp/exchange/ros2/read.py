@@ -38,6 +38,14 @@ _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
 _NAME = re.compile(r"[^\x00-\x1f\x7f]+")
+#: Packages whose programs start something in others, and as what they are noted.
+_HELPERS = {
+    "rclcpp_components": "containers of components",
+    "nodelet": "containers of components",
+    "controller_manager": "controller managers and spawners",
+    "ros_gz_sim": "programs of the simulator",
+    "gazebo_ros": "programs of the simulator",
+}
 #: Nodes that hand on one of several commands, by their packages.
 _MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
 _MOST_NAMED = 20
@@ -265,7 +273,10 @@ class _Robot:
             nodes[node.name] = started, node
             return
         first, known = nodes[node.name]
-        if not (first.conditional and started.conditional) and first.span != started.span:
+        # Programs whose source is not known may name their nodes apart.
+        is_named = bool(node.published or node.subscribed or started.name)
+        both = first.conditional and started.conditional
+        if is_named and not both and first.span != started.span:
             message = f"two nodes are named `{node.name}`"
             label = (known.span, "the first one")
             help_text = "give each a name or namespace of its own; they count as one here"
@@ -278,6 +289,10 @@ class _Robot:
     def _node(self, started: Started) -> tuple[Node | None, Mux | None]:
         """Return the node that is started, or the mux that it is."""
         program = Program(started.package, started.executable, started.plugin)
+        if started.package in _HELPERS:
+            sort, called = _HELPERS[started.package], started.name or started.executable
+            self.unread.append(Unread(sort, called, started.span))
+            return None, None
         interface, is_catalogued = self.programs.interface(program), False
         if interface is None:
             interface = self.catalogue.interface(*_key(program))
