@@ -99,6 +99,18 @@ def test_two_muxes_with_one_output_and_a_chain_of_muxes_are_seen() -> None:
     ]
 
 
+def test_relays_have_the_types_of_what_they_relay() -> None:
+    def relay(name: str, taken: str, out: str) -> Node:
+        sent, heard = (Endpoint(topic, "any", at(1)) for topic in (out, taken))
+        return Node(name, at(1), (sent,), (heard,), relays=True)
+
+    assert lines(relay("/r", "/x", "/y"), relay("/q", "/ca", "/x"), node("a", "ca")) == [
+        "/q is_controlled_by /a 0",
+        "/r is_controlled_by /q 0",
+        "y is_controlled_by /r 0",
+    ]
+
+
 def test_optional_topics_are_heard_where_somebody_publishes_them() -> None:
     wanting = node("b", "", "s")
     optional = replace(wanting, subscribed=(replace(wanting.subscribed[0], optional=True),))

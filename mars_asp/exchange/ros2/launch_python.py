@@ -545,9 +545,7 @@ class _Reader:
             case _:
                 return
 
-    def action(  # noqa: C901 -- one case for each action
-        self, call: Call, conditional: bool
-    ) -> Iterator[Action]:
+    def action(self, call: Call, conditional: bool) -> Iterator[Action]:
         """Yield what an action that starts no node itself does."""
         conditional = conditional or "condition" in call.named
         match call.name:

@@ -46,6 +46,8 @@ _HELPERS = {
     "ros_gz_sim": "programs of the simulator",
     "gazebo_ros": "programs of the simulator",
 }
+#: Packages of which each program publishes what it hears.
+_RELAYS = frozenset({"topic_tools"})
 #: Nodes that hand on one of several commands, by their packages.
 _MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
 _MOST_NAMED = 20
@@ -323,7 +325,8 @@ class _Robot:
         published = self._ends(interface.published, started, name, values)
         subscribed = self._ends(interface.subscribed, started, name, values)
         guard = started.span if interface.guard else None
-        return Node(full, started.span, tuple(published), tuple(subscribed), guard), None
+        relays = program.package in _RELAYS
+        return Node(full, started.span, tuple(published), tuple(subscribed), guard, relays), None
 
     def _values(self, started: Started, full: str) -> Mapping[str, str]:
         """Return the values of the parameters of a node."""
@@ -387,7 +390,11 @@ class _Robot:
     def _mux(self, started: Started, name: str, full: str) -> Mux | None:
         """Return the mux that a node is, by the parameters that it is given."""
         own: list[MuxParameters] = []
-        for file in started.files:
+        # cmd_vel_mux names its file in a parameter.
+        named = started.parameters.get("yaml_cfg_file", "")
+        file_of_its_own = self.workspace.find(named, self.workspace.root)
+        files = (*started.files, *filter(None, (file_of_its_own,)))
+        for file in files:
             text, shown = self.workspace.text(file), self.workspace.shown(file)
             try:
                 document = read_document(text, shown)
