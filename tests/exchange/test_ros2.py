@@ -1,5 +1,6 @@
 """Launch files, packages and workspaces: trees with what they say beside them, and hostile ones."""
 
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -294,6 +295,8 @@ def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
     (tmp_path / "a.launch.py").write_bytes(b"\xff\xfe\x00binary\x00")
     (tmp_path / "b.launch.py").write_bytes("# caf\xe9\n".encode("latin-1"))
     (tmp_path / "c.launch.xml").write_text("<launch>", encoding="utf-8")
+    for pipe in ("p.launch.py", "package.xml", "setup.py", "mars-catalogue.toml"):
+        os.mkfifo(tmp_path / pipe)
     with (tmp_path / "d.launch.py").open("wb") as large:
         large.truncate(100 * 1024 * 1024)
     (tmp_path / "e.launch.py").write_text(PYTHON.format(before="pass", nodes=JOY), encoding="utf-8")

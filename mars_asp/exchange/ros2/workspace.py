@@ -101,7 +101,9 @@ class Workspace:
                 if path.is_symlink():
                     if self._note_link(path):
                         continue
-                if path.suffix.lower() in _KEPT or os.access(path, os.X_OK):
+                is_kept = path.suffix.lower() in _KEPT or os.access(path, os.X_OK)
+                # A pipe would be waited for.
+                if is_kept and path.is_file():
                     found.append(path)
             if len(found) > _MOST_FILES:
                 sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
