@@ -137,7 +137,7 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
 
 
 def _wrong(place: Span, message: str) -> MarsError:
-    help_text = "is this a launch file? `ros2 launch` would refuse it, too"
+    help_text = "is this a launch file? `ros2 launch` would refuse it as well"
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
 
