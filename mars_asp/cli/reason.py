@@ -137,7 +137,9 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[list[str
 
 
 def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether a file can be read and is not ours."""
+    """Whether a file can be read, again if need be as no pipe can, and is not ours."""
+    if not (Path(path).is_file() or Path(path).is_dir()):
+        return False
     try:
         return _read(arguments, path).format != "mars"
     except MarsError:

@@ -61,13 +61,17 @@ class Endpoint:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A node by its full name; `guard` is the place that makes it a guard, if it is one."""
+    """A node by its full name; `guard` is the place that makes it a guard, if it is one.
+
+    `relays` is whether it publishes what it hears, whatever the type of that.
+    """
 
     name: str
     span: Span
     published: tuple[Endpoint, ...] = ()
     subscribed: tuple[Endpoint, ...] = ()
     guard: Span | None = None
+    relays: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +189,7 @@ def configuration_of(graph: Graph) -> Mapped:
     unread: list[Unread] = []
     sent = {end.topic for node in graph.nodes for end in node.published}
     sent |= {mux.output for mux in graph.muxes}
-    nodes = tuple(_without_dropped(node, sent, unread) for node in graph.nodes)
+    nodes = tuple(_without_dropped(node, sent, unread) for node in _typed(graph.nodes))
     if graph.observed:
         nodes = tuple(_taking_part(nodes, unread))
     wiring = _Wiring(nodes, graph.muxes, graph.observed)
@@ -244,6 +248,35 @@ class _Wiring:
             and mux.output not in self.published
             and len(self.outputs[mux.output]) == 1
         )
+
+
+def _typed(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """Return nodes with the types of what is relayed, as far as another node knows them."""
+    relays = [node for node in nodes if node.relays]
+    types: dict[str, str] = {}
+    for node in nodes if relays else ():
+        for end in (*node.published, *node.subscribed):
+            if end.type is not None and represented(end.type) is not None:
+                types.setdefault(end.topic, end.type)
+    # A chain of relays hands a type on by one relay each time.
+    for _ in relays:
+        known = len(types)
+        for node in relays:
+            ends = (*node.published, *node.subscribed)
+            for kind in [types[end.topic] for end in ends if end.topic in types][:1]:
+                types |= {end.topic: kind for end in ends if end.topic not in types}
+        if len(types) == known:
+            break
+
+    def with_types(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
+        return tuple(replace(end, type=types.get(end.topic, end.type)) for end in ends)
+
+    return tuple(
+        replace(node, published=with_types(node.published), subscribed=with_types(node.subscribed))
+        if node.relays
+        else node
+        for node in nodes
+    )
 
 
 def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) -> Node:

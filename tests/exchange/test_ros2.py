@@ -1,5 +1,6 @@
 """Launch files, packages and workspaces: trees with what they say beside them, and hostile ones."""
 
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -115,6 +116,22 @@ DESCRIPTIONS = [
         "*x",
         ["/p", "/q"],
     ),
+    ("x = range(2)", "*[" + JOY.replace(")", ", name=f'n{i}')") + " for i in x]", ["/n0", "/n1"]),
+    (
+        "d = [DeclareLaunchArgument(p['n'], default_value=p['d']) for p in [{'n': 'a', 'd': 'b'}]]",
+        "*d, " + JOY.replace(")", ", name=LaunchConfiguration('a'))"),
+        ["/b"],
+    ),
+    (
+        "def start(event, context): return [" + JOY + "]",
+        "RegisterEventHandler(OnProcessStart(target_action=None, on_start=start))",
+        ["/joy_node"],
+    ),
+    (
+        "s = [Node(package='controller_manager', executable='spawner') for i in 'ab']",
+        "*s, TimerAction(period=1.0, actions=[" + JOY + "])",
+        ["/joy_node"],
+    ),
     ("x = '/g/'", JOY.replace(")", ", namespace=x)"), ["/g/joy_node"]),
     ("pass", "Node(package='x', executable='y', name='z')", ["/z"]),
 ]  # fmt: skip
@@ -210,6 +227,7 @@ HOSTILE = [
     ("x.launch.xml", "<robot/>", "1:1: the document is `robot`, not `launch`"),
     ("x.launch.yaml", "launch: *a\n", "1:9: "),
     ("x.launch.yaml", "launch: " + "[" * 5000, "1:"),
+    ("x.launch.py", "# x\n" * 300_000, "1:1: the file has more than 1048576 characters"),
     ("x.launch.yaml", "nodes: []\n", "1:1: the file has no `launch:`"),
 ]  # fmt: skip
 
@@ -277,6 +295,8 @@ def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
     (tmp_path / "a.launch.py").write_bytes(b"\xff\xfe\x00binary\x00")
     (tmp_path / "b.launch.py").write_bytes("# caf\xe9\n".encode("latin-1"))
     (tmp_path / "c.launch.xml").write_text("<launch>", encoding="utf-8")
+    for pipe in ("p.launch.py", "package.xml", "setup.py", "mars-catalogue.toml"):
+        os.mkfifo(tmp_path / pipe)
     with (tmp_path / "d.launch.py").open("wb") as large:
         large.truncate(100 * 1024 * 1024)
     (tmp_path / "e.launch.py").write_text(PYTHON.format(before="pass", nodes=JOY), encoding="utf-8")

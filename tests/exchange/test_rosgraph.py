@@ -356,6 +356,30 @@ def test_each_file_that_is_refused_says_all_that_is_wrong(
     assert all(d.help for d in caught.value.diagnostics)
 
 
+FLOW = "nodes:\n- id: a\n  outputs: [x]\n- id: b\n  inputs: {i: a/x}\n"
+#: What a file holds, and what `check` says of it.
+BYTES = [
+    (bytes(range(256)) * 9, "2:1: error: the file is not UTF-8"),
+    (FLOW.replace("a", "\xe9").encode("latin-1"), "2:1: error: the file is not UTF-8"),
+    (FLOW.encode("utf-16")[:-1], "the file is not UTF-8"),
+    (FLOW.encode("utf-16-le"), "1:2: error: found `"),
+    (FLOW.replace("x", "\0").encode(), "3:13: error: character U+0000 is not allowed in YAML"),
+    (FLOW.encode("utf-16"), None),
+    (("\ufeff" + FLOW).replace("\n", "\r\n").encode(), None),
+]
+
+
+@pytest.mark.parametrize(("raw", "said"), BYTES, ids=range(len(BYTES)))
+def test_bytes_that_are_no_text_are_refused_at_a_place(
+    raw: bytes, said: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "d.yml"
+    path.write_bytes(raw)
+    assert run_here(["check", "--quiet", str(path)]) == (0 if said is None else 2)
+    found = " ".join(capsys.readouterr().err.split())
+    assert said is None or (said in found and "d.yml:" in found)
+
+
 # ---- The command line ----------------------------------------------------------------------------
 
 

@@ -5,6 +5,7 @@ written out and through calls of the file's own functions. Of a condition both b
 """
 
 import ast
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -59,6 +60,7 @@ _NODES = {
     "ComposableLifecycleNode": True,
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
+_WHOLE = re.compile(r"-?[0-9]{1,9}")
 _ENTRY = "generate_launch_description"
 
 
@@ -135,7 +137,7 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
 
 
 def _wrong(place: Span, message: str) -> MarsError:
-    help_text = "is this a launch file? `ros2 launch` would refuse it, too"
+    help_text = "is this a launch file? `ros2 launch` would refuse it as well"
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
 
@@ -149,9 +151,14 @@ class _Reader:
         self.calls = 0
         self.launched: set[tuple[int, int]] = set()
         self.globals: _Names = {}
+        self.called: dict[str, str] = {}
+        self.declarations: list[Declare] = []
 
     def actions(self, tree: ast.Module) -> tuple[Action, ...]:
         """Return the actions of the description that the file generates."""
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom):
+                self.called.update((n.asname, n.name) for n in node.names if n.asname)
         self.run(tree.body, self.globals)
         entry = self.globals.get(_ENTRY)
         if not isinstance(entry, Local):
@@ -160,7 +167,7 @@ class _Reader:
         found = tuple(self.interpret(self.call_local(entry, (), {}), False))
         names = self.entered(entry)
         declared = tuple(self.declared(tree, names))
-        return (*declared, *found, *self.left_out(tree, names))
+        return (*self.declarations, *declared, *found, *self.left_out(tree, names))
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return where a node of the tree stands; the tree counts columns in bytes."""
@@ -400,6 +407,7 @@ class _Reader:
             function = names.get(name, self.globals.get(name))
             if isinstance(function, Local):
                 return self.call_local(function, arguments, named)
+            name = self.called.get(name, name)
         else:
             return None
         return self.known(Call(name, arguments, named, span))
@@ -468,7 +476,7 @@ class _Reader:
         finally:
             self.calls -= 1
 
-    def known(self, call: Call) -> Value:
+    def known(self, call: Call) -> Value:  # noqa: C901 -- one case for each function
         """Return the text that a call makes, where it makes one; else the call itself."""
         first = call.arguments[0] if call.arguments else None
         match call.name:
@@ -483,6 +491,9 @@ class _Reader:
                     return Plain(UNKNOWN, call.span)
                 text = None if default is None else _text(default)
                 return Plain((Argument(name, text),), call.span)
+            case "DeclareLaunchArgument":
+                self.declarations += _declared(call)
+                return call
             case "ThisLaunchFileDir":
                 return Plain((Here(),), call.span)
             case "EnvironmentVariable" | "getenv":
@@ -500,8 +511,10 @@ class _Reader:
                 return Plain(_text(call.get(at, 0)), call.span)
             case "ParameterValue":
                 return call.get("value", 0)
-            case "list" | "tuple" | "sorted":
+            case "list" | "tuple" | "sorted" | "reversed":
                 return first
+            case "range" | "enumerate" | "zip":
+                return _counted(call)
             case "dict":
                 pairs = tuple(
                     (Plain((key,), call.span), value) for key, value in call.named.items()
@@ -567,23 +580,36 @@ class _Reader:
                 path = _text(described)
                 passed = tuple(_parameters(call.get("launch_arguments", 1)))
                 yield Include(path, call.span, passed, conditional)
+            case "ExecuteProcess" | "ExecuteLocal":
+                command = _items(call.get("cmd", 0))
+                called = " ".join(filter(None, (_plain(_text(word)) for word in command[:4])))
+                yield NotRead("programs that are not nodes", called or "?", call.span)
             case "OpaqueFunction":
-                function = call.get("function", 0)
-                if isinstance(function, Local):
-                    given_args = _items(call.get("args"))
-                    named = call.get("kwargs")
-                    by_name = {
-                        _plain(_text(key)) or "": value
-                        for key, value in (named.pairs if isinstance(named, Mapped) else ())
-                    }
-                    found = self.call_local(function, (None, *given_args), by_name)
-                    yield together(tuple(self.interpret(found, conditional)), conditional)
-                else:
-                    yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
+                yield from self.opaque(call, conditional)
             case _:
-                # Timers and handlers of events: what they hold is started some time.
-                held = [v for key, v in call.named.items() if key != "target_action"]
-                yield from self.interpret(Listed([*call.arguments, *held]), conditional)
+                yield from self.handled(call, conditional)
+
+    def opaque(self, call: Call, conditional: bool) -> Iterator[Action]:
+        """Yield what a function of the file that launching would call returns."""
+        function = call.get("function", 0)
+        if not isinstance(function, Local):
+            yield NotRead("functions that only a run calls", "OpaqueFunction", call.span)
+            return
+        named = call.get("kwargs")
+        by_name = {
+            _plain(_text(key)) or "": value
+            for key, value in (named.pairs if isinstance(named, Mapped) else ())
+        }
+        found = self.call_local(function, (None, *_items(call.get("args"))), by_name)
+        yield together(tuple(self.interpret(found, conditional)), conditional)
+
+    def handled(self, call: Call, conditional: bool) -> Iterator[Action]:
+        """Yield what timers and handlers of events hold, which is started some time."""
+        held = [value for name, value in call.named.items() if name != "target_action"]
+        for each in (*call.arguments, *held):
+            # A handler may be a function that takes the event and the context.
+            given = self.call_local(each, (), {}) if isinstance(each, Local) else each
+            yield from self.interpret(given, conditional)
 
     def started(self, call: Call, conditional: bool) -> Iterator[Action]:
         """Yield the node that a call starts, or those that go into a container."""
@@ -630,12 +656,8 @@ class _Reader:
     def declared(self, tree: ast.Module, names: _Names) -> Iterator[Declare]:
         """Yield the launch arguments that the file declares, wherever it does."""
         for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _called(node) == "DeclareLaunchArgument":
-                found = self.alone(node, names)
-                name = _plain(_text(found.get("name", 0)))
-                if name is not None:
-                    default = found.get("default_value")
-                    yield Declare(name, None if default is None else _text(default))
+            if isinstance(node, ast.Call) and self.name_of(node) == "DeclareLaunchArgument":
+                yield from _declared(self.alone(node, names))
 
     def alone(self, node: ast.Call, names: _Names) -> Call:
         """Return a call with what is known of its arguments by names alone."""
@@ -645,12 +667,16 @@ class _Reader:
             for keyword in node.keywords
             if keyword.arg is not None
         }
-        return Call(_called(node), arguments, named, self.span(node))
+        return Call(self.name_of(node), arguments, named, self.span(node))
+
+    def name_of(self, node: ast.Call) -> str:
+        """Return the name of what is called, whatever the file imports it as."""
+        return self.called.get(_called(node), _called(node))
 
     def left_out(self, tree: ast.Module, names: _Names) -> Iterator[NotRead]:
         """Yield the nodes that the file makes and that nothing of it launches."""
         for node in ast.walk(tree):
-            if not isinstance(node, ast.Call) or _called(node) not in _NODES:
+            if not isinstance(node, ast.Call) or self.name_of(node) not in _NODES:
                 continue
             span = self.span(node)
             if (span.line, span.column) not in self.launched:
@@ -730,6 +756,32 @@ def _sum(first: Value, second: Value) -> Value:
             return second
         case _:
             return None
+
+
+def _declared(call: Call) -> Iterator[Declare]:
+    """Yield the launch argument that a call declares, if its name is known."""
+    name = _plain(_text(call.get("name", 0)))
+    if name is not None:
+        default = call.get("default_value")
+        yield Declare(name, None if default is None else _text(default))
+
+
+def _counted(call: Call) -> Value:
+    """Return what `range`, `enumerate` or `zip` gives, as far as that is written out."""
+    if call.name == "range":
+        texts = [_plain(_text(each)) for each in call.arguments]
+        bounds = [int(text) for text in texts if text is not None and _WHOLE.fullmatch(text)]
+        if not bounds or len(bounds) != len(texts) or bounds[2:] == [0]:
+            return None
+        return Listed([Plain((str(n),), call.span) for n in range(*bounds[:3])[:_MOST_PARTS]])
+    lists = [_items(each) for each in call.arguments]
+    if call.name == "enumerate":
+        lists = (
+            [[Plain((str(n),), call.span) for n in range(len(lists[0]))], *lists[:1]]
+            if lists
+            else []
+        )
+    return Listed([Listed(list(each)) for each in zip(*lists, strict=False)])
 
 
 def _picked(owner: Value, key: Value) -> Value:

@@ -38,8 +38,19 @@ _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
 _NAME = re.compile(r"[^\x00-\x1f\x7f]+")
+#: Packages whose programs start something in others, and as what they are noted.
+_HELPERS = {
+    "rclcpp_components": "containers of components",
+    "nodelet": "containers of components",
+    "controller_manager": "controller managers and spawners",
+    "ros_gz_sim": "programs of the simulator",
+    "gazebo_ros": "programs of the simulator",
+}
+#: Packages of which each program publishes what it hears.
+_RELAYS = frozenset({"topic_tools"})
 #: Nodes that hand on one of several commands, by their packages.
 _MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
+_MOST_NAMED = 20
 _NUMBERED = re.compile(r"\d+")
 
 
@@ -60,8 +71,8 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     muxes = [
         (path, read_document(text, path)) for text, path in files if (text, path) not in launched
     ]
-    for root, members in _by_root(launched).items():
-        workspace = Workspace(root, members[0][1])
+    for (root, deep), members in _by_root(launched).items():
+        workspace = Workspace(root, members[0][1], deep=deep)
         robot = _Robot(workspace, muxes)
         graphs.append(robot.graph([workspace.given(path, text) for text, path in members]))
         problems += robot.problems
@@ -78,30 +89,30 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
     )
 
 
-def _by_root(files: Sequence[tuple[str, str]]) -> dict[Path, list[tuple[str, str]]]:
-    """Return files by the folders of the workspaces in which they lie."""
-    found: dict[Path, list[tuple[str, str]]] = {}
+def _by_root(files: Sequence[tuple[str, str]]) -> dict[tuple[Path, bool], list[tuple[str, str]]]:
+    """Return files by the folders of the workspaces in which they lie, as `_root` says."""
+    found: dict[tuple[Path, bool], list[tuple[str, str]]] = {}
     for text, path in files:
         found.setdefault(_root(Path(path)), []).append((text, path))
     return found
 
 
-def _root(path: Path) -> Path:
-    """Return the folder that holds all that a path may lead to.
+def _root(path: Path) -> tuple[Path, bool]:
+    """Return the folder that holds all that a path may lead to, and whether packages are in it.
 
-    Of a launch file it is the `src` around its package, or else the package, or else its folder.
-    Standard input lies nowhere.
+    Of a launch file it is the `src` around its package, or else the package, or else its folder, in
+    which anything may lie. Standard input lies nowhere.
     """
     if path.is_dir():
-        return path.resolve()
+        return path.resolve(), True
     if not path.is_file():
-        return _NOWHERE
+        return _NOWHERE, False
     folder = path.resolve().parent
     above = (folder, *folder.parents)
     package = next((each for each in above if (each / "package.xml").is_file()), None)
     if package is None:
-        return folder
-    return next((each for each in package.parents if each.name == "src"), package)
+        return folder, False
+    return next((each for each in package.parents if each.name == "src"), package), True
 
 
 def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mux]:
@@ -163,9 +174,11 @@ class _Robot:
         return Graph(first, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
 
     def _catalogue(self) -> Catalogue:
-        own = [file for file in self.workspace.files if file.name == OWN]
+        packages = (package.folder for package in self.workspace.packages)
+        folders = dict.fromkeys((self.workspace.root, *packages))
+        own = [self.workspace.find(OWN, folder) for folder in folders]
         return load_catalogue(
-            tuple((self.workspace.text(file), self.workspace.shown(file)) for file in own)
+            tuple((self.workspace.text(f), self.workspace.shown(f)) for f in own if f is not None)
         )
 
     def _launch_all(self, launch: Launch) -> None:
@@ -262,7 +275,10 @@ class _Robot:
             nodes[node.name] = started, node
             return
         first, known = nodes[node.name]
-        if not (first.conditional and started.conditional) and first.span != started.span:
+        # Programs whose source is not known may name their nodes apart.
+        is_named = bool(node.published or node.subscribed or started.name)
+        both = first.conditional and started.conditional
+        if is_named and not both and first.span != started.span:
             message = f"two nodes are named `{node.name}`"
             label = (known.span, "the first one")
             help_text = "give each a name or namespace of its own; they count as one here"
@@ -275,6 +291,10 @@ class _Robot:
     def _node(self, started: Started) -> tuple[Node | None, Mux | None]:
         """Return the node that is started, or the mux that it is."""
         program = Program(started.package, started.executable, started.plugin)
+        if started.package in _HELPERS:
+            sort, called = _HELPERS[started.package], started.name or started.executable
+            self.unread.append(Unread(sort, called, started.span))
+            return None, None
         interface, is_catalogued = self.programs.interface(program), False
         if interface is None:
             interface = self.catalogue.interface(*_key(program))
@@ -305,7 +325,8 @@ class _Robot:
         published = self._ends(interface.published, started, name, values)
         subscribed = self._ends(interface.subscribed, started, name, values)
         guard = started.span if interface.guard else None
-        return Node(full, started.span, tuple(published), tuple(subscribed), guard), None
+        relays = program.package in _RELAYS
+        return Node(full, started.span, tuple(published), tuple(subscribed), guard, relays), None
 
     def _values(self, started: Started, full: str) -> Mapping[str, str]:
         """Return the values of the parameters of a node."""
@@ -369,7 +390,11 @@ class _Robot:
     def _mux(self, started: Started, name: str, full: str) -> Mux | None:
         """Return the mux that a node is, by the parameters that it is given."""
         own: list[MuxParameters] = []
-        for file in started.files:
+        # cmd_vel_mux names its file in a parameter.
+        named = started.parameters.get("yaml_cfg_file", "")
+        file_of_its_own = self.workspace.find(named, self.workspace.root)
+        files = (*started.files, *filter(None, (file_of_its_own,)))
+        for file in files:
             text, shown = self.workspace.text(file), self.workspace.shown(file)
             try:
                 document = read_document(text, shown)
@@ -401,8 +426,8 @@ class _Robot:
             self.problems.append(Diagnostic("launch", "note", message, first))
         if self.catalogued:
             spans = self.catalogued
-            names = ", ".join(f"`{name}`" for name in list(spans)[:5])
-            more = ", ..." if len(spans) > 5 else ""
+            names = ", ".join(f"`{name}`" for name in list(spans)[:_MOST_NAMED])
+            more = ", ..." if len(spans) > _MOST_NAMED else ""
             described = _counted(len(spans), "node")
             message = f"the topics of {described} are from the catalogue: {names}{more}"
             first = next(iter(spans.values()))

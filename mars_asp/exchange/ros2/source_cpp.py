@@ -28,10 +28,13 @@ from mars_asp.exchange.unread import Unread
 
 _MOST_TOKENS = 400_000
 #: Limits of what is copied or searched more than once; no program comes near them.
-_MOST_COPIED = 4_000_000
+_MOST_COPIED = 1_000_000
 _MOST_PARAMETERS = 200
+_MOST_WORDS = 50
+_MOST_CHARACTERS = 1000
 _MOST_INITIALISERS = 4000
 _MOST_TIMERS = 200
+_MOST_FOLLOWED = 100
 _STRING = re.compile(
     r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
 )
@@ -67,6 +70,19 @@ _SERVICES = frozenset(
 _PARAMETERS = frozenset(
     {"declare_parameter", "get_parameter", "declare_or_get_parameter", "getParam", "param"}
     | {"declare_parameter_if_not_declared", "get_parameter_or"}
+)
+#: All that is looked for among calls.
+_CALLED = (
+    _TIMERS
+    | _RATES
+    | _SERVICES
+    | _PARAMETERS
+    | _TWISTS.keys()
+    | frozenset(
+        "create_publisher create_subscription create_generic_publisher create_generic_subscription"
+        " advertise subscribe Subscriber Publisher make_unique make_shared Node LifecycleNode"
+        " init".split()
+    )
 )
 _KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
 
@@ -167,25 +183,22 @@ class _File:
         """Yield each call, and each construction of a variable, with its arguments."""
         tokens, copied = self.tokens, 0
         for at, token in enumerate(tokens):
-            if not is_word(token.text) or token.text in _KEYWORDS:
+            name = token.text
+            if name not in _CALLED:
                 continue
             behind = at + 1
             types: tuple[str, ...] = ()
-            if text_at(tokens, behind) == "<" and _may_call(token.text):
+            if text_at(tokens, behind) == "<":
                 end = angle(tokens, behind)
                 if end is not None:
                     inner = tokens[behind + 1 : end - 1]
                     types = tuple(joined(group) for group in split(inner))
                     behind = end
-            name = token.text
             # `ros::Rate loop(10)` and `Subscriber<T> name(...)` name what they make.
-            named = is_word(text_at(tokens, behind)) and text_at(tokens, behind + 1) in ("(", "{")
-            if named and (name in _RATES or types):
+            if is_word(text_at(tokens, behind)) and (name in _RATES or types):
                 behind += 1
             opening = text_at(tokens, behind)
             if opening == "(" or (opening == "{" and (name in _RATES or types)):
-                if not (_may_call(name) or named):
-                    continue
                 end = self.closed[behind]
                 # Calls that are nested without end would be copied without end.
                 copied += end - behind
@@ -221,12 +234,12 @@ class _File:
             sign = text_at(tokens, at + 1)
             if sign == "=" and text_at(tokens, at + 2) != "=":
                 end = at + 2
-                last = min(len(tokens), end + _MOST_PARAMETERS)
+                last = min(len(tokens), end + _MOST_WORDS)
                 while end < last and text_at(tokens, end) not in (";", ",", ")"):
                     end = self.closed.get(end, end + 1)
-                value = self.value(tokens[at + 2 : end], found)
+                value = self.value(tokens[at + 2 : min(end, last)], found)
             elif sign in ("{", "(") and text_at(tokens, at + 2).startswith('"'):
-                end = min(self.closed[at + 1] - 1, at + _MOST_PARAMETERS)
+                end = min(self.closed[at + 1] - 1, at + _MOST_WORDS)
                 value = self.value(tokens[at + 2 : end], found)
             else:
                 continue
@@ -277,7 +290,8 @@ class _File:
         if "+" in words:
             parts = [self.value(group, values) for group in _summands(tokens)]
             if all(part.text is not None and part.parameter is None for part in parts):
-                return _Value("".join(part.text or "" for part in parts))
+                text = "".join(part.text or "" for part in parts)
+                return _Value(text if len(text) <= _MOST_CHARACTERS else None)
             return _Value(None)
         if len(strings) == 1 and words[-1] in (")", "}") and "std" in words:
             # std::string("topic")
@@ -353,6 +367,14 @@ class _File:
             case "advertise" | "subscribe" if owner and call.arguments:
                 published = call.name == "advertise"
                 kind = kind or self._taken(call, kinds)
+                # Filters of messages take the node first.
+                first, second = (*call.arguments, ())[:2]
+                is_named = first[0].text.startswith('"') or not second
+                name_at = 0 if is_named or not second[0].text.startswith('"') else 1
+            case "create_generic_publisher" | "create_generic_subscription":
+                published = call.name == "create_generic_publisher"
+                types = call.arguments[1:2]
+                kind = self.value(types[0], values).text if types else None
             case "Subscriber" if kind is not None and len(call.arguments) >= 2:
                 published = False
                 name_at = 0 if call.arguments[0][0].text.startswith('"') else 1
@@ -449,7 +471,7 @@ class _File:
         """Yield the variables on which stretches publish, and the functions that they call."""
         by_name = {body.name: (body.begin, body.end) for body in self.bodies}
         waiting, seen = list(ranges), set[tuple[int, int]]()
-        while waiting:
+        while waiting and len(seen) < _MOST_FOLLOWED:
             begin, end = waiting.pop()
             if (begin, end) in seen:
                 continue
@@ -490,30 +512,6 @@ def _closed(tokens: Sequence[Token]) -> dict[int, int]:
         elif token.text in (")", "]", "}") and waiting:
             found[waiting.pop()] = at + 1
     return found | dict.fromkeys(waiting, len(tokens))
-
-
-def _may_call(name: str) -> bool:
-    return (
-        name in _TIMERS
-        or name in _RATES
-        or name in _SERVICES
-        or name in _PARAMETERS
-        or name in _TWISTS
-        or name
-        in (
-            "create_publisher",
-            "create_subscription",
-            "advertise",
-            "subscribe",
-            "Subscriber",
-            "Publisher",
-            "make_unique",
-            "make_shared",
-            "Node",
-            "LifecycleNode",
-            "init",
-        )
-    )
 
 
 def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:

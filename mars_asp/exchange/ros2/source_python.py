@@ -8,6 +8,7 @@ import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 
@@ -19,7 +20,11 @@ from mars_asp.exchange.unread import Unread
 Find = Callable[[str], "tuple[str, str] | None"]
 _MOST_FILES = 200
 _MOST_TIMERS = 200
+_MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
+#: How many expressions are looked into for a name, and how many calls of a class or function.
+_MOST_STEPS = 1000
+_MOST_CALLS = 5000
 _DEEPEST = 60
 _CALLS = frozenset(
     {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
@@ -203,6 +208,8 @@ class _Unit:
         self.file = file
         self.node = node
         self.unread: list[Unread] = []
+        self.steps = 0
+        self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
         self.values: dict[str, ast.expr] = dict(file.constants)
         self.parameters: dict[str, ast.expr] = {}
         self.calls: list[tuple[ast.Call, str | None]] = []
@@ -249,7 +256,8 @@ class _Unit:
 
     def topics(self) -> Iterator[_Found]:
         """Yield the topics that calls make."""
-        for call, keeper in self.calls:
+        for call, keeper in self.calls[:_MOST_CALLS]:
+            self.steps = 0
             name = _called(call)
             owner = _dotted(call.func).rpartition(".")[0]
             match name:
@@ -305,7 +313,8 @@ class _Unit:
 
     def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the parameter whose value an expression is."""
-        if depth > _DEEPEST:
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
             return None
         match node:
             case ast.Attribute(value=inner, attr="value" | "string_value"):
@@ -332,7 +341,8 @@ class _Unit:
 
     def text(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the text that an expression is, if it is written somewhere."""
-        if depth > _DEEPEST:
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
             return None
         match node:
             case ast.Constant(value=str() as value):
@@ -365,7 +375,8 @@ class _Unit:
 
     def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
         """Return the number that an expression is, if it is written somewhere."""
-        if depth > _DEEPEST:
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
             return None
         match node:
             case ast.Constant(value=bool()):
@@ -400,7 +411,8 @@ class _Unit:
 
     def timers(self) -> Iterator[tuple[Fraction, list[ast.AST]]]:
         """Yield the rate of each timer, and what it calls."""
-        for call, _ in self.calls:
+        for call, _ in self.calls[:_MOST_CALLS]:
+            self.steps = 0
             name = _called(call)
             named = {k.arg: k.value for k in call.keywords if k.arg}
             if name in ("create_timer", "Timer", "create_wall_timer"):
@@ -414,12 +426,13 @@ class _Unit:
             elif name in ("Rate", "create_rate") and call.args:
                 number = self.number(call.args[0])
                 if number and number > 0:
-                    yield number, [each for each in self.bodies() if _encloses(each, call)]
+                    yield number, [each for each in self.bodies if _encloses(each, call)]
 
-    def bodies(self) -> Iterator[ast.AST]:
-        """Yield the functions in this part of the program, or all of it."""
+    @cached_property
+    def bodies(self) -> tuple[ast.AST, ...]:
+        """The functions in this part of the program, or all of it."""
         every = list(ast.walk(self.node))
-        yield from [each for each in every if isinstance(each, ast.FunctionDef)] or every[:1]
+        return tuple(each for each in every if isinstance(each, ast.FunctionDef)) or (self.node,)
 
     def functions(self, callback: ast.expr) -> list[ast.AST]:
         """Return what a callback is."""
@@ -427,29 +440,38 @@ class _Unit:
             return [callback]
         name = _keeper(callback)
         last = (name or "").rpartition(".")[2]
-        return [each for each in self.bodies() if getattr(each, "name", None) == last]
+        return [each for each in self.bodies if getattr(each, "name", None) == last]
 
     def publishing(self, functions: Iterable[ast.AST]) -> Iterator[str]:
         """Yield what keeps the publishers on which functions, and those that they call, publish."""
         waiting, seen = list(functions), set[int]()
-        by_name = {getattr(each, "name", ""): each for each in self.bodies()}
-        while waiting:
+        by_name = {getattr(each, "name", ""): each for each in self.bodies}
+        while waiting and len(seen) < _MOST_FOLLOWED:
             function = waiting.pop()
-            if id(function) in seen:
-                continue
-            seen.add(id(function))
+            if id(function) not in seen:
+                seen.add(id(function))
+                keepers, called = self.doing(function)
+                yield from keepers
+                waiting += (by_name[name] for name in called if name in by_name)
+
+    def doing(self, function: ast.AST) -> tuple[frozenset[str], frozenset[str]]:
+        """Return what keeps the publishers on which a function publishes, and what it calls."""
+        if id(function) not in self._done:
+            keepers, called = set[str](), set[str]()
             for each in ast.walk(function):
                 if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
-                    if each.func.attr == "publish":
-                        keeper = _keeper(each.func.value)
-                        if keeper:
-                            yield keeper
-                    elif _dotted(each.func.value) == "self" and each.func.attr in by_name:
-                        waiting.append(by_name[each.func.attr])
+                    owner = _dotted(each.func.value)
+                    if each.func.attr == "publish" and owner:
+                        keepers.add(owner)
+                    elif owner == "self":
+                        called.add(each.func.attr)
+            self._done[id(function)] = frozenset(keepers), frozenset(called)
+        return self._done[id(function)]
 
     def node_names(self) -> Iterator[str]:
         """Yield the names that the program gives its node."""
-        for call, _ in self.calls:
+        for call, _ in self.calls[:_MOST_CALLS]:
+            self.steps = 0
             name = _called(call)
             is_super = isinstance(call.func, ast.Attribute) and (
                 isinstance(call.func.value, ast.Call) and _called(call.func.value) == "super"

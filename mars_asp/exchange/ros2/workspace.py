@@ -5,7 +5,7 @@ Nothing that lies elsewhere is read, whatever a path or a symbolic link says.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from mars_asp.exchange.unread import Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
 #: What a launch file or a source may hold, and how many files a workspace.
-MOST_BYTES = 4 * 1024 * 1024
+MOST_BYTES = 1024 * 1024
 _MOST_FILES = 100_000
 _SKIPPED = frozenset(
     {"build", "install", "log", "devel", "node_modules", "__pycache__", "test", "tests"}
@@ -40,17 +40,30 @@ class Package:
 class Workspace:
     """The files below a folder."""
 
-    def __init__(self, root: Path, named: str) -> None:
-        """Take the folder that holds everything, and a path by which the user named it."""
+    def __init__(self, root: Path, named: str, *, deep: bool = True) -> None:
+        """Take the folder that holds everything, and a path by which the user named it.
+
+        `deep` is whether packages are looked for in the folders below, too.
+        """
         self.root = root.resolve()
         self.named = named
         self.unread: list[Unread] = []
+        self._deep = deep
         self._is_absolute = Path(named).is_absolute()
         self._texts: dict[Path, str] = {}
         self._shown: dict[Path, str] = {}
 
     def given(self, path: str, text: str) -> Path:
-        """Return the path of a file or folder that the user names, of a file with its text."""
+        """Return the path of a file or folder that the user names, of a file with its text.
+
+        Raises:
+            MarsError: the file is too large.
+        """
+        if len(text) > MOST_BYTES:
+            message = f"the file has more than {MOST_BYTES} characters, which no launch file needs"
+            help_text = "name the launch file that starts the robot"
+            place = point(path, 1, 1)
+            raise MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
         there = Path(path).exists()
         # What the user names is read, wherever it is linked to.
         found = Path(path).resolve() if there else self.root / path
@@ -78,6 +91,8 @@ class Workspace:
                 # What was installed or is not to be built says the same once more, or nothing.
                 and not (Path(folder) / name / "COLCON_IGNORE").exists()
             )
+            if not self._deep:
+                folders.clear()
             at = Path(folder)
             for name in folders:
                 self._note_link(at / name)
@@ -86,13 +101,14 @@ class Workspace:
                 if path.is_symlink():
                     if self._note_link(path):
                         continue
-                if path.suffix.lower() in _KEPT or os.access(path, os.X_OK):
+                is_kept = path.suffix.lower() in _KEPT or os.access(path, os.X_OK)
+                # A pipe would be waited for.
+                if is_kept and path.is_file():
                     found.append(path)
             if len(found) > _MOST_FILES:
-                message = f"more than {_MOST_FILES} files lie below the folder"
-                help_text = "name the folder of a package, or a launch file"
-                place = point(self.named, 1, 1)
-                raise MarsError((Diagnostic("ros2", "error", message, place, help=help_text),))
+                sort = f"files of a folder with more than {_MOST_FILES}, beyond those,"
+                self.unread.append(Unread(sort, self.named, point(self.named, 1, 1)))
+                break
         return tuple(found)
 
     def _note_link(self, path: Path) -> bool:
@@ -134,12 +150,6 @@ class Workspace:
     def package_of(self, file: Path) -> Package | None:
         """Return the package that a file lies in."""
         return next((each for each in self.packages if each.folder in file.parents), None)
-
-    def files_of(self, package: Package) -> Iterator[Path]:
-        """Yield the files of a package, without those of packages that lie in it."""
-        for file in self.files:
-            if package.folder in file.parents and self.package_of(file) is package:
-                yield file
 
     def find(self, path: str, folder: Path) -> Path | None:
         """Return the file that a path of a launch file in a folder names, if it lies here."""

@@ -1,0 +1,137 @@
+"""Nodes and topics: what becomes of them, by hand."""
+
+from dataclasses import replace
+
+import pytest
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.topics import (
+    Endpoint,
+    Graph,
+    Mux,
+    MuxInput,
+    Node,
+    configuration_of,
+    is_command,
+    joined,
+    represented,
+)
+from mars_asp.language.print import print_relationship
+
+TWIST, SCAN = "geometry_msgs/msg/Twist", "sensor_msgs/msg/LaserScan"
+
+
+def at(line: int) -> Span:
+    return Span("x", line, 1, line, 2)
+
+
+def node(name: str, out: str = "", taken: str = "", line: int = 1) -> Node:
+    """A node with topics in words, those that begin with `c` of commands."""
+
+    def ends(topics: str) -> tuple[Endpoint, ...]:
+        kinds = ((f"/{topic}", TWIST if topic[0] == "c" else SCAN) for topic in topics.split())
+        return tuple(Endpoint(topic, kind, at(line)) for topic, kind in kinds)
+
+    return Node(f"/{name}", at(line), ends(out), ends(taken))
+
+
+def mux(name: str, output: str, *inputs: tuple[str, int]) -> Mux:
+    heard = tuple(MuxInput(topic, f"/{topic}", at(90), rank, 500) for topic, rank in inputs)
+    return Mux(f"/{name}", "twist_mux", at(90), f"/{output}", heard)
+
+
+def lines(*nodes: Node, muxes: tuple[Mux, ...] = ()) -> list[str]:
+    found = configuration_of(Graph("x", nodes, muxes)).configuration
+    return [print_relationship(line) for line in found.relationships]
+
+
+WIRED = [
+    ((node("a", "s"), node("b", "", "s")), ["/b./s uses_data_from /a./s"]),
+    ((node("a", "s", "s"),), []),
+    ((node("a", "c"), node("b", "", "c")), ["/b is_controlled_by /a 0"]),
+    ((node("a", "c", "c"),), []),
+    ((node("a", "c"), node("b", "c")), ["c is_controlled_by /a 0", "c is_controlled_by /b 0"]),
+    ((node("a", "c cc"), node("b", "", "c cc")), ["/b is_controlled_by /a 0"]),
+    ((node("a", "tf s/debug clock"), node("b", "", "tf s/debug clock")), []),
+    ((node("a", "", "c"),), []),
+]
+
+
+@pytest.mark.parametrize(("nodes", "expected"), WIRED)
+def test_topics_are_wires(nodes: tuple[Node, ...], expected: list[str]) -> None:
+    assert lines(*nodes) == expected
+
+
+def test_a_mux_is_contracted_into_what_it_controls() -> None:
+    found = lines(
+        node("a", "ca"),
+        node("b", "cb"),
+        node("d", "cb"),
+        node("base", "", "c"),
+        muxes=(mux("m", "c", ("ca", 9), ("cb", 5), ("no", 1)),),
+    )
+    assert found == [
+        "/base is_controlled_by /a 9 hold 500",
+        "/base is_controlled_by /b 5 hold 500",
+        "/base is_controlled_by /d 5 hold 500",
+        "/base is_controlled_by no 1 hold 500",
+    ]
+
+
+def test_what_goes_past_a_mux_is_seen_beside_it() -> None:
+    assert lines(node("a", "ca"), node("b", "c"), muxes=(mux("m", "c", ("ca", 9)),)) == [
+        "c is_controlled_by /b 0",
+        "c is_controlled_by /m 0",
+        "/m is_controlled_by /a 9 hold 500",
+    ]
+
+
+def test_two_muxes_with_one_output_and_a_chain_of_muxes_are_seen() -> None:
+    assert lines(muxes=(mux("m", "c", ("ca", 9)), mux("n", "c", ("cb", 9)))) == [
+        "c is_controlled_by /m 0",
+        "c is_controlled_by /n 0",
+        "/m is_controlled_by ca 9 hold 500",
+        "/n is_controlled_by cb 9 hold 500",
+    ]
+    assert lines(muxes=(mux("m", "cn", ("ca", 9)), mux("n", "c", ("cn", 8)))) == [
+        "c is_controlled_by /m 8 hold 500",
+        "/m is_controlled_by ca 9 hold 500",
+    ]
+
+
+def test_relays_have_the_types_of_what_they_relay() -> None:
+    def relay(name: str, taken: str, out: str) -> Node:
+        sent, heard = (Endpoint(topic, "any", at(1)) for topic in (out, taken))
+        return Node(name, at(1), (sent,), (heard,), relays=True)
+
+    assert lines(relay("/r", "/x", "/y"), relay("/q", "/ca", "/x"), node("a", "ca")) == [
+        "/q is_controlled_by /a 0",
+        "/r is_controlled_by /q 0",
+        "y is_controlled_by /r 0",
+    ]
+
+
+def test_optional_topics_are_heard_where_somebody_publishes_them() -> None:
+    wanting = node("b", "", "s")
+    optional = replace(wanting, subscribed=(replace(wanting.subscribed[0], optional=True),))
+    assert configuration_of(Graph("x", (optional,))).configuration.declared == ()
+    assert lines(node("a", "s"), optional) == ["/b./s uses_data_from /a./s"]
+
+
+def test_of_several_publishers_each_stands_where_it_publishes() -> None:
+    graph = Graph("x", (node("a", "s", line=2), node("b", "s", line=3), node("d", "", "s", line=4)))
+    found = configuration_of(graph).configuration
+    assert [line.span.line for line in found.relationships] == [2, 3]
+
+
+def test_nodes_of_one_name_are_one() -> None:
+    graph = joined((Graph("x", (node("a", "s"),)), Graph("y", (node("a", "s t", "u", line=7),))))
+    [both] = graph.nodes
+    assert [(end.topic, end.span.line) for end in both.published] == [("/s", 1), ("/t", 7)]
+
+
+def test_types_as_they_are_written() -> None:
+    assert represented("geometry_msgs/msg/Twist") == represented("geometry_msgs::Twist")
+    assert represented("any") is represented("unknown type") is represented(None) is None
+    assert is_command("geometry_msgs::msg::TwistStamped")
+    assert not is_command("sensor_msgs/msg/Joy")
