@@ -55,7 +55,8 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Pa
             if len(problems) >= MOST_ERRORS:
                 break
     if problems:
-        raise MarsError(tuple(problems))
+        # A file that is included twice has each of its errors once.
+        raise MarsError(dict.fromkeys(problems))
     inner = [each.configuration for each in found]
     modules = {name.text: name for each in (*inner, own) for name in each.modules}
     declared = [module for each in inner for module in each.declared]

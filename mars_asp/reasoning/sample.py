@@ -1,4 +1,4 @@
-"""Two robots that hold something of all that rules can be given, for rule packs to be tried on."""
+"""Robots that hold something of all that rules can be given, for rule packs to be tried on."""
 
 from dataclasses import replace
 
@@ -82,6 +82,31 @@ ArbitrationNode is_controlled_by Push 3
 ArbitrationNode is_controlled_by Pull 1
 Wheel is_controlled_by ArbitrationNode
 """
+_PORTS = """\
+@configuration
+@modules Stereo, Fuse, Monitor, Base
+Fuse.near uses_data_from Stereo.left every 51 ms
+Base is_controlled_by Monitor
+
+@module_start
+@module_name Stereo
+@Sense NotifyAtFrequency every 17 ms
+Image left();
+@Sense NotifyWhenReady
+Image right();
+@module_end
+@module_start
+@module_name Fuse
+@DataIn
+void fuse(Image near, Image far);
+@module_end
+@module_start
+@module_name Monitor
+@Guard
+@ControlOut
+Command watch();
+@module_end
+"""
 
 
 def samples() -> tuple[Project, ...]:
@@ -89,4 +114,5 @@ def samples() -> tuple[Project, ...]:
     ranked, flat = load_project("ranked.mars", text=_RANKED), load_project("flat.mars", text=_FLAT)
     # No line of ours says that a mux is there; the parameters of one do.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
-    return replace(ranked, configuration=replace(ranked.configuration, muxes=(mux,))), flat
+    muxed = replace(ranked, configuration=replace(ranked.configuration, muxes=(mux,)))
+    return muxed, flat, load_project("ports.mars", text=_PORTS)

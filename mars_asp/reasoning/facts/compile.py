@@ -225,7 +225,7 @@ class Compiler:
 
     def annotations(self) -> None:
         """Add what modules are described to be."""
-        if self.wanted is None or not self.wanted.isdisjoint(("described", "class")):
+        if self.wanted is None or not self.wanted.isdisjoint(("described", "class", "guard")):
             for module in self.described.values():
                 self.description(module)
         for number, module, annotation in numbered_annotations(self.configuration, self.described):

@@ -100,6 +100,12 @@ b::Image grab();
 @DataIn
 void read(Image image, auto other);
 @module_end
+@module_start
+@module_name Turn
+@Guard
+@ControlOut
+Command turn();
+@module_end
 """
 
 
