@@ -106,7 +106,7 @@ def _read(text: str, path: str, most_nodes: int, loader: type[yaml.SafeLoader]) 
     if reader.problems:
         raise MarsError(reader.problems)
     if reader.root is None:
-        raise _wrong(point(path, 1, 1), "the file is empty", "give a file that says something")
+        raise _wrong(point(path, 1, 1), "the file is empty", "give a file with content")
     return reader.root
 
 

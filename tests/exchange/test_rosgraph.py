@@ -321,7 +321,7 @@ REFUSED = [
       "4:3: error: an entry of `nodes` is not a map"]),
     ("dot", "digraph g {}", ["1:1: error: the graph has no edges"]),
     ("dot", "digraph g {\na -- b }",
-     ["2:3: error: an edge without a direction says nothing of who publishes"]),
+     ["2:3: error: an edge without a direction does not show which node publishes"]),
     ("dot", 'digraph g { a [label="' + "\\x" * 100_000, ["1:22: error: this text does not end"]),
     ("dot", "digraph g { a [label=<<b>a</b>>]; a -> b [label=x] }",
      ["1:22: error: a label in HTML, which is not read"]),
@@ -339,9 +339,9 @@ REFUSED = [
     ("topic_info", "Type: a/msg/B\nPublisher count: 2\n\nSubscription count: 0\n",
      ["2:18: error: the nodes at `/cmd_vel` are counted, but not named"]),
     ("topic_info", TOPIC.format("a") + TOPIC.format("b"),
-     ["1:7: error: nothing says which topic this is about",
-      "7:7: error: nothing says which topic this is about"]),
-    (None, "hello\n", ["1:1: error: this is no dump of a graph that is known"]),
+     ["1:7: error: the topic that this is about is not named",
+      "7:7: error: the topic that this is about is not named"]),
+    (None, "hello\n", ["1:1: error: this is not a known kind of graph dump"]),
 ]  # fmt: skip
 
 

@@ -294,7 +294,7 @@ class _Reader:
         node, _, output = source.text.rpartition("/")
         if timer is not None or not node or not output:
             message = (
-                f"`{source.text[:60]}`, which input `{key.text}` of `{name}` takes, is no output"
+                f"input `{key.text}` of `{name}` must take an output, not `{source.text[:60]}`"
             )
             help_text = "write `NODE/OUTPUT`, or a timer: `dora/timer/millis/20`"
             self.wrong(source.span, message, help_text)

@@ -128,7 +128,7 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
         place = point(path, error.lineno or 1, error.offset or 1)
         raise _wrong(place, f"this is not Python: {error.msg}") from None
     except (ValueError, RecursionError, MemoryError):
-        raise _wrong(point(path, 1, 1), "this Python is nested too deeply, or no text") from None
+        raise _wrong(point(path, 1, 1), "this Python is nested too deeply, or not text") from None
     reader = _Reader(path, text)
     try:
         return reader.actions(tree)
@@ -137,7 +137,7 @@ def read_python(text: str, path: str) -> tuple[Action, ...]:
 
 
 def _wrong(place: Span, message: str) -> MarsError:
-    help_text = "is this a launch file? `ros2 launch` would refuse it as well"
+    help_text = "is this a launch file? `ros2 launch` would also refuse it"
     return MarsError((Diagnostic("launch", "error", message, place, help=help_text),))
 
 

@@ -215,7 +215,7 @@ class _Drawing:
             arrow = self.take()
             if arrow.text == "--":
                 span = self.places.span(arrow.begin, arrow.end)
-                message = "an edge without a direction says nothing of who publishes"
+                message = "an edge without a direction does not show which node publishes"
                 raise wrong(span, message, "write `->`")
             following = self.take()
             if following.sort == "mark" or following.text.lower() == "subgraph":

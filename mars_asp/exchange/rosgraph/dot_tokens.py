@@ -71,7 +71,7 @@ def _token(text: str, at: int, places: Places) -> Token:
     if text[at] == '"':
         quoted = _QUOTED.match(text, at)
         if quoted is None:
-            raise wrong(places.span(at, at + 1), "this text does not end", 'write `"` behind it')
+            raise wrong(places.span(at, at + 1), "this text does not end", 'write `"` after it')
         return Token("quoted", _CONTINUED.sub("", quoted[1]), at, quoted.end())
     if text[at] == "<":
         return Token("html", "", at, _end_of_html(text, at, places))
@@ -91,7 +91,7 @@ def _end_of_html(text: str, at: int, places: Places) -> int:
         depth += 1 if angle[0] == "<" else -1
         if depth == 0:
             return angle.end()
-    raise wrong(places.span(at, at + 1), "this text in HTML does not end", "write `>` behind it")
+    raise wrong(places.span(at, at + 1), "this text in HTML does not end", "write `>` after it")
 
 
 def wrong(span: Span, message: str, help_text: str) -> MarsError:

@@ -91,7 +91,7 @@ def _reader(text: str, path: str) -> Callable[[str, str], Dump]:
     """
     kind = dump_of(text)
     if kind is None:
-        message = "this is no dump of a graph that is known"
+        message = "this is not a known kind of graph dump"
         help_text = (
             "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or"
             " `ros2 topic info -v`"

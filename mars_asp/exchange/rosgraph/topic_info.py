@@ -94,7 +94,7 @@ class _Reader:
         stem = PurePath(self.path).stem
         if self.topics == 1 and _STEM.fullmatch(stem):
             return "/" + stem.strip("_").replace("__", "/")
-        self.dump.wrong(span, "nothing says which topic this is about", _NAME_IT)
+        self.dump.wrong(span, "the topic that this is about is not named", _NAME_IT)
         return None
 
     def finish_topic(self) -> None:
