@@ -35,7 +35,7 @@ FILES = {
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
         "proofs explainer absence"
     ),
-    "model": "cycles names declarations described ranges modes transformation",
+    "model": "cycles names declarations described ports ranges rates modes transformation",
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"
@@ -49,10 +49,10 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings rules cases analysis project sample synthesis verification session "
+        "budget facts findings rules cases analysis includes project sample synthesis verification session "
         "questions capability"
     ),
-    "reasoning/facts": "identifiers compile vocabulary index motion",
+    "reasoning/facts": "ends rates loose_ends identifiers compile vocabulary index motion",
     "reasoning/synthesis": (
         "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
@@ -68,7 +68,7 @@ FILES = {
         "picture colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"
     ),
-    "execution": "executor simulator scenario trial judgement recording",
+    "execution": "executor simulator scenario parts trial judgement recording",
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
