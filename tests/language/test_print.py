@@ -97,9 +97,8 @@ representations = st.sampled_from(
     ["RawImage", "nav::Odometry", "Line[]", "map<Key,Line[]>", "(A,B)", "(A,B)[]", "Grid<Cell,3>"]
 )
 written_names = st.sampled_from(["image", "/imu/data", "3", "bumper response", 'say "go"', "a.b"])
-parameters = (
-    st.sampled_from(["left", "right", "x1", "auto", "const", "map", "self"]) | written_names
-)
+words = st.sampled_from(["left", "right", "x1", "auto", "const", "map", "self"])
+parameters = words | written_names
 modes = st.sampled_from(
     [
         Mode("NotifyWhenReady"),

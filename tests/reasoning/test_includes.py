@@ -1,0 +1,51 @@
+"""`@include`: the modules and lines of another configuration, behind a name of their own."""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.diagnostic import MarsError
+from mars_asp.model.declarations import Data
+from mars_asp.reasoning.project import load_project
+
+
+def test_names_stand_behind_the_include_and_places_stay(tmp_path: Path) -> None:
+    inner = "@configuration\n@modules A, /B\nA.x uses_data_from /B.y\n"
+    (tmp_path / "inner.mars").write_text(inner)
+    robot = tmp_path / "robot.mars"
+    robot.write_text(
+        '@configuration\n@include inner.mars as left\n@include inner.mars as "b c"\n@modules Z\n'
+        "Z uses_data_from left/A\n"
+    )
+    found = load_project(str(robot)).configuration
+    assert [name.text for name in found.modules] == ["left/A", "/left/B", "b c/A", "/b c/B", "Z"]
+    lines = [each for each in found.relationships if isinstance(each, Data)]
+    assert [(each.client, each.source, Path(each.span.path).name) for each in lines] == [
+        ("left/A", "/left/B", "inner.mars"),
+        ("b c/A", "/b c/B", "inner.mars"),
+        ("Z", "left/A", "robot.mars"),
+    ]
+
+
+def test_an_error_of_a_file_that_is_included_twice_is_told_once(tmp_path: Path) -> None:
+    (tmp_path / "inner.mars").write_text("@configuration\n@modules A\nA uses_data A\n")
+    robot = tmp_path / "robot.mars"
+    robot.write_text(
+        "@configuration\n@include inner.mars as left\n@include inner.mars as right\n@modules Z\n"
+    )
+    with pytest.raises(MarsError) as caught:
+        load_project(str(robot))
+    (told,) = caught.value.diagnostics
+    assert (Path(told.span.path).name, told.span.line) == ("inner.mars", 3)
+
+
+@pytest.mark.parametrize("target", ["robot.mars", "link.mars", "folder", "none.mars"])
+def test_what_cannot_be_included_is_refused_where_it_is_named(target: str, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.mars"
+    robot.write_text(f"@configuration\n@include {target}\n@modules Z\n")
+    (tmp_path / "link.mars").symlink_to(robot)
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(MarsError) as caught:
+        load_project(str(robot))
+    (told,) = caught.value.diagnostics
+    assert (told.span.line, told.span.column) == (2, 10)
