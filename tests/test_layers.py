@@ -49,8 +49,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings rules cases analysis includes project sample synthesis verification session "
-        "questions capability"
+        "budget facts findings rules cases analysis includes project sample synthesis verification "
+        "session questions capability"
     ),
     "reasoning/facts": "ends rates loose_ends identifiers compile vocabulary index motion",
     "reasoning/synthesis": (
