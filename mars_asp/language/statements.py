@@ -243,7 +243,10 @@ class Builder:
         for name, port in ((client, client_port), (source, source_port)):
             self._check_port(name, port)
         mode = None
-        if written is not None:
+        if written == "every":
+            help_text = "write a period with its unit, such as `every 17 ms` or `every 3 s`"
+            self._note_word(written, "a period without a unit", help_text)
+        elif written is not None:
             read = parse_mode(str(written))
             if isinstance(read, ModeProblem):
                 self._note_offset(written, read)

@@ -59,18 +59,21 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Pa
         raise MarsError(dict.fromkeys(problems))
     inner = [each.configuration for each in found]
     modules = {name.text: name for each in (*inner, own) for name in each.modules}
-    declared = [module for each in inner for module in each.declared]
+    declared = dict.fromkeys(module for each in inner for module in each.declared)
     known = {module.name for module in own.declared}
     configuration = replace(
         own,
         includes=(),
         sources=tuple(name for each in (*inner, own) for name in each.sources),
         modules=tuple(modules.values()),
-        relationships=tuple(line for each in (*inner, own) for line in each.relationships),
+        # What two files include is one file, whose lines count once.
+        relationships=tuple(
+            dict.fromkeys(line for each in (*inner, own) for line in each.relationships)
+        ),
         declared=(*(each for each in declared if each.name not in known), *own.declared),
     )
-    warnings = tuple(warning for each in found for warning in each.warnings)
-    blocks = tuple(block for each in found for block in each.blocks)
+    warnings = tuple(dict.fromkeys(warning for each in found for warning in each.warnings))
+    blocks = tuple(dict.fromkeys(block for each in found for block in each.blocks))
     return Parsed(configuration, (*warnings, *parsed.warnings), (*blocks, *parsed.blocks))
 
 

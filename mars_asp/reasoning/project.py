@@ -133,6 +133,11 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     ]
     described = {**modules, **{module.name: module for module in configuration.declared}}
     configuration = without_idle(configuration, described)
+    diagnostics += tuple(
+        _has_its_own(name)
+        for name in configuration.modules
+        if name.text in described and name.described not in (None, name.text)
+    )
     modules |= {module.name: module for module in instances(configuration, described)}
     diagnostics += tuple(
         _not_described(name, described) for name in undescribed(configuration, described)
@@ -234,6 +239,17 @@ def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> It
             ((place, f"`{near}` is annotated here"),),
             f"did you mean `{near}`?",
         )
+
+
+def _has_its_own(name: Name) -> Diagnostic:
+    """Return the warning that a module is described twice, which counts once."""
+    return Diagnostic(
+        "module-twice",
+        "warning",
+        f"`{name.text}` has a description of its own, so `{name.described}` does not describe it",
+        name.span,
+        help=f"remove one of the two: the description, or `: {name.described}`",
+    )
 
 
 def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:

@@ -49,3 +49,28 @@ def test_what_cannot_be_included_is_refused_where_it_is_named(target: str, tmp_p
         load_project(str(robot))
     (told,) = caught.value.diagnostics
     assert (told.span.line, told.span.column) == (2, 10)
+
+
+def test_what_two_files_include_counts_once(tmp_path: Path) -> None:
+    (tmp_path / "shared.mars").write_text("@configuration\n@modules D, E\nD uses_data_from E\n")
+    for name in ("b", "c"):
+        text = f"@configuration\n@include shared.mars\n@modules {name}\n{name} uses_data_from E\n"
+        (tmp_path / f"{name}.mars").write_text(text)
+    robot = tmp_path / "robot.mars"
+    robot.write_text("@configuration\n@include b.mars\n@include c.mars\n@modules A\n")
+    found = load_project(str(robot)).configuration
+    lines = [each.client for each in found.relationships if isinstance(each, Data)]
+    assert lines == ["D", "b", "c"]
+    assert [name.text for name in found.modules] == ["D", "E", "b", "c", "A"]
+
+
+def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
+    block = "@module_start\n@module_name {}\n@Sense NotifyWhenReady\n{} look();\n@module_end\n"
+    robot = tmp_path / "robot.mars"
+    text = "@configuration\n@modules left: Camera, right: Camera\nleft uses_data_from right\n"
+    robot.write_text(text + block.format("Camera", "Image") + block.format("left", "Depth"))
+    project = load_project(str(robot))
+    (told,) = project.diagnostics
+    assert (told.code, told.span.line, told.span.column) == ("module-twice", 2, 10)
+    assert project.modules["right"].services[0].output == "Image"
+    assert "left" not in project.modules
