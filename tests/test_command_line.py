@@ -26,7 +26,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["analise", LEVEL0], None, 2, "did you mean `analyse`"),
         (["analyse"], None, 2, "FILE"),
         (["analyse", "missing.mars"], None, 2, "missing.mars"),
-        (["analyse", "examples"], None, 2, "examples"),
+        (["analyse", "tests/rules"], None, 2, "tests/rules"),
         (["analyse", "-"], "", 2, "@configuration"),
         (["analyse", "-"], "\0\0", 2, "syntax"),
         (["analyse", "-"], "@configuration\n", 2, "@modules"),

@@ -191,8 +191,16 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
 def _tell_subject(arguments: argparse.Namespace) -> None:
     """Take the last word for the subject where it is no file: words before it are files."""
     *files, last = arguments.files
-    if files and arguments.subject is None and last != STANDARD_INPUT and not Path(last).exists():
+    if files and arguments.subject is None and not _is_file(last, files):
         arguments.files, arguments.subject = files, last
+
+
+def _is_file(word: str, files: Sequence[str]) -> bool:
+    """Whether a word names a file, and no module; beside our own files a folder is none."""
+    if word == STANDARD_INPUT or Path(word).is_file():
+        return True
+    is_folder = word != "" and Path(word).is_dir()
+    return is_folder and not any(file.endswith(".mars") for file in files)
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:
