@@ -106,12 +106,12 @@ def one_of(text: str) -> str:
     return "@module_start\n".join([head, *kept])
 
 
-@pytest.mark.parametrize("seed", range(48))
+@pytest.mark.parametrize("seed", range(30))
 def test_the_cost_is_that_of_an_exhaustive_search(seed: int) -> None:
     assert compare_wiring(seed) is None
 
 
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", range(10))
 def test_inheritance_nodes_feed_least_supports_at_the_least_cost(seed: int) -> None:
     assert compare_mounts(seed) is None
 
