@@ -61,7 +61,11 @@ class Word(str):
 
 def begin_of(raw: Raw) -> int:
     """Return the offset of the first word of a statement."""
-    return min(child.begin for child in raw[1] if isinstance(child, Word))
+    return min(
+        child.begin if isinstance(child, Word) else begin_of(child)
+        for child in raw[1]
+        if child is not None
+    )
 
 
 def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
