@@ -10,19 +10,11 @@ import jsonschema_rs
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.documents import ROOT
 
 SCHEMA = json.loads((ROOT / "tests/sarif/sarif-schema-2.1.0.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema_rs.Draft4Validator(SCHEMA, validate_formats=True)
-ROBOT = """\
-@configuration hierarchical
-@modules A, B, Base, Camera, Arm
-Base is_controlled_by A 1
-Base is_controlled_by B 1
-Arm is_mounted_on Arm
-A uses_data_from Camera
-B uses_data_from Camera
-"""
 #: What a message of a pack may hold: what ends commands, and what others read as marks.
 PACK = """\
 %! because: 100% of `{M}` :: crowded, [no](x) %0A ::error::x

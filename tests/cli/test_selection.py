@@ -6,18 +6,9 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.configurations import FINDINGS as ROBOT
 from tests.support.processes import mars
 
-#: An error at line 5, a warning at line 3, notes at lines 3 and 7.
-ROBOT = """\
-@configuration hierarchical
-@modules A, B, Base, Camera, Arm
-Base is_controlled_by A 1
-Base is_controlled_by B 1
-Arm is_mounted_on Arm
-A uses_data_from Camera
-B uses_data_from Camera
-"""
 ERROR, WARNING, NOTES = "module_conflict", "ambiguous_priority", {"control_convergence"}
 PACK = 'consequence(crowded, error, M, here) :- module(M), M = "Camera".\n'
 

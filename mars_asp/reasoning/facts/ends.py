@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.names import end
-from mars_asp.model.ports import Input, inputs, outputs
+from mars_asp.model.ports import DELIVERING, Input, inputs, outputs
 
 
 class Output(NamedTuple):
@@ -107,7 +107,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
 def _delivers_several(module: Module) -> bool:
     if len(module.services) < 2:
         return False
-    return sum(service.kind in ("Sense", "DataOut") for service in module.services) > 1
+    return sum(service.kind in DELIVERING for service in module.services) > 1
 
 
 def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence[Output]:
