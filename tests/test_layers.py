@@ -81,7 +81,7 @@ FILES = {
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
-    "execution/simulator": "world body devices",
+    "execution/simulator": "motion world body devices",
     "execution/scenario": "schema toml_places toml_tables read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (

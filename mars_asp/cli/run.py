@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 #: Who holds control where no controller does.
 _NONE = "none"
+#: How a requirement that holds, does not, or is not decided, is listed.
+_WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
 #: Simulated seconds between two looks at the run.
 _GLANCE = 0.5
 
@@ -84,7 +86,7 @@ class _Schema(argparse.Action):
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run it; 1 where a requirement was violated."""
+    """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.judgement import judge
     from mars_asp.execution.recording.record import Record
@@ -135,7 +137,7 @@ def run(arguments: argparse.Namespace) -> int:
             _print_winners(trial)
         if arguments.explain:
             _explain(judgement)
-    return int(not judgement.holds)
+    return int(judgement.verdict != "pass")
 
 
 def _scenario(arguments: argparse.Namespace) -> "Scenario":
@@ -207,7 +209,7 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     body, executor = trial.body, trial.executor
     clearance = body.clearance
     return {
-        "verdict": "pass" if judgement.holds else "fail",
+        "verdict": judgement.verdict,
         "requirements": [
             {"name": r.name, "holds": r.holds, "message": r.message} for r in judgement.requirements
         ],
@@ -287,8 +289,8 @@ def _print_tables(
             fault = " ".join(f"{link.fault:.200}".splitlines())
             _say(console, f"failed   {link.source} -> {link.client}  ", f"first by {fault}")
     for requirement in judgement.requirements:
-        word = "holds   " if requirement.holds else "VIOLATED"
-        _say(console, f"{word} {requirement.name}  ", requirement.message)
+        word = _WORDS[requirement.holds]
+        _say(console, f"{word:8} {requirement.name}  ", requirement.message)
     body = trial.body
     # Where there is nothing to come near to, there is no clearance.
     clear = f"least clearance {body.clearance:.0f} mm, " if body.clearance < float("inf") else ""
@@ -311,14 +313,14 @@ def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> No
 
 def _verdict(judgement: "Judgement") -> str:
     """Return the verdict, and which requirements were violated."""
-    names = [each.name for each in judgement.requirements]
-    violated = [each.name for each in judgement.requirements if not each.holds]
-    if not violated:
-        return f"pass: all {len(names)} requirements hold"
-    are = "is" if len(violated) == 1 else "are"
-    return (
-        f"fail: {len(violated)} of {len(names)} requirements {are} violated: {', '.join(violated)}"
-    )
+    count = len(judgement.requirements)
+    if judgement.verdict == "pass":
+        return f"pass: all {count} requirements hold"
+    state, told = (False, "violated") if judgement.verdict == "fail" else (None, "not decided")
+    names = [each.name for each in judgement.requirements if each.holds is state]
+    are = "is" if len(names) == 1 else "are"
+    named = ", ".join(names)
+    return f"{judgement.verdict}: {len(names)} of {count} requirements {are} {told}: {named}"
 
 
 def _print_winners(trial: "Trial") -> None:

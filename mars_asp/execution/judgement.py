@@ -1,10 +1,14 @@
 """What a run was like, as facts, and the requirements that `rules/run` judges by them."""
 
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from itertools import pairwise
+from fractions import Fraction
+from itertools import count, pairwise
+from math import floor
 from pathlib import Path
+from typing import Literal
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -14,7 +18,7 @@ from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
-from mars_asp.execution.executor.schedule import MILLISECOND, last_tick
+from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
@@ -37,6 +41,8 @@ ON_REQUEST = {
     "exclusive": "exclusive",
     "coverage": "coverage",
 }
+#: Requirement and the kind of consequence that says that the run ended too early to show it.
+UNDECIDED = {"services delivered": "undecided_service", "reach": "undecided_reach"}
 #: Where facts are that stand in no file.
 OBSERVED = point("<run>", 1, 1)
 _MOST = 2**31 - 1
@@ -48,21 +54,26 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """A requirement, whether it held, and if not, why: the consequences that say so."""
+    """A requirement, whether it held, and if not, why: the consequences that say so.
+
+    `undecided` are those that say why the run cannot show whether it holds.
+    """
 
     name: str
     violations: tuple[Consequence, ...]
+    undecided: tuple[Consequence, ...] = ()
 
     @property
-    def holds(self) -> bool:
-        """Whether nothing violated it."""
-        return not self.violations
+    def holds(self) -> bool | None:
+        """Return whether it held, or `None` where the run ended too early to show that."""
+        return None if self.undecided and not self.violations else not self.violations
 
     @property
     def message(self) -> str:
-        """Return why it was violated, at most three times."""
-        more = " ..." if len(self.violations) > 3 else ""
-        return "; ".join(c.message for c in self.violations[:3]) + more
+        """Return why it was violated or not decided, at most three times."""
+        reasons = self.violations or self.undecided
+        more = " ..." if len(reasons) > 3 else ""
+        return "; ".join(c.message for c in reasons[:3]) + more
 
 
 @dataclass(frozen=True)
@@ -75,9 +86,10 @@ class Judgement:
     rulebook: Rulebook
 
     @property
-    def holds(self) -> bool:
-        """Whether all requirements hold."""
-        return all(requirement.holds for requirement in self.requirements)
+    def verdict(self) -> Literal["pass", "fail", "not decided"]:
+        """Return `fail` where a requirement was violated, `pass` where all of them hold."""
+        held = {requirement.holds for requirement in self.requirements}
+        return "fail" if False in held else "not decided" if None in held else "pass"
 
     def traces(self) -> tuple[tuple[Consequence, Trace], ...]:
         """Return why each violation was found, down to lines of scenario and configuration.
@@ -114,9 +126,12 @@ def judge_facts(
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
     named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
+
+    def found(kind: str | None) -> tuple[Consequence, ...]:
+        return tuple(c for c in analysis.consequences if c.kind == kind)
+
     requirements = tuple(
-        Requirement(name, tuple(c for c in analysis.consequences if c.kind == kind))
-        for name, kind in named.items()
+        Requirement(name, found(kind), found(UNDECIDED.get(name))) for name, kind in named.items()
     )
     return Judgement(requirements, analysis, facts, rulebook)
 
@@ -139,22 +154,21 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     asked = scenario.requirements
     for name in _asked(trial):
         yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
-    yield from (_seen("collided", round(at * 1000)) for at in body.contacts)
-    for since, until, origin, command in trial.commands:
-        stretch = round(since * 1000), round(until * 1000)
-        yield from (_seen("obeyed", origin, function, *stretch) for function in command)
+    yield from _contacts(trial)
     if "clearance" in asked:
         yield _seen("clearance", _whole(body.clearance * 1000), _whole(asked["clearance"] * 1000))
     if "reach" in asked and trial.reached is None:
         within = asked["reach"].get("within", scenario.duration)
-        yield _seen("never_reached", _whole(within * 1000))
+        yield _fact(scenario.places["reach"], "deadline", _whole(within * 1000))
+        yield _seen("never_reached", _whole(min(within, scenario.duration) * 1000))
         x, y = asked["reach"]["at"]
         distance, at = trial.nearest
-        # A pose between two that are kept may be nearer by a little: whole millimetres will do.
+        # Whole millimetres are as much as a reader wants.
         told = _whole(round(distance) * 1000), _whole(at * 1000)
         yield _seen("came_nearest", f"({x:g}, {y:g})", *told)
     for first, second in asked.get("exclusive", ()):
-        yield _seen("together", first, second, _whole(trial.together(first, second) * 1000))
+        seconds, since = trial.together(first, second)
+        yield _seen("together", first, second, _whole(seconds * 1000), _whole(since * 1000))
     if "coverage" in asked:
         yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
 
@@ -218,15 +232,17 @@ def _asked(trial: Trial) -> Iterator[str]:
 
 
 def _services(trial: Trial) -> Iterator[Fact]:
-    plan = trial.executor.plan
+    plan, held = trial.executor.plan, _held_back(trial)
     for number, link in enumerate(trial.executor.links):
         if link.kind != "data":
             continue
         mode, hz = plan.carried(link)
         yield _seen("delivered", number, link.delivered)
         if mode.name == "NotifyAtFrequency" and hz is not None:
-            count = last_tick(trial.executor.schedule.now, hz) + 1
-            yield _fact(link.span, "promised", number, link.source, link.client, count)
+            spent = trial.executor.schedule.now - held[link.source]
+            # Whole periods alone: a message at the very end is one more than was promised.
+            whole = _whole(max(0, floor(Fraction(spent) * hz / SECOND)))
+            yield _fact(link.span, "promised", number, link.source, link.client, whole)
 
 
 def _control(trial: Trial) -> Iterator[Fact]:
@@ -239,14 +255,62 @@ def _control(trial: Trial) -> Iterator[Fact]:
     for name, arbiter in trial.executor.arbiters.items():
         if not isinstance(arbiter, HierarchicalArbitration):
             continue
-        changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
-        for (since, holder), (until, _) in pairwise(changes):
-            if holder and until > since:
-                yield _seen("held", name, holder, since // MILLISECOND, until // MILLISECOND)
-        for link, stretches in arbiter.in_force:
-            for start, end in stretches:
-                told = start // MILLISECOND, end // MILLISECOND
-                yield _seen("in_force", name, link.source, *told)
+        yield from _arbitrated(name, arbiter, now)
+
+
+def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterator[Fact]:
+    """Yield who held an arbiter, what was in force there, and which of both were at one time.
+
+    Rules get pairs that met, so that they need not compare each with each.
+    """
+    changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
+    held = [
+        (since, until, holder)
+        for (since, holder), (until, _) in pairwise(changes)
+        if holder and until > since
+    ]
+    for number, (since, until, holder) in enumerate(held):
+        yield _seen("held", name, number, holder, _milliseconds(since), _milliseconds(until))
+    numbers = count()
+    for link, stretches in arbiter.in_force:
+        first = 0
+        for (since, until), number in zip(stretches, numbers, strict=False):
+            told = _milliseconds(since), _milliseconds(until)
+            yield _seen("in_force", name, number, link.source, *told)
+            while first < len(held) and held[first][1] <= since:
+                first += 1
+            for k in range(first, len(held)):
+                start, _, holder = held[k]
+                if start >= until:
+                    break
+                if holder != link.source:
+                    yield _seen("met", name, k, number, _milliseconds(max(start, since)))
+
+
+def _contacts(trial: Trial) -> Iterator[Fact]:
+    """Yield when the robot came into contact, and whom it obeyed up to then."""
+    commands = tuple(trial.commands)
+    starts = [since for since, *_ in commands]
+    for at in trial.body.contacts:
+        instant = _whole(at * 1000)
+        yield _seen("collided", instant)
+        number = bisect_left(starts, at) - 1
+        if number < 0:
+            continue
+        since, until, origin, command = commands[number]
+        for function in command:
+            told = _whole(since * 1000), _whole(until * 1000)
+            yield _seen("obeyed", instant, origin, function, *told)
+
+
+def _held_back(trial: Trial) -> dict[str, int]:
+    """Return for how long (ns) delays that the scenario states hold back what each source sends."""
+    plan, held = trial.executor.plan, dict[str, int]()
+    for name in sorted(plan.names, key=lambda name: plan.data_depth[name]):
+        stated = float(trial.scenario.bindings.get(name, {}).get("delay", 0.0))
+        before = (held.get(link.source, 0) for link in plan.data_in[name])
+        held[name] = round(stated * MILLISECOND) + max(before, default=0)
+    return held
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:
@@ -276,6 +340,10 @@ def _functions(trial: Trial) -> Iterator[Fact]:
             yield _fact(function.span, "has_function", name, function.name)
         for moved in trial.moves.get(name, ()):
             yield _seen("moves", name, moved)
+
+
+def _milliseconds(time: int) -> int:
+    return _whole(time // MILLISECOND)
 
 
 def _whole(number: float) -> int:

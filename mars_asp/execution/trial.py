@@ -8,9 +8,11 @@ from math import cos, hypot, inf, radians, sin
 from random import Random
 from typing import Any
 
+from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.execution.executor import Executor
 from mars_asp.execution.executor.link import Observer
+from mars_asp.execution.executor.modules import Effector
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.parts import in_parts
@@ -20,11 +22,13 @@ from mars_asp.execution.scenario.read import Scenario
 from mars_asp.execution.simulator import (
     Body,
     Circle,
+    Joint,
     Mark,
     Pose,
     World,
 )
 from mars_asp.execution.simulator.body import planar_functions
+from mars_asp.execution.simulator.motion import Point
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Configuration, Function, Module
 from mars_asp.spelling import nearest
 
@@ -33,19 +37,23 @@ from mars_asp.spelling import nearest
 class Trial:
     """A run: `executor` and `body` hold what happened.
 
-    `limits` are rates by module, `moves` the functions that each simulated device carries out.
+    `limits` are rates by module, `joints` the simulated joints and grippers by module, `moves` the
+    functions that each simulated device carries out.
     """
 
     scenario: Scenario
     executor: Executor
     body: Body
     limits: Mapping[str, Mapping[str, float]]
+    joints: Mapping[str, Joint]
     moves: Mapping[str, tuple[str, ...]]
 
     def run_until(self, seconds: float) -> None:
         """Run events and motion up to a time."""
         self.executor.step_until(round(seconds * SECOND))
         self.body.advance(seconds)
+        for joint in self.joints.values():
+            joint.advance(seconds)
 
     @property
     def control_time(self) -> dict[str, float]:
@@ -56,59 +64,96 @@ class Trial:
                 times[origin] += until - since
         return dict(sorted(times.items()))
 
-    def together(self, first: str, second: str) -> float:
-        """Return for how many seconds two functions of the robot ran at once."""
-        return sum(
-            until - since
-            for since, until, _, command in self.commands
-            if command.get(first) and command.get(second)
+    def together(self, first: str, second: str) -> tuple[float, float]:
+        """Return for how many seconds two functions ran at once, anywhere, and since when first."""
+        changes = sorted(
+            (at, number, step)
+            for number, function in enumerate((first, second))
+            for since, until in self._runs(function)
+            for at, step in ((since, 1), (until, -1))
         )
+        running, total, began, before = [0, 0], 0.0, 0.0, 0.0
+        for at, number, step in changes:
+            if all(running) and at > before:
+                began = began if total else before
+                total += at - before
+            running[number] += step
+            before = at
+        return total, began
+
+    def _runs(self, function: str) -> Iterator[tuple[float, float]]:
+        """Yield from when until when (s) effectors ran a function, and grippers moved."""
+        for name, effector in self.executor.effectors.items():
+            if function == GRASP and name in self.joints:
+                yield from self.joints[name].moved
+                continue
+            for since, until, _, command in self._obeyed(effector):
+                if command.get(function):
+                    yield since, until
 
     @property
     def commands(self) -> Iterator[tuple[float, float, str, dict[str, float]]]:
         """Yield from when (s) until when the robot obeyed which module, and its command."""
         effector = self.executor.effectors.get(self.scenario.robot["module"])
-        if effector is None:
-            return
+        if effector is not None:
+            yield from self._obeyed(effector)
+
+    def _obeyed(self, effector: Effector) -> Iterator[tuple[float, float, str, dict[str, float]]]:
         end: tuple[int, str, dict[str, float]] = (self.executor.schedule.now, "", {})
         for (since, origin, command), (until, _, _) in pairwise([*effector.applied, end]):
             yield since / SECOND, until / SECOND, origin, command
 
     @property
     def reached(self) -> float | None:
-        """Return when the robot was first at the place it was to reach."""
-        asked = self.scenario.requirements["reach"]
-        x, y = asked["at"]
-        for at, pose in self.body.track:
-            near = hypot(pose.forward - x, pose.side - y) <= asked.get("radius", 200.0)
-            if near and at <= asked.get("within", inf):
+        """Return when (s) the robot first came to the place it was to reach, in time."""
+        place, radius, within = self._to_reach
+        for stretch, until in self.body.stretches:
+            if stretch.since > within:
+                return None
+            at = stretch.enters(place, radius, min(until, within))
+            if at is not None:
                 return at
         return None
 
     @property
     def nearest(self) -> tuple[float, float]:
         """Return how near (mm) the robot came to the place it was to reach, in time, and when."""
-        asked = self.scenario.requirements["reach"]
-        x, y = asked["at"]
+        place, _, within = self._to_reach
         return min(
-            (hypot(pose.forward - x, pose.side - y), at)
-            for at, pose in self.body.track
-            if at <= asked.get("within", inf)
+            stretch.nearest(place, min(until, within))
+            for stretch, until in self.body.stretches
+            if stretch.since <= within
         )
 
     @property
+    def _to_reach(self) -> tuple[Point, float, float]:
+        """Return the place, how near (mm) is near enough, and until when (s)."""
+        asked = self.scenario.requirements["reach"]
+        x, y = asked["at"]
+        return (x, y), asked.get("radius", 200.0), asked.get("within", inf)
+
+    @property
     def coverage(self) -> float:
-        """Return which share of squares of the robot's width it has been in, within the walls."""
+        """Return which share of squares of the robot's width its centre has been in.
+
+        Squares lie side by side in the rectangle around all walls, whole ones alone.
+        """
         segments, size = self.body.world.segments, 2 * self.body.radius
-        if not len(segments):
+        if not len(segments) or not size:
             return 0.0
         low = segments.reshape(-1, 2).min(axis=0)
-        across = segments.reshape(-1, 2).max(axis=0) - low
-        been = {
-            (int((p.forward - low[0]) // size), int((p.side - low[1]) // size))
-            for _, p in self.body.track
-        }
-        return float(len(been) / max(1.0, (across[0] // size) * (across[1] // size)))
+        rows, columns = ((segments.reshape(-1, 2).max(axis=0) - low) // size).astype(int)
+        been = set()
+        for stretch, until in self.body.stretches:
+            # Between two times at which it passes a line, it is in one square.
+            passed = {stretch.since, until}
+            for axis in (0, 1):
+                passed.update(stretch.crossings(axis, size, float(low[axis]), until))
+            for since, next_ in pairwise(sorted(passed)):
+                pose = stretch.at((since + next_) / 2)
+                been.add((int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size)))
+        inside = sum(0 <= row < rows and 0 <= column < columns for row, column in been)
+        return float(inside / (rows * columns)) if rows * columns else 0.0
 
 
 def stage_trial(
@@ -154,12 +199,13 @@ def _stage(
     behaviours = bind_functions(every, scenario, plan.names, clock)
     joints = make_joints(scenario)
     behaviours |= bind_devices(plan, scenario, body, joints, clock)
+    _check_start(body, scenario)
     _check_faults(behaviours.keys() - {robot["module"], *joints}, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
     running.append(Executor(specification, every, behaviours, timeout, observe))
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
     moves[robot["module"]] = planar_functions(scenario.up)
-    return Trial(scenario, running[0], body, limits, moves)
+    return Trial(scenario, running[0], body, limits, joints, moves)
 
 
 def _check_robot(plan: Plan, scenario: Scenario) -> None:
@@ -183,6 +229,19 @@ def _check_robot(plan: Plan, scenario: Scenario) -> None:
     )
 
 
+def _check_start(body: Body, scenario: Scenario) -> None:
+    """Refuse a robot that starts in something solid: it would have to be let out first."""
+    gap = body.gap()
+    if gap >= 0:
+        return
+    place = scenario.places.get("start", scenario.places["robot"])
+    message = (
+        f"the robot starts {measured(round(-gap * 1000), 'micrometres')} inside of something solid"
+    )
+    help_text = "start it elsewhere, or move what is there; its `radius` counts"
+    raise MarsError([Diagnostic("scenario", "error", message, place, (), help_text)])
+
+
 def _check_faults(able: Set[str], scenario: Scenario) -> None:
     """Refuse faults that would not be injected: a trial of them would prove nothing."""
     problems = []
@@ -201,7 +260,7 @@ def make_world(scenario: Scenario) -> World:
     world = scenario.world
     circles = [Circle((x, y), float(r)) for x, y, r in world.get("circles", ())]
     circles += [
-        Circle(_point(m["from"]), m["radius"], _point(m["to"]), m["speed"])
+        Circle(_point(m["from"]), m["radius"], (_point(m["to"]),), m["speed"])
         for m in world.get("moving", ())
     ]
     if "scatter" in world:
@@ -238,7 +297,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
         if made > count - scatter.get("moving", 0):
             way = radians(random.uniform(0, 360))
             target = at[0] + 2000 * cos(way), at[1] + 2000 * sin(way)
-            yield Circle(at, radius, target, scatter.get("speed", 100.0))
+            yield Circle(at, radius, (target,), scatter.get("speed", 100.0))
         else:
             yield Circle(at, radius)
 

@@ -20,5 +20,5 @@ def trial(text: str, specification: str = DRIVE, folder: Path = Path()) -> Trial
     return made
 
 
-def verdicts(made: Trial) -> dict[str, bool]:
+def verdicts(made: Trial) -> dict[str, bool | None]:
     return {verdict.name: verdict.holds for verdict in judge(made).requirements}

@@ -75,6 +75,8 @@ class Algorithm:
         self.run = self.ask if pulls else self.compute
         self.latest: list[Any] = []
         self.unheard: set[int] = set()
+        #: Inputs whose latest message no computation has read yet.
+        self.unread: set[int] = set()
         self.pulled: list[tuple[int, Link]] = []
         self.missing: set[int] = set()
         self.waiting = False
@@ -87,17 +89,18 @@ class Algorithm:
         if pulled:
             self.pulled.append((index, link))
             return lambda message: self.answer(index, message)
-        queue, run = self.queue, self.run
+        queue, run, unread, dropped = self.queue, self.run, self.unread, link.dropped
 
         def keep(message: Message) -> None:
+            if index in unread:
+                dropped["unread"] += 1
+            unread.add(index)
             latest[index] = message[0]
             if unheard:
                 unheard.discard(index)
 
         def trigger(message: Message) -> None:
-            latest[index] = message[0]
-            if unheard:
-                unheard.discard(index)
+            keep(message)
             queue(run)
 
         return trigger if self.triggered else keep
@@ -125,6 +128,7 @@ class Algorithm:
         """Call the behaviour and offer its result, unless it returns nothing."""
         if self.unheard:
             return
+        self.unread.clear()
         try:
             result = self.call(*self.latest)
             if result is not None and self.commands:
@@ -145,7 +149,9 @@ class Algorithm:
 
 
 class Effector:
-    """Holds the latest command; rests when none came for `timeout` ns.
+    """Obeys the latest command until the time until which an arbiter said that it is in force.
+
+    Where none said so, it rests when no command came for `timeout` ns.
 
     Of a command it does not take what is `left` to an InheritanceNode that hears it, too.
     """
@@ -192,7 +198,7 @@ class Effector:
         self.message, self.awaited = message, link
         self.queue(lambda: self.apply(message, link))
         if message.value:
-            due = self.schedule.now + self.timeout
+            due = self.schedule.now + self.timeout if message.until is None else message.until
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
 
     def apply(self, message: Message, link: Link | None) -> None:

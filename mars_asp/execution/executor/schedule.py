@@ -19,14 +19,6 @@ def tick_time(k: int, hz: Fraction) -> int:
     return whole + (2 * rest > hz.numerator or (2 * rest == hz.numerator and whole % 2))
 
 
-def last_tick(time: int, hz: Fraction) -> int:
-    """Return the greatest k with `tick_time(k, hz) <= time`; -1 before the first."""
-    k = time * hz.numerator // (SECOND * hz.denominator) + 1
-    while tick_time(k, hz) > time:
-        k -= 1
-    return k
-
-
 class Clock:
     """What runs at every tick of one rate, from tick 0 on; one timer for all of it."""
 

@@ -30,10 +30,14 @@ function poseAt(time) {
 }
 
 // There and back for ever, as the simulator moves it.
-function placeAt([x, y, tx, ty, rate], time) {
-  const way = Math.hypot(tx - x, ty - y);
-  const gone = way ? (time * rate) % (2 * way) : 0;
-  const share = way ? Math.min(gone, 2 * way - gone) / way : 0;
+function placeAt({ round, speed }, time) {
+  const legs = round.slice(1).map(([x, y], k) => Math.hypot(x - round[k][0], y - round[k][1]));
+  const whole = legs.reduce((sum, leg) => sum + leg, 0);
+  let left = whole ? (time * speed) % whole : 0;
+  const last = legs.findIndex((leg) => left < leg || ((left -= leg), false));
+  const k = Math.max(last, 0);
+  const share = legs[k] ? left / legs[k] : 0;
+  const [[x, y], [tx, ty]] = [round[k], round[k + 1]];
   return pixels(x + share * (tx - x), y + share * (ty - y));
 }
 

@@ -43,7 +43,7 @@ def replay_json(trial: Trial) -> dict[str, Any]:
             [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
             for at, pose in trial.body.way
         ],
-        "moving": [[*c.centre, *(c.target or c.centre), c.speed] for c in world.moving],
+        "moving": [{"round": c.round, "speed": c.speed} for c in world.moving],
         "contacts": trial.body.contacts,
         "commands": [[since, origin, command] for since, _, origin, command in trial.commands],
         "arbiters": list(_arbiters(trial)),

@@ -20,7 +20,7 @@ _MOST_PROBLEMS = 200
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` says where requirements, the robot's module and limits, bindings and faults stand.
+    `places` has those of requirements, the robot's module, start and limits, bindings and faults.
     """
 
     path: Path
@@ -65,6 +65,8 @@ def read_scenario(text: str, path: Path) -> Scenario:
     limits = tables["robot"].get("limits", ())
     places |= {function: where.of("robot", "limits", function) for function in limits}
     places["robot"] = where.of("robot", "module")
+    if "start" in tables["robot"]:
+        places["start"] = where.of("robot", "start")
     for table in ("bindings", "faults"):
         named = tables.get(table, ())
         places |= {f"{table}.{module}": where.of(table, module) for module in named}

@@ -5,7 +5,7 @@ towards side, which is to the left. With y up these are z and x, with z up x and
 (`planar_functions`).
 """
 
-from mars_asp.execution.simulator.body import Body, Pose, move
+from mars_asp.execution.simulator.body import Body
 from mars_asp.execution.simulator.devices import (
     Joint,
     bumper,
@@ -15,6 +15,7 @@ from mars_asp.execution.simulator.devices import (
     odometry,
     sonar,
 )
+from mars_asp.execution.simulator.motion import Pose, Stretch, move
 from mars_asp.execution.simulator.world import Circle, Mark, World, regular_polygon
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Joint",
     "Mark",
     "Pose",
+    "Stretch",
     "World",
     "bumper",
     "joystick",

@@ -1,42 +1,23 @@
-"""A round robot: exact arcs, and contact found wherever on the way it happens."""
+"""A round robot: its way in lines and arcs, and contact and clearance found on all of it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from math import cos, degrees, hypot, inf, radians, sin
+from itertools import pairwise
+from math import ceil, inf, nextafter, radians
 
+import numpy as np
+
+from mars_asp.execution.simulator.motion import Floats, Pose, Stretch
 from mars_asp.execution.simulator.world import World
 
 #: Nearer than this (mm) is contact.
 TOUCH = 1e-3
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Position in mm and heading in degrees."""
-
-    forward: float
-    side: float
-    heading: float
-
-
-def move(pose: Pose, ahead: float, aside: float, turn: float, seconds: float) -> Pose:
-    """Return the pose after a constant twist: mm/s ahead and aside, degrees/s.
-
-    The closed form of the planar exponential map: arcs are exact for any length of step.
-    """
-    angle = radians(turn) * seconds
-    heading = radians(pose.heading)
-    if abs(angle) < 1e-6:
-        sine, rest = 1.0 - angle * angle / 6, angle / 2
-    else:
-        sine, rest = sin(angle) / angle, (1.0 - cos(angle)) / angle
-    x = (sine * ahead - rest * aside) * seconds
-    y = (rest * ahead + sine * aside) * seconds
-    return Pose(
-        pose.forward + cos(heading) * x - sin(heading) * y,
-        pose.side + sin(heading) * x + cos(heading) * y,
-        pose.heading + degrees(angle),
-    )
+#: Up to ten times as far away, it still is the same contact.
+_APART = 10 * TOUCH
+#: Chords stand for arcs that are nowhere further from them (mm).
+_EXACT = 2.5e-4
+#: For so long (s) a robot that touches something goes on as it does.
+_HALTED = 0.005
 
 
 def planar_functions(up: str) -> tuple[str, str, str]:
@@ -48,8 +29,8 @@ def planar_functions(up: str) -> tuple[str, str, str]:
 class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
-    `limits` are the greatest rates by function. What happened is kept: the least clearance,
-    collisions (new contacts), the distance driven and seconds of turning and driving at once.
+    `limits` are the greatest rates by function. What happened is kept: the motion, the least
+    clearance (mm) on all of it, contacts (s), and seconds of turning and driving at once.
     """
 
     world: World
@@ -60,21 +41,45 @@ class Body:
     command: dict[str, float] = field(default_factory=dict)
     seconds: float = 0.0
     touching: bool = False
-    collisions: int = 0
     clearance: float = inf
     driven: float = 0.0
     both: float = 0.0
-    track: list[tuple[float, Pose]] = field(default_factory=list)
+    motion: list[Stretch] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
+    #: No less is the gap (mm) now; it is measured where that does not suffice.
+    _room: float = 0.0
 
     def __post_init__(self) -> None:
-        """Note where it starts."""
-        self.track.append((self.seconds, self.pose))
+        """Note how near things are where it starts."""
+        self.motion.append(Stretch(self.seconds, self.pose, 0.0, 0.0, 0.0))
+        self._room = self.gap()
+        self._note(self._room)
+
+    @property
+    def collisions(self) -> int:
+        """Return how often it came into contact."""
+        return len(self.contacts)
+
+    @property
+    def stretches(self) -> Iterator[tuple[Stretch, float]]:
+        """Yield its motion up to now: each stretch, and until when (s) it lasted."""
+        for stretch, following in pairwise(self.motion):
+            yield stretch, following.since
+        yield self.motion[-1], self.seconds
 
     @property
     def way(self) -> list[tuple[float, Pose]]:
         """Return where it was at times (s) no more than 0.1 s apart, up to now."""
-        return [*self.track, (self.seconds, self.pose)]
+        found = []
+        for stretch, until in self.stretches:
+            count = ceil((until - stretch.since) / 0.1)
+            times = (stretch.since + k * (until - stretch.since) / count for k in range(count))
+            found += [(at, stretch.at(at)) for at in times]
+        return [*found, (self.seconds, self.pose)]
+
+    def gap(self) -> float:
+        """Return how far (mm) its rim is from the nearest thing; where they overlap, below 0."""
+        return self.world.distance((self.pose.forward, self.pose.side), self.seconds) - self.radius
 
     def obey(self, command: Mapping[str, float], seconds: float) -> None:
         """Move on to a time, then take a command; functions that it does not name are zero."""
@@ -91,46 +96,93 @@ class Body:
         return max(-most, min(most, self.command.get(function, 0.0)))
 
     def advance(self, seconds: float) -> None:
-        """Move on to a time (s) by conservative advancement.
+        """Move on to a time (s).
 
-        No point of the disc moves faster than its centre, so the gap divided by the closing
-        speed is a time in which nothing can be touched, however long the step. A contact ends
-        the motion of the step unless the motion leads away.
+        No point of the disc moves faster than its centre, so what is further away than both can go
+        is not looked at. Otherwise the way is searched for the least gap: a step without contact is
+        taken whole, one with contact is halved until the contact is at its end.
         """
-        ahead, aside, turn = self.rates()
-        speed = hypot(ahead, aside)
-        closing = speed + self.world.fastest
+        rates = self.rates()
         while self.seconds < seconds:
-            gap = self._gap(self.pose, self.seconds)
-            self._note(gap)
-            step = min(seconds - self.seconds, 0.1)
-            if gap > TOUCH and closing:
-                # Half of the tolerance on top lets the last step reach the contact.
-                step = min(step, (gap + TOUCH / 2) / closing)
-            elif closing:
-                step = min(step, 0.005)
-            after = move(self.pose, ahead, aside, turn, step)
-            at = self.seconds + step
-            if gap <= TOUCH and self._gap(after, at) < min(gap, 0.0) + 1e-9:
-                after = Pose(self.pose.forward, self.pose.side, after.heading)
-            self._take(after, at, bool(speed and turn))
-        self._note(self._gap(self.pose, self.seconds))
+            way = Stretch(self.seconds, self.pose, *rates)
+            closing = way.speed + self.world.fastest
+            if not closing or self._room - closing * (seconds - self.seconds) >= self._least:
+                self._room -= closing * (seconds - self.seconds) if closing else 0.0
+                self._take(way, seconds)
+                return
+            self._room = self.gap()
+            self._note(self._room)
+            if self._room <= TOUCH:
+                self._slide(way, min(seconds, self.seconds + _HALTED))
+            else:
+                self._proceed(way, seconds, closing)
 
-    def _gap(self, pose: Pose, seconds: float) -> float:
-        return self.world.distance((pose.forward, pose.side), seconds) - self.radius
+    @property
+    def _least(self) -> float:
+        """Return the gap (mm) below which it matters how far things are."""
+        return max(self.clearance, _APART)
+
+    def _proceed(self, way: Stretch, seconds: float, closing: float) -> None:
+        """Go on until a time or a contact, whichever is first, or until what is near changes."""
+        at = way.pose.forward, way.pose.side
+        step = min(seconds - way.since, self.world.horizon(at, way.since, way.speed))
+        nearest = self._nearest(way, step)
+        while nearest <= TOUCH and closing * step > TOUCH / 2:
+            step /= 2
+            nearest = self._nearest(way, step)
+        whole = step == seconds - way.since
+        self._take(way, seconds if whole else max(way.since + step, nextafter(way.since, inf)))
+        self._note(nearest)
+        self._room -= closing * step
+        if nearest <= _APART:
+            self._room = self.gap()
+            self._note(self._room)
+
+    def _nearest(self, way: Stretch, step: float) -> float:
+        """Return the least gap (mm) on a way of so many seconds, if that is less than is known.
+
+        An arc is no further from its chord than `speed * turn * t ** 2 / 8`: chords bound it from
+        below. Those that might matter are cut in four, until they are as good as arcs.
+        """
+        edges: Floats = np.array([[way.since, way.since + step]])
+        bend, found = way.speed * abs(radians(way.turn)) / 8, inf
+        while True:
+            ends = way.points(edges.ravel()).reshape(-1, 4)
+            gaps = self.world.gaps(ends, edges[:, 0], edges[:, 1]) - self.radius
+            off = bend * (edges[:, 1] - edges[:, 0]) ** 2
+            exact = off <= _EXACT
+            found = min(found, float(gaps[exact].min(initial=inf)))
+            rest = edges[~exact & (gaps - off < min(found, self._least - _EXACT))]
+            if not len(rest):
+                return found
+            parts = np.linspace(rest[:, 0], rest[:, 1], 5, axis=1)
+            edges = np.stack([parts[:, :-1].ravel(), parts[:, 1:].ravel()], axis=1)
+
+    def _slide(self, way: Stretch, seconds: float) -> None:
+        """Go on in contact, for a moment: a motion that does not lead away stays where it is."""
+        after = way.at(seconds)
+        there = self.world.distance((after.forward, after.side), seconds) - self.radius
+        if there < min(self._room, 0.0) + 1e-9:
+            way = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
+        self._take(way, seconds)
 
     def _note(self, gap: float) -> None:
+        """Take a gap (mm) into account that there is now, or was a moment ago."""
         self.clearance = min(self.clearance, max(gap, 0.0))
         touching = gap <= TOUCH
         if touching and not self.touching:
-            self.collisions += 1
             self.contacts.append(self.seconds)
-        # A hair's breadth of hysteresis: one contact is not counted again at each step.
-        self.touching = touching or (self.touching and gap <= 10 * TOUCH)
+        self.touching = touching or (self.touching and gap <= _APART)
 
-    def _take(self, pose: Pose, at: float, both: bool) -> None:
-        self.driven += hypot(pose.forward - self.pose.forward, pose.side - self.pose.side)
-        self.both += (at - self.seconds) * both
-        self.pose, self.seconds = pose, at
-        if at - self.track[-1][0] >= 0.05:
-            self.track.append((at, pose))
+    def _take(self, way: Stretch, at: float) -> None:
+        """Go along a way to a time (s)."""
+        self.driven += way.speed * (at - self.seconds)
+        self.both += (at - self.seconds) * bool(way.speed and way.turn)
+        last = self.motion[-1]
+        if (last.ahead, last.aside, last.turn) == (way.ahead, way.aside, way.turn):
+            way = last
+        elif last.since == way.since:
+            self.motion[-1] = way
+        else:
+            self.motion.append(way)
+        self.pose, self.seconds = way.at(at), at

@@ -4,14 +4,15 @@ Noise comes from the generator that a device is given, so devices do not disturb
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan2, cos, degrees, hypot, inf, isfinite, radians, sin
 from random import Random
 from typing import TypeAlias
 
 import numpy as np
 
-from mars_asp.execution.simulator.body import Body, Pose
+from mars_asp.execution.simulator.body import Body
+from mars_asp.execution.simulator.motion import Pose
 
 #: From a time in seconds to where a device is; the body has moved on to that time.
 Place: TypeAlias = Callable[[float], Pose]
@@ -28,6 +29,8 @@ class Joint:
     value: float = 0.0
     wanted: float = 0.0
     seconds: float = 0.0
+    #: From when until when (s) it moved.
+    moved: list[tuple[float, float]] = field(default_factory=list, init=False)
 
     def obey(self, command: dict[str, float], seconds: float) -> None:
         """Move on to a time, then take a command; a width that is not named stays."""
@@ -42,7 +45,14 @@ class Joint:
         if self.function == "Grasp":
             rate = (self.wanted - self.value) / step if step > 0 else 0.0
         rate = max(-self.rate, min(self.rate, rate))
-        self.value = max(self.low, min(self.high, self.value + rate * step))
+        before = self.value
+        self.value = max(self.low, min(self.high, before + rate * step))
+        if self.value != before:
+            began = seconds - step
+            ended = min(seconds, began + abs((self.value - before) / rate))
+            if self.moved and self.moved[-1][1] == began:
+                began, _ = self.moved.pop()
+            self.moved.append((began, ended))
         return self.value
 
 

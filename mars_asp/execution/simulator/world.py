@@ -1,39 +1,71 @@
-"""Walls, polygons, circles and moving circles: distances and rays, culled by range."""
+"""Walls, polygons, circles and moving circles: distances and rays, culled by what can be near."""
 
+from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
-from math import cos, hypot, inf, pi, sin
+from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
+from math import cos, dist, inf, pi, sin
 
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Point = tuple[float, float]
-#: How far (mm) a robot may go before what is near it is looked up again.
+from mars_asp.execution.simulator.motion import Floats, Point
+
+Booleans = npt.NDArray[np.bool_]
+#: How far (mm) things may move past each other before what is near is looked up again.
 _SLACK = 500.0
 
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """A circle; with a `target` it goes there and back for ever at `speed` mm/s."""
+    """A circle. With a `way` it goes from its centre past those points at `speed` mm/s, for ever.
+
+    It turns back at the last point; a way that ends at the centre is a circuit.
+    """
 
     centre: Point
     radius: float
-    target: Point | None = None
+    way: tuple[Point, ...] = ()
     speed: float = 0.0
+    #: The points of one round, the first again at its end.
+    round: tuple[Point, ...] = field(init=False, repr=False, compare=False)
+    #: How far it has gone when it comes to each of the points.
+    _gone: tuple[float, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Lay out one round."""
+        there = (self.centre, *self.way)
+        back = () if there[-1] == there[0] else there[-2::-1]
+        object.__setattr__(self, "round", (*there, *back))
+        lengths = (dist(a, b) for a, b in pairwise(self.round))
+        object.__setattr__(self, "_gone", tuple(accumulate(lengths, initial=0.0)))
+
+    @property
+    def moves(self) -> bool:
+        """Whether it goes anywhere."""
+        return bool(self.speed and self._gone[-1])
+
+    def leg(self, seconds: float) -> tuple[float, ...]:
+        """Return its position and velocity at a time, and until when (s) that velocity lasts."""
+        if not self.moves:
+            return (*self.centre, 0.0, 0.0, inf)
+        rounds, gone = divmod(seconds * self.speed, self._gone[-1])
+        last = len(self.round) - 2
+        k = min(bisect_right(self._gone, gone) - 1, last)
+        until = (rounds * self._gone[-1] + self._gone[k + 1]) / self.speed
+        while until <= seconds:  # by rounding, it has come to the end of its leg already
+            k, rounds = (k + 1, rounds) if k < last else (0, rounds + 1)
+            gone = self._gone[k]
+            until = (rounds * self._gone[-1] + self._gone[k + 1]) / self.speed
+        (x, y), (tx, ty) = self.round[k], self.round[k + 1]
+        length = self._gone[k + 1] - self._gone[k]
+        share, rate = (gone - self._gone[k]) / length, self.speed / length
+        return x + share * (tx - x), y + share * (ty - y), rate * (tx - x), rate * (ty - y), until
 
     def at(self, seconds: float) -> Point:
         """Return where the centre is at a time."""
-        if self.target is None or not self.speed:
-            return self.centre
-        (x, y), (tx, ty) = self.centre, self.target
-        length = hypot(tx - x, ty - y)
-        if not length:
-            return self.centre
-        gone = (seconds * self.speed) % (2 * length)
-        share = min(gone, 2 * length - gone) / length
-        return x + share * (tx - x), y + share * (ty - y)
+        x, y, *_ = self.leg(seconds)
+        return x, y
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +82,22 @@ def regular_polygon(centre: Point, radius: float, corners: int) -> list[Point]:
     return [(centre[0] + radius * cos(a), centre[1] + radius * sin(a)) for a in angles]
 
 
+@dataclass(frozen=True, slots=True)
+class _Near:
+    """What is near a point at a time (s), and stays so while little has moved.
+
+    `segments` (n, 4) from and to, `circles` (n, 3) centre and radius, `moving` by their numbers.
+    """
+
+    centre: Point
+    seconds: float
+    segments: Floats
+    circles: Floats
+    moving: tuple[int, ...]
+
+
 class World:
-    """What stands and moves in the plane. `walls` are open polylines, `polygons` closed ones."""
+    """What stands and moves in the plane. `walls` are open polylines, `polygons` solid."""
 
     def __init__(
         self,
@@ -60,70 +106,196 @@ class World:
         circles: Sequence[Circle] = (),
         marks: Sequence[Mark] = (),
     ) -> None:
-        lines = [*walls, *([*p, p[0]] for p in polygons)]
-        segments = [(*a, *b) for line in lines for a, b in pairwise(line)]
-        fixed = [(*c.centre, c.radius) for c in circles if c.target is None]
+        rims = [[*p, p[0]] for p in polygons]
+        segments = [(*a, *b) for line in (*walls, *rims) for a, b in pairwise(line)]
+        fixed = [(*c.centre, c.radius) for c in circles if not c.moves]
         self.segments: Floats = np.array(segments, dtype=float).reshape(-1, 4)
         self.circles: Floats = np.array(fixed, dtype=float).reshape(-1, 3)
-        self.moving = tuple(c for c in circles if c.target is not None)
+        self.moving = tuple(c for c in circles if c.moves)
         self.marks = tuple(marks)
         self.fastest = max((c.speed for c in self.moving), default=0.0)
-        self._centre, self._reach = (inf, inf), -inf
-        self._near = self.segments, self.circles
+        self._solid = self.segments[len(segments) - sum(len(rim) - 1 for rim in rims) :]
+        self._rims = np.repeat(np.arange(len(rims)), [len(rim) - 1 for rim in rims])
+        self._radii: Floats = np.array([c.radius for c in self.moving], dtype=float)
+        #: Of each moving circle x, y, their rates, and from when until when (s) these hold.
+        self._legs: Floats = np.full((len(self.moving), 6), -inf)
+        self._seen: _Near | None = None
+        self._reach = -inf
+        self._beside: _Near | None = None
 
     def rays(self, origin: Point, angles: Floats, reach: float, seconds: float) -> Floats:
         """Return how far each ray (n,) of an angle in radians goes; a miss within reach is inf.
 
-        Exact line against segment and circle; an origin inside a circle sees its rim.
+        Exact line against segment and circle. From inside of something solid all rays are 0.
         """
-        segments, circles = self._within(origin, reach, seconds)
+        near = self._seen
+        if near is None or reach > self._reach or self._passed(near, origin, seconds) > _SLACK:
+            near = self._seen = self._gather(origin, seconds, reach + _SLACK)
+            self._reach = reach
+        circles = np.concatenate([near.circles, self._moved(near.moving, seconds)])
+        if self._is_inside(origin, circles):
+            return np.zeros(angles.shape)
         ways = np.stack([np.cos(angles), np.sin(angles)])
         hits = np.full(angles.shape, inf)
-        if len(segments):
-            hits = np.minimum(hits, _segment_hits(np.array(origin), ways, segments))
+        if len(near.segments):
+            hits = np.minimum(hits, _segment_hits(np.array(origin), ways, near.segments))
         if len(circles):
             hits = np.minimum(hits, _circle_hits(np.array(origin), ways, circles))
         hits[hits > reach] = inf
         return hits
 
-    def distance(self, point: Point, seconds: float, reach: float = 2000.0) -> float:
-        """Return the distance from a point to the nearest thing; inf beyond `reach`.
+    def distance(self, point: Point, seconds: float) -> float:
+        """Return the distance (mm) from a point to the nearest thing; inf where there is nothing.
 
-        Inside of a circle it is negative; polygons and walls are lines.
+        Inside of something solid it is negative.
         """
-        segments, circles = self._within(point, reach, seconds)
+        near = self._around(point, seconds)
         best = inf
-        if len(segments):
-            best = float(_segment_distances(point, segments).min())
+        if len(near.segments):
+            best = float(_segment_distances(point, near.segments).min())
+            best = -best if self._is_inside(point, self.circles[:0]) else best
+        circles = np.concatenate([near.circles, self._moved(near.moving, seconds)])
         if len(circles):
-            gaps = np.hypot(circles[:, 0] - point[0], circles[:, 1] - point[1]) - circles[:, 2]
-            best = min(best, float(gaps.min()))
-        return best if best <= reach else inf
+            best = min(best, float(_circle_distances(point, circles).min()))
+        return best
 
-    def _within(self, point: Point, reach: float, seconds: float) -> tuple[Floats, Floats]:
-        """Return the segments and circles that may be within reach of a point at a time."""
-        away = hypot(point[0] - self._centre[0], point[1] - self._centre[1])
-        if not away + reach <= self._reach:
-            self._centre, self._reach = point, max(reach, 2000.0) + _SLACK
-            near = _segment_distances(point, self.segments) <= self._reach
-            gaps = np.hypot(self.circles[:, 0] - point[0], self.circles[:, 1] - point[1])
-            round_ = gaps - self.circles[:, 2] <= self._reach
-            self._near = self.segments[near], self.circles[round_]
-        segments, circles = self._near
-        if self.moving:
-            moved = np.array([(*c.at(seconds), c.radius) for c in self.moving])
-            circles = np.concatenate([circles, moved])
-        return segments, circles
+    def horizon(self, point: Point, seconds: float, speed: float) -> float:
+        """Return for how long (s) `gaps` may be asked of chords that begin here, at that speed.
+
+        Until then moving circles keep their direction, and nothing else comes near.
+        """
+        near, closing = self._around(point, seconds), speed + self.fastest
+        left = _SLACK - self._passed(near, point, seconds)
+        ends = self._legs[list(near.moving), 5] - seconds
+        return min(left / closing if closing else inf, float(ends.min(initial=inf)))
+
+    def gaps(self, chords: Floats, since: Floats, until: Floats) -> Floats:
+        """Return the least distance (n,) from points that go along chords (n, 4), from and to.
+
+        Times in s; between them a point goes at a constant speed, and is outside of what is solid
+        when it sets out. To be asked within the `horizon`.
+        """
+        near = self._beside
+        best = np.full(len(chords), inf)
+        if near is None:
+            return best
+        if len(near.segments):
+            best = np.minimum(best, _chord_distances(chords, near.segments).min(axis=1))
+        circles = near.circles[None, :, [0, 1, 0, 1]]
+        relative, radii = chords[:, None, :] - circles, near.circles[:, 2]
+        if near.moving:
+            which = list(near.moving)
+            legs = self._legs[which]
+            spent = np.stack([since, until], axis=1)[:, None, :, None] - legs[None, :, None, 4:5]
+            moved = legs[None, :, None, :2] + legs[None, :, None, 2:4] * spent
+            passing = chords[:, None, :] - moved.reshape(len(chords), len(which), 4)
+            relative = np.concatenate([relative, passing], axis=1)
+            radii = np.concatenate([radii, self._radii[which]])
+        if len(radii):
+            best = np.minimum(best, (_origin_distances(relative) - radii).min(axis=1))
+        return best
+
+    def _around(self, point: Point, seconds: float) -> _Near:
+        """Return all that can be the nearest to points near this one."""
+        near = self._beside
+        if near is None or self._passed(near, point, seconds) > _SLACK / 2:
+            gaps = [_segment_distances(point, self.segments)]
+            gaps.append(_circle_distances(point, self.circles))
+            gaps.append(
+                _circle_distances(point, self._moved(tuple(range(len(self.moving))), seconds))
+            )
+            least = min((float(gap.min()) for gap in gaps if len(gap)), default=inf)
+            near = self._beside = self._gather(point, seconds, least + 2 * _SLACK)
+        elif near.moving:
+            self._renew(near.moving, seconds)
+        return near
+
+    def _passed(self, near: _Near, point: Point, seconds: float) -> float:
+        """Return by how much (mm) a point and what moves have come nearer since, at most."""
+        spent = seconds - near.seconds
+        if spent < 0:
+            return inf
+        return dist(point, near.centre) + (self.fastest * spent if self.moving else 0.0)
+
+    def _gather(self, point: Point, seconds: float, reach: float) -> _Near:
+        every = self._moved(tuple(range(len(self.moving))), seconds)
+        return _Near(
+            point,
+            seconds,
+            self.segments[_segment_distances(point, self.segments) <= reach],
+            self.circles[_circle_distances(point, self.circles) <= reach],
+            tuple(np.flatnonzero(_circle_distances(point, every) <= reach).tolist()),
+        )
+
+    def _moved(self, which: Sequence[int], seconds: float) -> Floats:
+        """Return moving circles (n, 3) as they are at a time."""
+        if not which:
+            return np.empty((0, 3))
+        self._renew(which, seconds)
+        numbers = list(which)
+        legs = self._legs[numbers]
+        at = legs[:, :2] + legs[:, 2:4] * (seconds - legs[:, 4:5])
+        return np.concatenate([at, self._radii[numbers, None]], axis=1)
+
+    def _renew(self, which: Sequence[int], seconds: float) -> None:
+        """Look up the legs that do not hold at a time."""
+        numbers = np.array(which)
+        legs = self._legs[numbers]
+        for number in numbers[(seconds < legs[:, 4]) | (seconds >= legs[:, 5])].tolist():
+            *state, until = self.moving[number].leg(seconds)
+            self._legs[number] = *state, seconds, until
+
+    def _is_inside(self, point: Point, circles: Floats) -> bool:
+        """Whether a point is in a circle or in a polygon: even-odd, by a ray to one side."""
+        if len(circles) and bool((_circle_distances(point, circles) < 0).any()):
+            return True
+        if not len(self._solid):
+            return False
+        (x, y), (ax, ay, bx, by) = point, self._solid.T
+        spans = (ay > y) != (by > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossed = spans & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+        return bool((np.bincount(self._rims, crossed) % 2).any())
+
+
+def _circle_distances(point: Point, circles: Floats) -> Floats:
+    gaps: Floats = np.hypot(circles[:, 0] - point[0], circles[:, 1] - point[1]) - circles[:, 2]
+    return gaps
 
 
 def _segment_distances(point: Point, segments: Floats) -> Floats:
-    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    offset = np.array(point) - start
-    squared = np.maximum((along * along).sum(axis=1), 1e-300)
-    share = np.clip((offset * along).sum(axis=1) / squared, 0.0, 1.0)
-    gaps = offset - share[:, None] * along
-    distances: Floats = np.hypot(gaps[:, 0], gaps[:, 1])
+    ends = np.array(segments) - np.array((*point, *point))
+    return _origin_distances(ends)
+
+
+def _origin_distances(segments: Floats) -> Floats:
+    """Return how far segments (..., 4) are from the origin."""
+    start, along = segments[..., :2], segments[..., 2:] - segments[..., :2]
+    squared = np.maximum((along * along).sum(axis=-1), 1e-300)
+    share = np.clip(-(start * along).sum(axis=-1) / squared, 0.0, 1.0)
+    nearest = start + share[..., None] * along
+    distances: Floats = np.hypot(nearest[..., 0], nearest[..., 1])
     return distances
+
+
+def _chord_distances(chords: Floats, segments: Floats) -> Floats:
+    """Return how far chords (n, 4) are from segments (m, 4), as (n, m); 0 where they cross."""
+    p, q = chords[:, None, :2], chords[:, None, 2:]
+    a, b = segments[None, :, :2], segments[None, :, 2:]
+    pairs = ((a - p, b - p), (a - q, b - q), (p - a, q - a), (p - b, q - b))
+    ends = np.stack([np.concatenate(np.broadcast_arrays(*each), axis=-1) for each in pairs])
+    apart: Floats = _origin_distances(ends).min(axis=0)
+    crossed = (_side(p, q, a) != _side(p, q, b)) & (_side(a, b, p) != _side(a, b, q))
+    apart[crossed] = 0.0
+    return apart
+
+
+def _side(a: Floats, b: Floats, c: Floats) -> Booleans:
+    """Return on which side of a line from a to b a point lies."""
+    side: Booleans = (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) > (b[..., 1] - a[..., 1]) * (
+        c[..., 0] - a[..., 0]
+    )
+    return side
 
 
 def _segment_hits(origin: Floats, ways: Floats, segments: Floats) -> Floats:
@@ -140,12 +312,11 @@ def _segment_hits(origin: Floats, ways: Floats, segments: Floats) -> Floats:
 
 
 def _circle_hits(origin: Floats, ways: Floats, circles: Floats) -> Floats:
+    """Return how far rays go from outside of all circles."""
     offset = circles[:, :2] - origin
     along = ways[0][:, None] * offset[:, 0] + ways[1][:, None] * offset[:, 1]
     squared = (offset * offset).sum(axis=1) - circles[:, 2] ** 2
     inside = along * along - squared
-    root = np.sqrt(np.maximum(inside, 0.0))
-    first, second = along - root, along + root
-    far = np.where(first >= 0, first, np.where(second >= 0, second, inf))
-    nearest: Floats = np.where(inside >= 0, far, inf).min(axis=1)
+    first = along - np.sqrt(np.maximum(inside, 0.0))
+    nearest: Floats = np.where((inside >= 0) & (first >= 0), first, inf).min(axis=1)
     return nearest

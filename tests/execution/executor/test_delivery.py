@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from mars_asp.execution.executor import Behaviour, Link, Schedule, tick_time
-from mars_asp.execution.executor.schedule import SECOND, last_tick
+from mars_asp.execution.executor.schedule import SECOND
 from tests.support.execute_builders import (
     Inbox,
     counter,
@@ -48,14 +48,6 @@ def test_ticks_of_50_and_10_hertz_coincide_in_every_shared_instant() -> None:
         tick_time(k, hz) == round(Fraction(k * SECOND) / hz) for hz in rates for k in range(50)
     )
     assert tick_time(3 * 10**6, Fraction(3)) == 10**6 * SECOND
-
-
-def test_last_tick_inverts_tick_time() -> None:
-    for hz in (Fraction(37), Fraction(1, 3), Fraction(997, 10)):
-        for k in range(200):
-            time = tick_time(k, hz)
-            assert last_tick(time, hz) == k
-            assert last_tick(time - 1, hz) == k - 1
 
 
 def test_one_instant_is_ordered_by_rank_then_sequence() -> None:

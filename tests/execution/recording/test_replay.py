@@ -80,7 +80,7 @@ def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     told = replay_json(trial())
     assert told["poses"][0] == [0, 0, 0, 0]
     assert told["poses"][-1][0] == 3
-    assert told["moving"] == [[0, 800, 1000, 800, 500]]
+    assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
     (arbiter,) = told["arbiters"]
     assert arbiter["holdings"] == [
         [0, "Low", "Low", "alone in force"],

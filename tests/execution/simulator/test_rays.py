@@ -32,7 +32,7 @@ def random_world(random: Random) -> tuple[World, str]:
         for _ in range(random.randint(0, 4))
     ]
     circles = [Circle(point(), random.uniform(20, 900)) for _ in range(random.randint(0, 6))]
-    moving = [Circle(point(), random.uniform(20, 900), point(), 100) for _ in range(2)]
+    moving = [Circle(point(), random.uniform(20, 900), (point(),), 100) for _ in range(2)]
     world = World(walls, [*polygons, *map(corners, boxes)], [*circles, *moving])
     lines = [*walls, *([*polygon, polygon[0]] for polygon in polygons)]
     geoms = [
@@ -46,10 +46,10 @@ def random_world(random: Random) -> tuple[World, str]:
 
 def along(circle: Circle, gone: float) -> Point:
     """Return where a circle is that has gone some way towards its target and back."""
-    assert circle.target is not None
-    way = dist(circle.centre, circle.target)
+    (target,) = circle.way
+    way = dist(circle.centre, target)
     share = 1 - abs(1 - gone / way % 2)
-    (x, y), (tx, ty) = circle.centre, circle.target
+    (x, y), (tx, ty) = circle.centre, target
     return x * (1 - share) + tx * share, y * (1 - share) + ty * share
 
 
@@ -100,6 +100,10 @@ def test_rays_agree_with_mujocos_in_1000_random_worlds() -> None:
         origin = random.uniform(-3000, 3000), random.uniform(-3000, 3000)
         angles = np.array([random.uniform(-pi, pi) for _ in range(BEAMS)])
         got = world.rays(origin, angles, REACH, 7.0) / 1000
+        if world.distance(origin, 7.0) < 0:
+            # What is solid hides everything from what is in it; MuJoCo sees its rim from inside.
+            assert not got.any()
+            continue
         expected = mujoco_rays(geoms, origin, angles)
         expected[expected > REACH / 1000] = inf
         hits += int(np.isfinite(expected).sum())
