@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import count, pairwise
+from itertools import pairwise
 from math import floor
 from pathlib import Path
 from typing import Literal
@@ -259,9 +259,10 @@ def _control(trial: Trial) -> Iterator[Fact]:
 
 
 def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterator[Fact]:
-    """Yield who held an arbiter, what was in force there, and which of both were at one time.
+    """Yield whom an arbiter forwarded while a message of another controller was in force there.
 
-    Rules get pairs that met, so that they need not compare each with each.
+    Both are in the order of time, so what met is found in one pass, and rules need not compare each
+    with each.
     """
     changes = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
     held = [
@@ -269,22 +270,18 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
         for (since, holder), (until, _) in pairwise(changes)
         if holder and until > since
     ]
-    for number, (since, until, holder) in enumerate(held):
-        yield _seen("held", name, number, holder, _milliseconds(since), _milliseconds(until))
-    numbers = count()
     for link, stretches in arbiter.in_force:
         first = 0
-        for (since, until), number in zip(stretches, numbers, strict=False):
-            told = _milliseconds(since), _milliseconds(until)
-            yield _seen("in_force", name, number, link.source, *told)
+        for since, until in stretches:
             while first < len(held) and held[first][1] <= since:
                 first += 1
             for k in range(first, len(held)):
-                start, _, holder = held[k]
+                start, end, holder = held[k]
                 if start >= until:
                     break
                 if holder != link.source:
-                    yield _seen("met", name, k, number, _milliseconds(max(start, since)))
+                    both = _milliseconds(max(start, since)), _milliseconds(min(end, until))
+                    yield _seen("met", name, holder, link.source, *both)
 
 
 def _contacts(trial: Trial) -> Iterator[Fact]:
