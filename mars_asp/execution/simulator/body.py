@@ -48,8 +48,9 @@ def planar_functions(up: str) -> tuple[str, str, str]:
 class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
-    `limits` are the greatest rates by function. What happened is kept: the least clearance,
-    collisions (new contacts), the distance driven and seconds of turning and driving at once.
+    `limits` are the greatest rates by function. What happened is kept: the least clearance
+    and when it was first reached, collisions (new contacts), the distance driven and seconds of
+    turning and driving at once.
     """
 
     world: World
@@ -62,6 +63,7 @@ class Body:
     touching: bool = False
     collisions: int = 0
     clearance: float = inf
+    nearest_at: float = 0.0
     driven: float = 0.0
     both: float = 0.0
     track: list[tuple[float, Pose]] = field(default_factory=list)
@@ -120,7 +122,8 @@ class Body:
         return self.world.distance((pose.forward, pose.side), seconds) - self.radius
 
     def _note(self, gap: float) -> None:
-        self.clearance = min(self.clearance, max(gap, 0.0))
+        if max(gap, 0.0) < self.clearance:
+            self.clearance, self.nearest_at = max(gap, 0.0), self.seconds
         touching = gap <= TOUCH
         if touching and not self.touching:
             self.collisions += 1
