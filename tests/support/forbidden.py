@@ -45,7 +45,7 @@ _EDIT = re.compile(r" +[-+] ")
 _MOUNTED = re.compile(r"\((?:[xyz_]|-?[\d.]+)(?:,(?:[xyz_]|-?[\d.]+)){2,6}\)")
 #: A consequence or node of a module, which may be named as files of others name theirs.
 _SUBJECT = re.compile(
-    rf"\b(?:{'|'.join([*consequence_kinds(load_rulebook()), *NODE_NAMES.values()])})\([\w./#-]+\)"
+    rf"\b(?:{'|'.join([*consequence_kinds(load_rulebook()), *NODE_NAMES.values()])})\([\w ./#-]+\)"
 )
 #: A word, and what is written between backticks.
 _WORD = re.compile(r"(?:`[^`]*`|\S)+")
