@@ -134,8 +134,8 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _limits(trial)
     yield from _functions(trial)
     for name, failures in trial.executor.failures.items():
-        told = failures.count, failure_text(failures), failures.at // MILLISECOND
-        yield _seen("failed", name, *told)
+        first = failure_text(failures), failures.at // MILLISECOND
+        yield _seen("failed", name, failures.count, *first)
     body, scenario = trial.body, trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
@@ -145,8 +145,8 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         stretch = round(since * 1000), round(until * 1000)
         yield from (_seen("obeyed", origin, function, *stretch) for function in command)
     if "clearance" in asked:
-        least, at = _whole(body.clearance * 1000), _whole(body.nearest_at * 1000)
-        yield _seen("clearance", least, _whole(asked["clearance"] * 1000), at)
+        numbers = body.clearance, asked["clearance"], body.nearest_at
+        yield _seen("clearance", *(_whole(number * 1000) for number in numbers))
     if "reach" in asked and trial.reached is None:
         within = asked["reach"].get("within", scenario.duration)
         yield _seen("never_reached", _whole(within * 1000))
