@@ -76,12 +76,15 @@ class _Checked:
         """Print what is not hidden, some with its one repair, and count it."""
         results = tuple(results)
         found = [each.diagnostic for each in results if each.hidden is None]
+        suggestions = _suggestions(found, sole)
         self.counted.update(each.severity for each in found)
         self.hidden.update(each.hidden.by for each in results if each.hidden is not None)
         if is_published(arguments):
-            self.results += results
+            self.results += (
+                each._replace(suggestion=suggestions.get(each.diagnostic)) for each in results
+            )
         else:
-            report(found, arguments, _suggestions(found, sole))
+            report(found, arguments, suggestions)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -160,7 +163,8 @@ def _check(
     selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()
     is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
-    if project.format is None and selected.shown and is_small and not is_published(arguments):
+    shows_repairs = arguments.format != "github"
+    if project.format is None and selected.shown and is_small and shows_repairs:
         shown = {(each.spans, each.message) for each in selected.shown}
         found = _sole_repairs(project, rules, arguments)
         sole = tuple(r for r in found if (r.consequence.spans, r.consequence.message) in shown)
