@@ -102,12 +102,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="apply the repair of each finding that has exactly one, and check again; "
         "the text of standard input goes to the output",
     )
+    parser.add_argument(
+        "--fail-on",
+        choices=("error", "warning"),
+        default="error",
+        help="the least severity of a reported finding that makes the exit status 1",
+    )
     add_selection(parser)
 
 
 @published
 def run(arguments: argparse.Namespace) -> int:
-    """Report the findings; 1 where one is an error, 2 where a file cannot be read."""
+    """Report the findings; 1 where one is bad enough to fail, 2 where a file cannot be read."""
     check_inputs(*arguments.files)
     if arguments.fix and is_published(arguments):
         told = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
@@ -183,7 +189,9 @@ def _check(
     if project.format is not None and arguments.fix:
         one.report([Result(_unfixed(project.configuration.path, _FOREIGN))], arguments)
         one.status = 2
-    one.status = max(one.status, int(one.counted["error"] > 0))
+    failing: tuple[Severity, ...] = ("error", "warning")
+    failing = failing[: failing.index(arguments.fail_on) + 1]
+    one.status = max(one.status, int(any(one.counted[severity] for severity in failing)))
 
 
 def _sole_repairs(

@@ -148,7 +148,8 @@ def _note(module: Module | None, conversion: Conversion | None) -> str:
         return _shown(f"{conversion.source} → {conversion.target}")
     if module is None:
         return ""
-    return ", ".join(name.replace("_", " ") for name in module_classes(module))
+    words = [name.replace("_", " ") for name in module_classes(module)]
+    return ", ".join([*words, *(["guard"] if module.guard is not None else [])])
 
 
 def _shown(text: str) -> str:
