@@ -87,7 +87,7 @@ FILES = {
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
         "trace_document trace_schema worker reason ignores baseline settings selection results "
-        "github sarif publish alternatives analyse can completion draw export "
+        "github sarif_fixes sarif publish alternatives analyse can completion draw export "
         "facts fmt import rules run_report run synthesise test verify diff repair check account "
         "explain_page explain"
     ),

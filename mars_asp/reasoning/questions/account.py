@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
+from pathlib import Path
 from typing import TypeAlias
 
 import clingo
@@ -131,10 +132,13 @@ class Names:
         return self.where(self._place(thing))
 
     def where(self, span: Span) -> str:
-        """Return a line as `config.mars:3`, its path seen from the folder of the configuration."""
+        """Return a line as `config.mars:3`, its path seen from the folder of the configuration.
+
+        A folder that was read as one robot has no lines: `workspace/`.
+        """
         folder = self.configuration.path.rpartition("/")[0]
         path = span.path.removeprefix(f"{folder}/") if folder else span.path
-        return f"{path}:{span.line}"
+        return f"{path.rstrip('/')}/" if Path(span.path).is_dir() else f"{path}:{span.line}"
 
     def _splitters_for(self, controllers: clingo.Symbol) -> str:
         if controllers == clingo.Number(0):

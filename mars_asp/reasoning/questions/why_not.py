@@ -654,6 +654,11 @@ class _Vocabulary:
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
         known = {known.name for known in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        if name in known:
+            about = "the node" if name in NODE_NAMES.values() else "the finding"
+            return self._wrong(
+                f"`{name}` takes one name", f"write `{name}(NAME)`; NAME is what {about} is about"
+            )
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:
