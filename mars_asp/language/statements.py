@@ -54,7 +54,7 @@ class Word(str):
 
     def __new__(cls, text: str, begin: int, end: int) -> "Word":
         """Return a text at its place."""
-        word = super().__new__(cls, text)
+        word = str.__new__(cls, text)
         word.begin, word.end = begin, end
         return word
 
