@@ -125,7 +125,6 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     if found is not None:
         diagnostics += found.diagnostics
         modules = {module.name: module for module in found.modules}
-        diagnostics += tuple(_misspelt(configuration, modules))
     clashes = [
         _annotated_twice(module, modules[module.name])
         for module in configuration.declared
@@ -133,6 +132,8 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     ]
     described = {**modules, **{module.name: module for module in configuration.declared}}
     configuration = without_idle(configuration, described)
+    if found is not None:
+        diagnostics += tuple(_misspelt(configuration, modules))
     diagnostics += tuple(
         _has_its_own(name)
         for name in configuration.modules
@@ -223,10 +224,12 @@ def _missing(written: str, place: Span, advice: str) -> Diagnostic:
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
     """Yield names that are annotated nowhere, but much like one that is and is not used."""
-    spans = {name.text: name.span for name in configuration.modules}
+    # What another module describes is not misspelt, and that one is used.
+    spans = {name.text: name.span for name in configuration.modules if name.described is None}
+    used = {name.described or name.text for name in configuration.modules}
     described = modules.keys() | {module.name for module in configuration.declared}
     unknown = (name for name in spans if name not in described)
-    for name, near in resemblances(unknown, modules.keys() - spans.keys(), 0.8):
+    for name, near in resemblances(unknown, modules.keys() - used, 0.8):
         # `Camera1` and `Camera2` are two modules.
         if _undigited(near) == _undigited(name):
             continue
