@@ -24,7 +24,8 @@ from mars_asp.reasoning.session import Reasoner
 KINDS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "Camera": ("@Sense NotifyAtFrequency 30\nImage look();\n", ("look",), ()),
     "Scanner": (
-        "@Sense NotifyWhenReady\nImage scan();\n@Sense NotifyAtFrequency every 30 ms\nDepth range();\n",
+        "@Sense NotifyWhenReady\nImage scan();\n"
+        "@Sense NotifyAtFrequency every 30 ms\nDepth range();\n",
         ("scan", "range"),
         (),
     ),

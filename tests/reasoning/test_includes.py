@@ -64,6 +64,21 @@ def test_what_two_files_include_counts_once(tmp_path: Path) -> None:
     assert [name.text for name in found.modules] == ["D", "E", "b", "c", "A"]
 
 
+def test_a_file_counts_once_however_paths_lead_to_it(tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "b" / "shared.mars").write_text("@configuration\n@modules D\nD uses_data_from D\n")
+    (tmp_path / "link.mars").symlink_to(tmp_path / "b" / "shared.mars")
+    (tmp_path / "a" / "a.mars").write_text(
+        "@configuration\n@include ../b/shared.mars\n@modules A\n"
+    )
+    robot = tmp_path / "robot.mars"
+    lines = ["@include a/a.mars", "@include b/shared.mars", "@include link.mars", "@modules Z"]
+    robot.write_text("\n".join(["@configuration", *lines, ""]))
+    (line,) = load_project(str(robot)).configuration.relationships
+    assert line.span.path == str(tmp_path / "b" / "shared.mars")
+
+
 def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
     block = "@module_start\n@module_name {}\n@Sense NotifyWhenReady\n{} look();\n@module_end\n"
     robot = tmp_path / "robot.mars"
