@@ -13,6 +13,7 @@ from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.model.declarations import Configuration, Module, Mount, Name
 from mars_asp.model.described import described_modules
+from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
@@ -170,7 +171,7 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
     described = described_modules(configuration, project.modules)
     ends = ends_in(configuration, described)
     named = {
-        f"{name}.{port}": (name, port)
+        end(name, port): (name, port)
         for name, each in described.items()
         if module in (None, name)
         for port in (*outputs(each), *inputs(each))

@@ -1,8 +1,8 @@
 """Outputs and inputs as rules are told of them: by one name each.
 
-An output is called like its module, and where this has several, `MODULE.PORT`. What lines name of a
-module that nothing describes is taken at its word; of any other it has to be there, which rules
-see.
+An output is called like its module, and where this has several, `MODULE.PORT`, as a line writes it.
+What lines name of a module that nothing describes is taken at its word; of any other it has to be
+there, which rules see.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -48,7 +48,7 @@ class Ends:
     def source(self, data: Data) -> str:
         """Return the name of the output that a line uses."""
         port = data.source_port
-        unknown = data.source if port is None else f"{data.source}.{port}"
+        unknown = data.source if port is None else end(data.source, port)
         return self._sources.get((data.source, port), unknown)
 
     def entry(self, data: Data) -> str | None:
@@ -56,7 +56,7 @@ class Ends:
         port = data.client_port
         if port is None:
             return None
-        return self._clients.get((data.client, port), f"{data.client}.{port}")
+        return self._clients.get((data.client, port), end(data.client, port))
 
     def output(self, module: str, port: str) -> str:
         """Return the name of an output of a module."""
@@ -135,9 +135,7 @@ def _free(taken: set[str], module: str, port: str) -> str:
 
 
 def _spellings(module: str, port: str) -> Iterator[str]:
-    text = f"{module}.{port}"
-    yield text
-    yield end(module, port)
+    text = end(module, port)
     while True:
-        text += "'"
         yield text
+        text += "'"
