@@ -62,9 +62,9 @@ def absences(
 ) -> Iterator[Absence]:
     """Yield for modules why there is no node, and why no consequence, of each kind, or `only` one.
 
-    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs, what only the
-    whole configuration decides where some modules are asked for, and all of more than
-    `MOST_MODULES`. For consequences alone nothing is resolved.
+    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs; of some
+    modules, what only the whole configuration decides; and all of more than `MOST_MODULES`.
+    For consequences alone nothing is resolved.
 
     Raises:
         MarsError: clingo refuses the rules.
