@@ -52,7 +52,9 @@ FILES = {
         "budget facts findings rules cases analysis includes project sample synthesis verification "
         "session questions capability"
     ),
-    "reasoning/facts": "identifiers ends rates loose_ends compile vocabulary index motion",
+    "reasoning/facts": (
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
+    ),
     "reasoning/synthesis": (
         "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"

@@ -41,7 +41,7 @@ def without_places(configuration: Configuration) -> Configuration:
     return replace(
         configuration,
         span=HERE,
-        modules=tuple(Name(name.text, HERE) for name in configuration.modules),
+        modules=tuple(replace(name, span=HERE) for name in configuration.modules),
         relationships=tuple(map(bare, configuration.relationships)),
     )
 
@@ -84,7 +84,7 @@ def renamed(configuration: Configuration, rename: Callable[[str], str]) -> Confi
 
     return replace(
         configuration,
-        modules=tuple(Name(rename(name.text), HERE) for name in configuration.modules),
+        modules=tuple(replace(n, text=rename(n.text)) for n in configuration.modules),
         relationships=tuple(map(over, configuration.relationships)),
     )
 
