@@ -1,7 +1,7 @@
 """Glue that a robot has already, as nodes of a specification.
 
-That is muxes, and what a middleware does by itself: it hands an output to all who subscribe to it,
-and the commands of all publishers to whom they are for, where the latest wins.
+That is muxes, throttles, and what a middleware does by itself: it hands an output to all who
+subscribe to it, and the commands of all publishers to whom they are for, where the latest wins.
 """
 
 from collections import defaultdict
@@ -42,7 +42,13 @@ def lifted(configuration: Configuration) -> Configuration:
         modules=(*configuration.modules, *nodes.names),
         relationships=tuple(lines),
         muxes=(),
+        relays=(),
     )
+
+
+def has_glue(configuration: Configuration) -> bool:
+    """Whether there is more in other people's wiring than its configuration has."""
+    return bool(configuration.muxes or configuration.relays)
 
 
 class _Nodes:
@@ -73,7 +79,7 @@ class _Nodes:
 
 
 def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield lines with a splitter behind each output that several take."""
+    """Yield lines with a splitter behind each output that several take, or one at a lower rate."""
     takers: dict[tuple[str, str | None], list[Data]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Data):
@@ -81,7 +87,10 @@ def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationsh
     splitters: dict[tuple[str, str | None], str] = {}
     for line in lines:
         output = (line.source, line.source_port) if isinstance(line, Data) else None
-        if not isinstance(line, Data) or output is None or len(takers[output]) == 1:
+        if not isinstance(line, Data) or output is None:
+            yield line
+            continue
+        if len(takers[output]) == 1 and line.hz is None:
             yield line
             continue
         if output not in splitters:

@@ -244,7 +244,8 @@ class Configuration:
 
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
-    once extraction has run, those found in sources; `muxes` are those of a file that is not ours;
+    once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
+    `relays` the places of its relays, contracted already;
     `includes` are other configurations that are still to be taken in.
     """
 
@@ -261,6 +262,7 @@ class Configuration:
     conversions: tuple[Conversion, ...] = ()
     stand_ins: tuple[StandIn, ...] = ()
     muxes: tuple[Muxed, ...] = ()
+    relays: tuple[Span, ...] = ()
     includes: tuple[Include, ...] = ()
 
 

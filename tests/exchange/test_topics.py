@@ -5,17 +5,17 @@ from dataclasses import replace
 import pytest
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.topics import (
+from mars_asp.exchange.graph import (
     Endpoint,
     Graph,
     Mux,
     MuxInput,
     Node,
-    configuration_of,
     is_command,
     joined,
     represented,
 )
+from mars_asp.exchange.topics import configuration_of
 from mars_asp.language.print import print_relationship
 
 TWIST, SCAN = "geometry_msgs/msg/Twist", "sensor_msgs/msg/LaserScan"

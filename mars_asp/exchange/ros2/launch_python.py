@@ -112,7 +112,15 @@ class Plain:
     span: Span
 
 
-Value: TypeAlias = Plain | Call | Listed | Mapped | Local | None
+@dataclass(frozen=True, slots=True)
+class File:
+    """What a file holds that was opened, or a part of it."""
+
+    text: Text
+    span: Span
+
+
+Value: TypeAlias = Plain | File | Call | Listed | Mapped | Local | None
 _Names: TypeAlias = dict[str, Value]
 
 
@@ -234,7 +242,12 @@ class _Reader:
                     self.assign(target, item, names)
                     returned = _either(returned, self.run(body, names))
                 return _either(returned, self.run(orelse, names))
-            case ast.While(body=body) | ast.With(body=body):
+            case ast.With(items=opened, body=body):
+                for each in opened:
+                    if each.optional_vars is not None:
+                        self.assign(each.optional_vars, self.value(each.context_expr, names), names)
+                return self.run(body, names)
+            case ast.While(body=body):
                 return self.run(body, names)
             case ast.Try(body=body, handlers=handlers, orelse=orelse, finalbody=final):
                 found = self.run((*body, *orelse), names)
@@ -506,6 +519,9 @@ class _Reader:
                 return Plain(_path(*map(_text, call.arguments)), call.span)
             case "dirname":
                 return Plain(_folder(_text(first)), call.span)
+            case "open" | "safe_load" | "full_load" | "load":
+                # Of a file of parameters it is enough to know which.
+                return File(_text(first), call.span)
             case "ParameterFile" | "RewrittenYaml" | "ReplaceString":
                 at = "param_file" if call.name == "ParameterFile" else "source_file"
                 return Plain(_text(call.get(at, 0)), call.span)
@@ -556,15 +572,19 @@ class _Reader:
                 scoped = call.get("scoped")
                 is_scoped = not (isinstance(scoped, Plain) and scoped.text == ("False",))
                 settings = call.named.get("launch_configurations")
-                yield Group((*_forced(settings), *inner), scoped=is_scoped, conditional=conditional)
+                yield Group(
+                    (*_forced(settings, call.span), *inner),
+                    scoped=is_scoped,
+                    conditional=conditional,
+                )
             case "PushRosNamespace" | "PushROSNamespace":
                 yield PushNamespace(_text(call.get("namespace", 0)), call.span)
             case "SetRemap":
                 source, target = _text(call.get("src", 0)), _text(call.get("dst", 1))
                 yield SetRemap(Remap(source, target, call.span))
             case "SetParameter":
-                value = _text(call.get("value", 1))
-                yield SetParameters((), (Parameter(_text(call.get("name", 0)), value),))
+                keys = ((call.get("name", 0), call.span),)
+                yield SetParameters((), (_parameter(keys, call.get("value", 1), call.span),))
             case "SetParametersFromFile":
                 yield SetParameters((_text(call.get("filename", 0)),), ())
             case "DeclareLaunchArgument":
@@ -578,7 +598,7 @@ class _Reader:
                 if isinstance(described, Call):
                     described = described.get("launch_file_path", 0)
                 path = _text(described)
-                passed = tuple(_parameters(call.get("launch_arguments", 1)))
+                passed = tuple(_parameters(call.get("launch_arguments", 1), call.span))
                 yield Include(path, call.span, passed, conditional)
             case "ExecuteProcess" | "ExecuteLocal":
                 command = _items(call.get("cmd", 0))
@@ -626,7 +646,7 @@ class _Reader:
         executable = call.get("plugin" if plugin else "executable")
         if executable is None and not plugin:
             executable = call.get("node_executable")
-        files, parameters = _given(call.named.get("parameters"))
+        files, parameters = _given(call.named.get("parameters"), call.span)
         remaps, unread = _remaps(call)
         name = call.named.get("name", call.named.get("node_name"))
         namespace = call.named.get("namespace", call.named.get("node_namespace"))
@@ -702,7 +722,7 @@ def _called(node: ast.Call) -> str:
 
 def _text(value: Value) -> Text:
     """Return the text that a value is; a list of texts is one, as substitutions are."""
-    if isinstance(value, Plain):
+    if isinstance(value, Plain | File):
         return value.text
     if not isinstance(value, Listed):
         return UNKNOWN
@@ -785,6 +805,8 @@ def _counted(call: Call) -> Value:
 
 
 def _picked(owner: Value, key: Value) -> Value:
+    if isinstance(owner, File):
+        return owner
     at = _plain(_text(key)) if key is not None else None
     match owner:
         case Listed(items) if at is not None and at.lstrip("-").isdigit():
@@ -812,46 +834,59 @@ def _path(*parts: Text) -> Text:
     return text_of(*joined)
 
 
-def _parameters(value: Value) -> Iterator[Parameter]:
-    """Yield what a dictionary, or a list of pairs, gives."""
+def _parameters(value: Value, span: Span) -> Iterator[Parameter]:
+    """Yield what a dictionary, or a list of pairs, gives; `span` is where it stands."""
     if isinstance(value, Mapped):
-        yield from (Parameter(_text(key), _text(given)) for key, given in value.pairs)
+        yield from (_parameter(((key, span),), given, span) for key, given in value.pairs)
     for item in _items(value):
         if isinstance(item, Listed) and len(item.items) == 2:
-            yield Parameter(_text(item.items[0]), _text(item.items[1]))
+            yield _parameter(((item.items[0], span),), item.items[1], span)
 
 
-def _forced(value: Value) -> Iterator[Declare]:
-    for each in _parameters(value):
+def _parameter(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> Parameter:
+    """Return a parameter by the steps of its name, with places for what has none of its own."""
+    steps = tuple((_text(key), _place_of(key, place)) for key, place in keys)
+    # Texts without open parts are a list; with substitutions they are one text.
+    items = tuple(map(_text, value.items)) if isinstance(value, Listed) else ()
+    is_list = len(items) > 0 and all(_plain(item) is not None for item in items)
+    return Parameter(steps, _text(value), _place_of(value, span), items if is_list else None)
+
+
+def _place_of(value: Value, otherwise: Span) -> Span:
+    span = value.span if isinstance(value, Plain | File | Listed | Call) else None
+    return otherwise if span is None else span
+
+
+def _forced(value: Value, span: Span) -> Iterator[Declare]:
+    for each in _parameters(value, span):
         name = _plain(each.name)
         if name is not None:
             yield Declare(name, each.value, forced=True)
 
 
-def _given(value: Value) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
+def _given(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
     """Return the files and the values of the parameters of a node."""
     files: list[Text] = []
     parameters: list[Parameter] = []
     for item in _items(value) or ([] if value is None else [value]):
         if isinstance(item, Mapped):
-            parameters += _flat(item)
-        elif isinstance(item, Plain | Listed):
+            parameters += _flat(item, span)
+        elif isinstance(item, Plain | File | Listed):
             files.append(_text(item))
     return tuple(files), tuple(parameters)
 
 
-def _flat(value: Mapped) -> Iterator[Parameter]:
-    """Yield the values of a dictionary, the names of those in inner ones dotted."""
-    waiting: list[tuple[Text, Value]] = [((), value)]
+def _flat(value: Mapped, span: Span) -> Iterator[Parameter]:
+    """Yield the values of a dictionary and of those in it, in their order."""
+    waiting: list[tuple[tuple[tuple[Value, Span], ...], Value]] = [((), value)]
     for _ in range(_MOST_ITEMS):
         if not waiting:
             return
-        name, held = waiting.pop()
+        keys, held = waiting.pop()
         if isinstance(held, Mapped):
-            before = (*name, ".") if name else ()
-            waiting += [(text_of(*before, _text(k)), v) for k, v in reversed(held.pairs)]
+            waiting += [((*keys, (key, span)), inner) for key, inner in reversed(held.pairs)]
         else:
-            yield Parameter(name, _text(held))
+            yield _parameter(keys, held, span)
 
 
 def _remaps(call: Call) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
