@@ -7,7 +7,7 @@ from itertools import chain
 
 from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Engine, Hold
+from mars_asp.model.declarations import Engine, Hold, Inner
 
 #: Messages that tell somebody to move; a joystick's are none, as no base obeys them.
 COMMANDS = frozenset(
@@ -61,13 +61,18 @@ class MuxInput:
 
 @dataclass(frozen=True, slots=True)
 class Mux:
-    """A node that hands on, of several topics, the one with the highest priority to `output`."""
+    """A node that hands on, of several topics, the one with the highest priority to `output`.
+
+    `numbers` and `inner` are those of a cascade that became one mux, as `Muxed` has them.
+    """
 
     name: str
     engine: Engine
     span: Span
     output: str
     inputs: tuple[MuxInput, ...]
+    numbers: tuple[tuple[int, int], ...] = ()
+    inner: tuple[Inner, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

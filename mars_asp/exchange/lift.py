@@ -16,6 +16,8 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Inner,
+    Muxed,
     Name,
     NodeKind,
     Relationship,
@@ -30,9 +32,16 @@ def lifted(configuration: Configuration) -> Configuration:
     lines: list[Relationship] = [
         Control(mux.module, arbiters[mux.module], mux.span) for mux in configuration.muxes
     ]
+    places = {
+        mux.module: dict(_places(mux, arbiters[mux.module], nodes, lines))
+        for mux in configuration.muxes
+        if mux.numbers
+    }
     for line in configuration.relationships:
         if isinstance(line, Control) and line.controlled in arbiters:
-            line = replace(line, controlled=arbiters[line.controlled])  # noqa: PLW2901
+            here = arbiters[line.controlled], line.priority
+            arbiter, number = places.get(line.controlled, {}).get(line.priority, here)
+            line = replace(line, controlled=arbiter, priority=number)  # noqa: PLW2901
         lines.append(line)
     for change in (_copied, _arbitrated, _commanded):
         lines = list(change(lines, nodes))
@@ -44,6 +53,18 @@ def lifted(configuration: Configuration) -> Configuration:
         muxes=(),
         relays=(),
     )
+
+
+def _places(
+    mux: Muxed | Inner, arbiter: str, nodes: "_Nodes", lines: list[Relationship]
+) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
+    """Yield for each number of a cascade its arbiter and what is written; add those within."""
+    for number, written in mux.numbers:
+        yield number, (arbiter, written)
+    for each in mux.inner:
+        within = nodes.new("arbitration_node", each.span)
+        lines.append(Control(arbiter, within, each.span, each.priority))
+        yield from _places(each, within, nodes, lines)
 
 
 def has_glue(configuration: Configuration) -> bool:

@@ -14,10 +14,12 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange import ports
+from mars_asp.exchange.cascades import merged
 from mars_asp.exchange.graph import (
     Endpoint,
     Graph,
     Mux,
+    MuxInput,
     Node,
     each_once,
     is_command,
@@ -44,6 +46,8 @@ _MIDDLEWARE = frozenset(
     " transition_event".split()
 )
 _PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
+#: So deep muxes may feed each other.
+_MOST_CASCADED = 16
 _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
 
 
@@ -101,6 +105,7 @@ def configuration_of(graph: Graph) -> Mapped:
     if graph.observed:
         nodes = tuple(_taking_part(nodes, unread))
     wiring = _Wiring(nodes, graph.muxes, passages, graph.observed)
+    wiring = _cascaded(wiring, nodes, passages, unread)
     unread += (
         Unread("rates of throttled commands", relay.name, relay.span)
         for relay in relays
@@ -126,6 +131,35 @@ def configuration_of(graph: Graph) -> Mapped:
     return Mapped(configuration, tuple(unread))
 
 
+def _cascaded(
+    wiring: "_Wiring", nodes: Sequence[Node], passages: Sequence[Passage], unread: list[Unread]
+) -> "_Wiring":
+    """Return a wiring in which a mux that feeds nothing but an input of another is part of that."""
+    for _ in range(_MOST_CASCADED):
+        feeding = {mux.name: found for mux in wiring.muxes if (found := wiring.fed_by(mux))}
+        feeding = {
+            mux.name: feeding[mux.name]
+            for mux in wiring.muxes
+            if mux.name in feeding and merged(*feeding[mux.name], mux) is not None
+        }
+        # The innermost first: their numbers are those of what they feed.
+        fed = {outer.name for outer, _ in feeding.values()}
+        muxes = {mux.name: mux for mux in wiring.muxes}
+        for name in [each for each in feeding if each not in fed]:
+            outer, slot = feeding[name]
+            current = muxes[outer.name]
+            now = next(each for each in current.inputs if each.topic == slot.topic)
+            whole = merged(current, now, muxes[name])
+            if whole is not None:
+                unread.append(Unread("timeouts of inputs that a mux feeds", slot.name, slot.span))
+                muxes[outer.name] = whole
+                del muxes[name]
+        if len(muxes) == len(wiring.muxes):
+            break
+        wiring = _Wiring(nodes, tuple(muxes.values()), passages, wiring.observed)
+    return wiring
+
+
 class _Wiring:
     """Who publishes and who hears each topic, and which topics are commands."""
 
@@ -145,7 +179,11 @@ class _Wiring:
                 self.published.setdefault(end.topic, []).append(_End(node.name, end))
             for end in node.subscribed:
                 self.subscribed.setdefault(end.topic, []).append(_End(node.name, end))
-        self.heard = {each.topic for mux in muxes for each in mux.inputs}
+        self.hearing: dict[str, list[tuple[Mux, MuxInput]]] = {}
+        for mux in muxes:
+            for each in mux.inputs:
+                self.hearing.setdefault(each.topic, []).append((mux, each))
+        self.heard = self.hearing.keys()
         self.outputs: dict[str, list[Mux]] = {}
         for mux in muxes:
             self.outputs.setdefault(mux.output, []).append(mux)
@@ -184,13 +222,24 @@ class _Wiring:
             return hearing
         return (end_of(topic),)
 
+    def fed_by(self, mux: Mux) -> tuple[Mux, MuxInput] | None:
+        """Return the input of another mux that a mux alone feeds, if it feeds nothing else."""
+        heard = self.heard & set(self.ways[mux.output])
+        if len(heard) != 1 or any(map(self.controlled, self.ways[mux.output])):
+            return None
+        [topic] = heard
+        if topic in self.published or len(self.outputs[topic]) > 1:
+            return None
+        found = self.hearing[topic]
+        return found[0] if len(found) == 1 and found[0][0] is not mux else None
+
     def is_contracted(self, mux: Mux) -> bool:
         """Whether a mux is all that commands one module, which can have its priorities then."""
         ends = [each for each in self.ways[mux.output] if self.controlled(each)]
         return (
             len(ends) == 1
             and len(self.controlled(ends[0])) == 1
-            and not self.heard.intersection(self.ways[mux.output])
+            and not self.heard & set(self.ways[mux.output])
             and ends[0] not in self.published
             and len(self.outputs[ends[0]]) == 1
         )
@@ -252,7 +301,7 @@ def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[N
             direct = [Control("", p.node, p.span, 0) for p in publishers]
             for mux in wiring.outputs.get(topic, ()):
                 if wiring.is_contracted(mux):
-                    muxed.append(Muxed(controlled, mux.engine, mux.span))
+                    muxed.append(_muxed(controlled, mux))
                     direct += _inputs(wiring, mux)
                 else:
                     direct.append(Control("", mux.name, mux.span, 0))
@@ -262,11 +311,15 @@ def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[N
                 command(controlled, line)
     for mux in wiring.muxes:
         if not wiring.is_contracted(mux):
-            muxed.append(Muxed(mux.name, mux.engine, mux.span))
+            muxed.append(_muxed(mux.name, mux))
             ends.append(Name(mux.name, mux.span))
             for line in _inputs(wiring, mux):
                 command(mux.name, line)
     return list(found.values()), tuple(muxed), ends
+
+
+def _muxed(module: str, mux: Mux) -> Muxed:
+    return Muxed(module, mux.engine, mux.span, mux.numbers, mux.inner)
 
 
 def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:

@@ -192,12 +192,30 @@ Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
 
 
 @dataclass(frozen=True, slots=True)
+class Inner:
+    """A mux whose output is an input of another, which ranks it at `priority`.
+
+    `numbers` are the priorities of its own inputs in the configuration, each with the one written.
+    """
+
+    span: Span
+    priority: int
+    numbers: tuple[tuple[int, int], ...]
+    inner: "tuple[Inner, ...]" = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Muxed:
-    """The commands for `module` pass a mux of another robot's making."""
+    """The commands for `module` pass a mux of another robot's making, and what it has within.
+
+    `numbers` are as those of an inner one, empty where the configuration has what is written.
+    """
 
     module: str
     engine: Engine
     span: Span
+    numbers: tuple[tuple[int, int], ...] = ()
+    inner: tuple[Inner, ...] = ()
 
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:
