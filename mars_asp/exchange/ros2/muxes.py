@@ -15,7 +15,7 @@ from mars_asp.exchange.twist_mux.document import OUTPUT
 from mars_asp.exchange.twist_mux.document import Mux as Parameters
 
 #: Nodes that hand on one of several commands, by their packages.
-_PACKAGES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
+_PACKAGES = frozenset({"twist_mux", "ackermann_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
 
 
 def is_mux(program: Program) -> bool:
@@ -40,6 +40,8 @@ def _named(mux: Parameters, started: Started, name: str, full: str) -> Mux:
     output = mux.output
     if output == OUTPUT and mux.engine == "cmd_vel_mux":
         output = "output" if is_private else "cmd_vel"
+    elif started.package == "ackermann_mux":
+        output = "ackermann_cmd"
 
     def known(topic: str) -> str:
         written = topic if topic.startswith("/") else before + topic
