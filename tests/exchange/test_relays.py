@@ -1,5 +1,6 @@
 """Relays, throttles and muxes of topic_tools: what they hand on, and what becomes of them."""
 
+import time
 from fractions import Fraction
 
 import pytest
@@ -199,3 +200,12 @@ def test_parameters_within_an_element_stand_where_they_are_written() -> None:
     [parameter] = start.parameters  # type: ignore[union-attr]
     places = [(span.line, span.column) for _, span in parameter.keys]
     assert places == [(4, 7), (4, 11)]
+
+
+def test_many_written_parameters_on_a_line_are_read_in_seconds() -> None:
+    many = "<rosparam>a: 1</rosparam>" * 3000
+    node = f'<node pkg="p" type="t" name="n">{many}</node>'
+    begun = time.process_time()
+    [start] = read_markup(f"<launch>{chr(10) * 400_000}{node}</launch>", "x.launch")
+    assert len(start.parameters) == 3000  # type: ignore[union-attr]
+    assert time.process_time() - begun < 5

@@ -270,14 +270,9 @@ def _written(entity: _Entity) -> Iterator[Parameter]:
     """
     if entity.name != "rosparam" or not any(text.strip() for _, _, text in entity.pieces):
         return
-    # The text stands where it does in the file, so that places are right.
-    lines: dict[int, str] = {}
-    for line, before, text in entity.pieces:
-        if text != "\n":
-            lines[line] = lines.get(line, "").ljust(before) + text
-    last = max(lines)
-    padded = "\n".join(lines.get(line, "") for line in range(1, last + 1))
-    document = read_yaml(padded, entity.span.path)
+    (line, before, _), *_ = entity.pieces
+    text = "".join(piece for _, _, piece in entity.pieces)
+    document = read_yaml(text, entity.span.path, (line, before + 1))
     name = entity.text("param")
     within = () if name is None else ((name, entity.span),)
     yield from _of_yaml(document, within)
