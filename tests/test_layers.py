@@ -64,14 +64,15 @@ FILES = {
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
     "exchange": (
-        "recognise lift yaml_document elements unread ports topics unite urdf twist_mux rosgraph "
-        "dora ros2 foreign"
+        "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
+        "urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions names interface catalogue cmake workspace parameters source_cpp source_python "
-        "programs launch_python launch_markup launch read"
+        "programs glue python_values python_nodes python_evaluate launch_python launch_markup "
+        "launch muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
