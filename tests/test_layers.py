@@ -52,7 +52,9 @@ FILES = {
         "budget facts findings rules cases analysis includes project sample synthesis verification "
         "session questions capability"
     ),
-    "reasoning/facts": "identifiers ends rates loose_ends compile vocabulary index motion",
+    "reasoning/facts": (
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
+    ),
     "reasoning/synthesis": (
         "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
@@ -62,14 +64,15 @@ FILES = {
         "vicinity blame edits explain diff near_miss repair fix why_not absences without"
     ),
     "exchange": (
-        "recognise lift yaml_document elements unread ports topics unite urdf twist_mux rosgraph "
-        "dora ros2 foreign"
+        "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
+        "urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions names interface catalogue cmake workspace parameters source_cpp source_python "
-        "programs launch_python launch_markup launch read"
+        "programs glue python_values python_nodes python_evaluate launch_python launch_markup "
+        "launch muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
@@ -87,7 +90,7 @@ FILES = {
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
         "trace_document trace_schema worker reason ignores baseline settings selection results "
-        "github sarif publish alternatives analyse can completion draw export "
+        "github sarif_fixes sarif publish alternatives analyse can completion draw export "
         "facts fmt import rules run_report run synthesise test verify diff repair check account "
         "explain_page explain"
     ),

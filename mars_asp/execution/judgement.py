@@ -149,14 +149,16 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _limits(trial)
     yield from _functions(trial)
     for name, failures in trial.executor.failures.items():
-        yield _seen("failed", name, failures.count, failure_text(failures))
+        first = failure_text(failures), failures.at // MILLISECOND
+        yield _seen("failed", name, failures.count, *first)
     body, scenario = trial.body, trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
         yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
     yield from _contacts(trial)
     if "clearance" in asked:
-        yield _seen("clearance", _whole(body.clearance * 1000), _whole(asked["clearance"] * 1000))
+        numbers = body.clearance, asked["clearance"], body.nearest_at
+        yield _seen("clearance", *(_whole(number * 1000) for number in numbers))
     if "reach" in asked and trial.reached is None:
         within = asked["reach"].get("within", scenario.duration)
         yield _fact(scenario.places["reach"], "deadline", _whole(within * 1000))
@@ -179,7 +181,7 @@ def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
     for fact in facts:
         arguments = fact.atom.arguments
         if fact.atom.name in ("peak", "limit"):
-            _, function, number = arguments
+            _, function, number, *_ = arguments
             numbers[str(function), int(str(number))] = None
         if fact.atom.name == "failed":
             numbers[_TIMES, int(str(arguments[1]))] = None
@@ -318,12 +320,13 @@ def _limits(trial: Trial) -> Iterator[Fact]:
         for function in trial.scenario.robot.get("limits", ())
     }
     for name, effector in trial.executor.effectors.items():
-        peaks: dict[str, float] = {}
-        for _, _, command in effector.applied:
+        peaks: dict[str, tuple[float, int]] = {}
+        for at, _, command in effector.applied:
             for function, rate in command.items():
-                peaks[function] = max(peaks.get(function, 0.0), abs(rate))
-        for function, rate in peaks.items():
-            yield _seen("peak", name, function, _whole(rate * 1000))
+                if function not in peaks or abs(rate) > peaks[function][0]:
+                    peaks[function] = abs(rate), at // MILLISECOND
+        for function, (rate, at) in peaks.items():
+            yield _seen("peak", name, function, _whole(rate * 1000), at)
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
             yield _fact(place, "limit", name, function, _whole(rate * 1000))

@@ -148,7 +148,7 @@ def test_a_violated_requirement_is_status_1(
     assert trace["rule"]["id"] == "run/run/clearance"
     asked, observed = trace["premises"]
     assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
-    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", None, None)
+    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", 0.0, None)
     assert observed["message"].endswith(" mm, and 3 m was asked for")
 
 

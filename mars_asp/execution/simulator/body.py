@@ -30,7 +30,8 @@ class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
     `limits` are the greatest rates by function. What happened is kept: the motion, the least
-    clearance (mm) on all of it, contacts (s), and seconds of turning and driving at once.
+    clearance (mm) on all of it and when it was noted (s), contacts (s), and seconds of turning and
+    driving at once.
     """
 
     world: World
@@ -42,6 +43,7 @@ class Body:
     seconds: float = 0.0
     touching: bool = False
     clearance: float = inf
+    nearest_at: float = 0.0
     driven: float = 0.0
     both: float = 0.0
     motion: list[Stretch] = field(default_factory=list)
@@ -168,7 +170,8 @@ class Body:
 
     def _note(self, gap: float) -> None:
         """Take a gap (mm) into account that there is now, or was a moment ago."""
-        self.clearance = min(self.clearance, max(gap, 0.0))
+        if max(gap, 0.0) < self.clearance:
+            self.clearance, self.nearest_at = max(gap, 0.0), self.seconds
         touching = gap <= TOUCH
         if touching and not self.touching:
             self.contacts.append(self.seconds)

@@ -61,6 +61,7 @@ def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
     body = Body(world, Pose(0, 0, 0), 200)
     body.advance(6.9)
     assert [body.collisions, body.clearance] == pytest.approx([0, 10], abs=0.1)
+    assert body.nearest_at == pytest.approx(6.9, abs=0.01)
     body.advance(7.1)
     assert body.collisions == 1
 
