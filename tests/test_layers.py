@@ -80,7 +80,7 @@ FILES = {
         "picture part colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"
     ),
-    "execution": "parts executor simulator scenario trial judgement recording",
+    "execution": "parts executor simulator scenario trial promises judgement recording",
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),

@@ -222,7 +222,7 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "control_time": {name: round(t, 6) for name, t in trial.control_time.items()},
         "driven_mm": round(body.driven, 3),
         "turn_while_driving_s": round(body.both, 6),
-        "links": [_link_json(trial, link) for link in executor.links],
+        "links": _links_json(trial),
         "control": [
             {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
             for arbiter in executor.arbiters.values()
@@ -242,13 +242,23 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
     write_file(arguments.report, page)
 
 
-def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
+def _links_json(trial: "Trial") -> list[dict[str, Any]]:
+    from mars_asp.execution.promises import promises
+
+    rates = {each.number: each.hz for each in promises(trial)}
+    return [
+        _link_json(trial, link, rates.get(number))
+        for number, link in enumerate(trial.executor.links)
+    ]
+
+
+def _link_json(trial: "Trial", link: "Link", hz: float | None) -> dict[str, Any]:
     asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
     return {
         "source": link.source,
         "client": link.client,
         "asked_hz": None if asked is None else float(asked),
-        "got_hz": round(link.delivered / trial.scenario.duration, 6),
+        "got_hz": round(link.delivered / trial.scenario.duration if hz is None else hz, 6),
         "oldest_ms": link.oldest / 1e6,
         "delivered": link.delivered,
         "dropped": dict(link.dropped),
@@ -358,7 +368,7 @@ def _links(trial: "Trial") -> "Table":
             f"{link['oldest_ms']:g}",
             ", ".join(f"{count} {why}" for why, count in sorted(link["dropped"].items())),
         )
-        for link in (_link_json(trial, each) for each in trial.executor.links)
+        for link in _links_json(trial)
     )
     return _table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
 

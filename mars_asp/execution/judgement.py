@@ -4,9 +4,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from fractions import Fraction
 from itertools import pairwise
-from math import floor
 from pathlib import Path
 from typing import Literal
 
@@ -18,7 +16,8 @@ from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
-from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.execution.promises import promises
 from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
@@ -234,17 +233,12 @@ def _asked(trial: Trial) -> Iterator[str]:
 
 
 def _services(trial: Trial) -> Iterator[Fact]:
-    plan, held = trial.executor.plan, _held_back(trial)
-    for number, link in enumerate(trial.executor.links):
-        if link.kind != "data":
-            continue
-        mode, hz = plan.carried(link)
-        yield _seen("delivered", number, link.delivered)
-        if mode.name == "NotifyAtFrequency" and hz is not None:
-            spent = trial.executor.schedule.now - held[link.source]
-            # Whole periods alone: a message at the very end is one more than was promised.
-            whole = _whole(max(0, floor(Fraction(spent) * hz / SECOND)))
-            yield _fact(link.span, "promised", number, link.source, link.client, whole)
+    for each in promises(trial):
+        yield _seen("delivered", each.number, _whole(each.delivered))
+        if each.promised is not None:
+            link = each.link
+            ends = link.source, link.client, _whole(each.promised)
+            yield _fact(link.span, "promised", each.number, *ends)
 
 
 def _control(trial: Trial) -> Iterator[Fact]:
@@ -300,16 +294,6 @@ def _contacts(trial: Trial) -> Iterator[Fact]:
         for function in command:
             told = _whole(since * 1000), _whole(until * 1000)
             yield _seen("obeyed", instant, origin, function, *told)
-
-
-def _held_back(trial: Trial) -> dict[str, int]:
-    """Return for how long (ns) delays that the scenario states hold back what each source sends."""
-    plan, held = trial.executor.plan, dict[str, int]()
-    for name in sorted(plan.names, key=lambda name: plan.data_depth[name]):
-        stated = float(trial.scenario.bindings.get(name, {}).get("delay", 0.0))
-        before = (held.get(link.source, 0) for link in plan.data_in[name])
-        held[name] = round(stated * MILLISECOND) + max(before, default=0)
-    return held
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:

@@ -2,7 +2,7 @@
 
 import re
 import sysconfig
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -138,6 +138,8 @@ class Link:
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0
+    #: When (ns) the last few were delivered.
+    latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     fault: str = ""
@@ -155,6 +157,7 @@ class Link:
         """Deliver at once."""
         now = self.schedule.now
         self.delivered += 1
+        self.latest.append(now)
         if message[1] != now:
             self.oldest = max(self.oldest, now - message[1])
         if self.observe is not None:

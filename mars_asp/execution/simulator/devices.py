@@ -49,7 +49,8 @@ class Joint:
         self.value = max(self.low, min(self.high, before + rate * step))
         if self.value != before:
             began = seconds - step
-            ended = min(seconds, began + abs((self.value - before) / rate))
+            pace = self.rate if self.function == "Grasp" else abs(rate)
+            ended = min(seconds, began + abs(self.value - before) / pace)
             if self.moved and self.moved[-1][1] == began:
                 began, _ = self.moved.pop()
             self.moved.append((began, ended))
