@@ -48,10 +48,12 @@ def on_cluster(
         MarsError: the cluster cannot be reached, is lost, or has no workers.
     """
     # Its logs are about its own machinery; what concerns a run comes as its outcome.
-    for name in ("distributed", "tornado", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    with _client(workers, address) as client:
-        yield from _outcomes(client, job, runs, address or "the local cluster")
+    logging.disable(logging.CRITICAL)
+    try:
+        with _client(workers, address) as client:
+            yield from _outcomes(client, job, runs, address or "the local cluster")
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 @contextmanager

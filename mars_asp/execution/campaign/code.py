@@ -4,6 +4,7 @@ import ast
 import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import product
 from pathlib import Path
 
 
@@ -16,35 +17,36 @@ def imported_code(paths: Iterable[Path]) -> dict[str, bytes]:
         OSError: one of the given files cannot be read.
     """
     # The name of the folder counts, not what it may be a link to.
-    waiting = [os.path.abspath(path) for path in paths]  # noqa: PTH100
+    waiting = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100
+    folders = {folder for path in waiting for folder in (path.parent, _root(path))}
     found: dict[str, bytes] = {}
     while waiting:
         path = waiting.pop()
-        if path not in found:
-            found[path] = Path(path).read_bytes()
-            waiting += map(str, _imports(found[path], Path(path).parent))
+        if str(path) not in found:
+            found[str(path)] = path.read_bytes()
+            waiting += _imports(found[str(path)], path.parent, folders)
     return found
 
 
-def _imports(source: bytes, folder: Path) -> Iterator[Path]:
-    """Yield the files beside a source that it imports, of packages all on the way."""
+def _root(path: Path) -> Path:
+    """Return the folder that the package of a file is in."""
+    return next(each for each in path.parents if not (each / "__init__.py").is_file())
+
+
+def _imports(source: bytes, folder: Path, folders: Iterable[Path]) -> Iterator[Path]:
+    """Yield the files that a source imports, from its folder or others, of packages all."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield from _files(folder, alias.name)
+            for base, alias in product(folders, node.names):
+                yield from _files(base, alias.name)
         elif isinstance(node, ast.ImportFrom):
-            parents = (folder, *folder.parents)
-            base = parents[min(max(0, node.level - 1), len(parents) - 1)]
-            if node.module:
-                yield from _files(base, node.module)
-            for alias in node.names:
-                yield from _files(
-                    base, f"{node.module}.{alias.name}" if node.module else alias.name
-                )
+            above = (folder, *folder.parents)[: node.level][-1:]
+            for base, alias in product(above or folders, node.names):
+                yield from _files(base, f"{node.module}.{alias.name}".removeprefix("None."))
 
 
 def _files(folder: Path, name: str) -> Iterator[Path]:
