@@ -33,7 +33,8 @@ def print_table(
     among = f" of {failed}" if failed > MOST_WORST else ""
     print(f"the worst{among} that did not pass, each with its command:", file=stream)
     for result, command in zip(shown, commands, strict=True):
-        print(f"  {visible(_told(result))}", file=stream)
+        told = wrapped(visible(_told(result)), columns(stream), "  ", "    ")
+        print("\n".join(told), file=stream)
         print(f"    {command['command']}", file=stream)
 
 
@@ -41,25 +42,38 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     """Yield what passed in each cell, and what held; requirements that always held are one line."""
     passed, shares = share_passed(results), requirement_shares(results)
     groups = cells(results)
-    rows = [("", "passed", passed)] if len(groups) != 1 else []
-    rows += [(_label(cell), "passed", cell.passed) for cell in groups]
+    labels = [_label(cell, _fixed(groups)) for cell in groups]
+    rows = [("", "passed", passed)]
+    rows += [(label, "passed", cell.passed) for label, cell in zip(labels, groups, strict=True)]
     always = []
     for name, share in shares.items():
         if share.held == share.of == passed.of:
             always.append(name)
             continue
-        if len(groups) != 1:
-            rows.append(("", name, share))
+        rows.append(("", name, share))
         rows += [
-            (_label(cell), name, cell.requirements[name])
-            for cell in groups
+            (label, name, cell.requirements[name])
+            for label, cell in zip(labels, groups, strict=True)
             if name in cell.requirements
         ]
-    yield f"{counted(passed.of, 'run')}, intervals of 95 % (Wilson)"
-    yield from _aligned(rows)
+    fixed = ", ".join(written_change(*each) for each in _fixed(groups).items())
+    head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
+    yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
+    # One cell has what all have.
+    yield from _aligned(rows if len(groups) > 1 else [row for row in rows if not row[0]])
     if always:
         text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
         yield from map(visible, wrapped(text, width, "held in all, ", "  "))
+
+
+def _fixed(groups: Sequence[Cell]) -> dict[str, Any]:
+    """Return the values that all cells have."""
+    first = groups[0].vary if groups else {}
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
+    }
 
 
 def _aligned(rows: Sequence[tuple[str, str, Share]]) -> Iterator[str]:
@@ -78,8 +92,10 @@ def _filled(text: str, width: int) -> str:
     return text + " " * (width - width_of(text))
 
 
-def _label(cell: Cell) -> str:
-    return ", ".join(written_change(key, value) for key, value in cell.vary.items())
+def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
+    """Return what a cell has and others have not; a cell of the scenario as it is has a dash."""
+    stated = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
+    return ", ".join(stated) or "-"
 
 
 def _told(result: _Result) -> str:
