@@ -116,8 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
         if not journal.kept:
             add_line(header)
     outcomes = _outcomes(pickle.dumps(job), missing, arguments)
-    progress = _Progress(grid, ended, len(missing))
-    with closing(outcomes), live_line(arguments, _Progress.line) as show:
+    progress = Progress(grid, ended, len(missing))
+    with closing(outcomes), live_line(arguments, Progress.line) as show:
         show(progress)
         for each, outcome in outcomes:
             if outcome.result is None:
@@ -248,7 +248,7 @@ def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         yield Diagnostic(each.code, "error", each.message, each.span, help=each.help, effect=effect)
 
 
-class _Progress:
+class Progress:
     """How far a campaign is."""
 
     def __init__(self, grid: "Grid", ended: "Mapping[str, Ended]", missing: int) -> None:
@@ -257,6 +257,8 @@ class _Progress:
         before = [ended[each.name].result for each in grid.runs() if each.name in ended]
         self.passed: Share = share_passed(before)
         self.now, self.missing = 0, missing
+        #: How many runs there were when one was first seen, and after how many seconds.
+        self.first: tuple[int, float] | None = None
 
     def take(self, ended: "Ended") -> None:
         """Count a run that has ended."""
@@ -270,7 +272,13 @@ class _Progress:
         """Return the line that shows it after so many seconds."""
         left = self.missing - self.now
         total = self.passed.of + left
-        about = f"  {_duration(wall / self.now * left)} left" if self.now else ""
+        # Until a first run has ended, workers were being started.
+        if self.first is None and self.now:
+            self.first = self.now, wall
+        ran, began = self.first or (0, wall)
+        about = ""
+        if self.now > ran:
+            about = f"  {_duration((wall - began) / (self.now - ran) * left)} left"
         return f"{self.passed.of} of {total} runs  passed {self.passed.text}{about}"
 
 

@@ -68,13 +68,15 @@ def _client(workers: int, address: str | None) -> "Iterator[Client]":
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
-                    dashboard_address=None,
+                    # Pages about it are for this machine alone, on ports that are free.
+                    dashboard_address="127.0.0.1:0",
+                    worker_dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
                     memory_limit=0,  # each run has a limit of its own
                 )
             )
             client = stack.enter_context(Client(cluster, timeout=_ANSWER, set_as_default=False))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RuntimeError) as error:
             told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
             raise _wrong(
                 f"no scheduler answers at `{address}`: {told}"

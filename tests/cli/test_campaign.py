@@ -15,6 +15,9 @@ from typing import Any
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.campaign import Progress
+from mars_asp.execution.campaign.grid import Grid, Run
+from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
 from tests.support.processes import PLAIN
 from tests.support.trials import DRIVE
@@ -309,3 +312,14 @@ def test_a_cluster_loses_and_repeats_nothing(campaign: Campaign, capsys: Capture
     assert len(campaign.log.read_text()) == started + 24 - len(before)
     run_here(campaign.words("--seeds", "1-24", "-o", "again.jsonl"))
     assert Path("again.jsonl").read_bytes() == campaign.out.read_bytes()
+
+
+def test_the_line_shows_how_many_passed_and_how_long_it_will_take() -> None:
+    before = ended_run(Run(1, {}), {"verdict": "fail", "requirements": []})
+    passed = ended_run(Run(2, {}), {"verdict": "pass", "requirements": []})
+    progress = Progress(Grid((1, 2, 3, 4)), {Run(1, {}).name: before}, 3)
+    assert progress.line(0) == "1 of 4 runs  passed 0 of 1 (0.0-79.3 %)"
+    progress.take(passed)
+    assert progress.line(60) == "2 of 4 runs  passed 1 of 2 (9.5-90.5 %)"
+    progress.take(passed)
+    assert progress.line(130) == "3 of 4 runs  passed 2 of 3 (20.8-93.9 %)  1 min 10 s left"
