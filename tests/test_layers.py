@@ -78,7 +78,7 @@ FILES = {
         "mermaid png"
     ),
     "execution": "parts executor simulator scenario trial judgement recording campaign",
-    "execution/campaign": "grid journal summary code picture",
+    "execution/campaign": "grid summary journal code picture",
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),

@@ -53,7 +53,7 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
         ),
         "campaign": Verb(
             "run it in many worlds, and show what holds in how many",
-            "campaign specification.mars --scenario scenario.toml --seeds 1-200 -o runs.jsonl",
+            "campaign robot.mars --scenario s.toml --seeds 1-200",
         ),
     },
     "Understand and change it": {

@@ -247,15 +247,17 @@ class _Carrier:
             self._work(scenario, said, watched)
         os.close(said)
         os.close(watched)
+        status = None
         try:
             heard = self._heard(results, child, seconds)
             if heard is not None and not heard.endswith(b"\n"):
-                _await_end(child)
+                status = _ended_soon(child)
         finally:
             os.close(results)
             os.close(alive)
             worker.end_group(child)
-            _, status = os.waitpid(child, 0)
+            if status is None:
+                _, status = os.waitpid(child, 0)
         if heard is None:
             return None, None
         if heard.endswith(b"\n"):
@@ -321,12 +323,18 @@ class _Carrier:
         return (raw.replace(self._root, b"") if self._root else raw) + b"\n"
 
 
-def _await_end(child: int) -> None:
-    """Wait for a moment for the end of a child that closed its pipe, so that it can tell how."""
+def _ended_soon(child: int) -> int | None:
+    """Return how a child ended that closed its pipe; nothing where that takes more than a moment.
+
+    It is not ended before: how it ended by itself is what is reported.
+    """
     until = time.monotonic() + 1
-    options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-    while os.waitid(os.P_PID, child, options) is None and time.monotonic() < until:
+    while time.monotonic() < until:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            return status
         time.sleep(0.01)
+    return None
 
 
 def _outcome(said: Mapping[str, Any]) -> Outcome:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from mars_asp.diagnostic import MarsError, refusal
 from mars_asp.execution.campaign.grid import Run, run_name
+from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
 
 FORMAT, VERSION = "mars-campaign", 1
 #: What else of a run is compared.
@@ -113,11 +114,24 @@ def _check_header(line: bytes, header: bytes, path: str) -> None:
 
 
 def _is_run(found: Mapping[str, Any]) -> bool:
+    """Whether an object has what is counted of a run, whatever else it has."""
+    judged = found.get("requirements")
     return (
         isinstance(found.get("seed"), int)
         and isinstance(found.get("vary"), dict)
-        and isinstance(found.get("verdict"), str)
-        and isinstance(found.get("requirements"), list)
+        and found.get("verdict") in (PASS, FAIL, NOT_DECIDED)
+        and isinstance(found.get("collisions"), int | None)
+        and isinstance(found.get("min_clearance_mm"), int | float | None)
+        and isinstance(judged, list)
+        and all(map(_is_requirement, judged))
+    )
+
+
+def _is_requirement(found: object) -> bool:
+    return (
+        isinstance(found, dict)
+        and isinstance(found.get("name"), str)
+        and isinstance(found.get("holds"), bool | None)
     )
 
 

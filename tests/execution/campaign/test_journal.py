@@ -95,6 +95,8 @@ def test_runs_of_an_earlier_grid_follow() -> None:
         ),
         (WHOLE + b"\xff\n", "o.jsonl:5", "this line is not a run"),
         (HEADER + b'{"seed": 1}\n', "o.jsonl:2", "this line is not a run"),
+        (HEADER + LINES[0].replace(b"true", b"1"), "o.jsonl:2", "this line is not a run"),
+        (HEADER + LINES[0].replace(b"pass", b"PASS"), "o.jsonl:2", "this line is not a run"),
         (HEADER + b'{"runs": 3}\n' + LINES[0], "o.jsonl:2", "a summary is the last line"),
     ],
 )
