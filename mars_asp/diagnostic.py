@@ -85,3 +85,9 @@ class MarsError(Exception):
         others = f", and {more} more" if more else ""
         place = f"{first.span.path}:{first.span.line}:{first.span.column}"
         super().__init__(f"{place}: {first.message}{others}")
+
+
+def refusal(code: str, message: str, place: str, help_text: str | None = None) -> MarsError:
+    """Return an error about a word of the command or a whole file, of which no line is shown."""
+    where = point(place, 1, 1)
+    return MarsError([Diagnostic(code, "error", message, where, help=help_text, excerpt="")])

@@ -80,18 +80,20 @@ FILES = {
         "picture part colours ranks order straighten layered packing shapes legend svg page dot "
         "mermaid png"
     ),
-    "execution": "parts executor simulator scenario trial promises judgement recording",
+    "execution": ("parts executor simulator scenario trial promises judgement recording campaign"),
+    "execution/campaign": "grid summary journal code picture",
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
     "execution/simulator": "motion world body devices",
-    "execution/scenario": "schema toml_places toml_tables read functions devices",
+    "execution/scenario": "schema toml_places toml_tables vary read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "
-        "trace_document trace_schema worker reason ignores baseline settings selection results "
-        "github sarif_fixes sarif publish alternatives analyse can completion draw export "
-        "facts fmt import rules run_report run synthesise test verify diff repair check account "
+        "trace_document trace_schema worker reason perform ignores baseline settings selection "
+        "results github sarif_fixes sarif publish alternatives analyse can completion draw export "
+        "facts fmt import rules run_report run campaign_runner campaign_dask campaign_job "
+        "campaign_table campaign synthesise test verify diff repair check account "
         "explain_page explain"
     ),
 }

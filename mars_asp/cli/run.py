@@ -15,18 +15,14 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.live import live_line
+from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
+from mars_asp.cli.perform import performed, read_changes, scenario_text, specified
 from mars_asp.cli.reason import (
-    STANDARD_INPUT,
     add_file,
-    analyse_project,
     check_inputs,
-    read_input,
     read_project,
-    rulebook_for,
 )
-from mars_asp.cli.report import report
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -38,15 +34,11 @@ if TYPE_CHECKING:
     from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.scenario.read import Scenario
     from mars_asp.execution.trial import Trial
-    from mars_asp.model.declarations import Configuration
-    from mars_asp.reasoning.project import Project
 
 #: Who holds control where no controller does.
 _NONE = "none"
 #: How a requirement that holds, does not, or is not decided, is listed.
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
-#: Simulated seconds between two looks at the run.
-_GLANCE = 0.5
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +47,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
     parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="give a key of the scenario another value, as in `robot.radius=150`; "
+        "`modules.NAME=off` has a module send nothing; repeatable",
+    )
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )
@@ -88,12 +88,8 @@ class _Schema(argparse.Action):
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     from mars_asp.asp.trace.document import traces_json
-    from mars_asp.execution.judgement import judge
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
-    from mars_asp.execution.trial import stage_trial
-    from mars_asp.model.described import described_modules
-    from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
@@ -103,13 +99,10 @@ def run(arguments: argparse.Namespace) -> int:
         scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
         scenario = replace(scenario, duration=arguments.duration)
-    specification = _specification(project, arguments)
-    if specification is None:
-        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+    found = specified(project, arguments)
+    if found is None:
         return 1
-    # A specification that was made here does not repeat the blocks of its configuration.
-    modules = described_modules(project.configuration, project.modules)
-    specification = state_modes(specification, modules, rulebook_for(arguments))
+    specification, modules = found
     named = [name.text for name in specification.modules]
     functions = dict(bound_functions(modules, scenario, named))
     if arguments.dry_run:
@@ -119,10 +112,8 @@ def run(arguments: argparse.Namespace) -> int:
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
-    with aside:
-        trial = stage_trial(specification, modules, scenario, observe)
-        _carry_out(trial, arguments)
-    judgement = judge(trial)
+    with aside, live_line(arguments, run_line) as show:
+        trial, judgement = performed(specification, modules, scenario, observe, show)
     write_outputs(trial, record, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
@@ -141,26 +132,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _scenario(arguments: argparse.Namespace) -> "Scenario":
-    from mars_asp.execution.scenario.read import load_scenario, read_scenario
+    from mars_asp.execution.scenario.read import read_scenario
 
-    if arguments.scenario == STANDARD_INPUT:
-        return read_scenario(read_input("<stdin>"), Path("<stdin>"))
-    return load_scenario(Path(arguments.scenario))
-
-
-def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
-    """Return the file's specification, or the minimal one of its configuration."""
-    if project.configuration.kind == "specification":
-        return project.configuration
-    from mars_asp.reasoning.analysis import findings
-    from mars_asp.reasoning.budget import Budget
-    from mars_asp.reasoning.synthesis.synthesise import synthesise
-
-    rulebook = rulebook_for(arguments)
-    analysis = analyse_project(project, rulebook, arguments)
-    report(findings(analysis), arguments)
-    found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
-    return None if found is None else found.specification.configuration
+    return read_scenario(*scenario_text(arguments), read_changes(arguments.vary))
 
 
 def _print_plan(
@@ -192,16 +166,6 @@ def _print_plan(
         print("\n".join(wrapped(visible(told), width, "simulated: ", "  ")))
     print(f"{scenario.duration:g} s, seed {scenario.seed}; nothing was run")
     return 2 if missing else 0
-
-
-def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
-    """Run to the end, with a live line where a person is watching."""
-    duration, at = trial.scenario.duration, 0.0
-    with live_line(arguments) as show:
-        while at < duration:
-            at = min(duration, at + _GLANCE)
-            trial.run_until(at)
-            show(trial)
 
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:

@@ -10,6 +10,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
 from mars_asp.execution.scenario.toml_tables import read_tables
+from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
 from mars_asp.language.parse import decode, read_bytes
 
 #: Whoever mends these reads no more.
@@ -38,17 +39,19 @@ class Scenario:
     places: Mapping[str, Span] = field(default_factory=dict)
 
 
-def load_scenario(path: Path) -> Scenario:
-    """Read and check a scenario file.
+def load_scenario(path: Path, changes: Changes = UNCHANGED) -> Scenario:
+    """Read and check a scenario file, some keys of which may have other values.
 
     Raises:
         MarsError: it cannot be read, is no TOML, or has wrong keys or values; all of them.
     """
-    return read_scenario(decode(read_bytes(path), str(path)), path)
+    return read_scenario(decode(read_bytes(path), str(path)), path, changes)
 
 
-def read_scenario(text: str, path: Path) -> Scenario:
+def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenario:
     """Check the text of a scenario; `path` is what places show and bindings are relative to.
+
+    `changes` are the values of keys that have others than in the text.
 
     Raises:
         MarsError: it is no TOML, or has wrong keys or values; all of them.
@@ -61,6 +64,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
     ]
     if problems:
         raise MarsError(problems)
+    tables = changed(tables, changes)
     places = {key: where.of("requirements", key) for key in tables.get("requirements", ())}
     limits = tables["robot"].get("limits", ())
     places |= {function: where.of("robot", "limits", function) for function in limits}
@@ -70,6 +74,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
     for table in ("bindings", "faults"):
         named = tables.get(table, ())
         places |= {f"{table}.{module}": where.of(table, module) for module in named}
+    places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}
     return Scenario(path, point(str(path), 1, 1), **tables, places=places)
 
 
