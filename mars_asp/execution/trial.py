@@ -151,7 +151,7 @@ def _stage(
 
     plan = Plan(specification, every, {})
     _check_robot(plan, scenario)
-    behaviours = bind_functions(every, scenario, plan.names, clock)
+    behaviours = bind_functions(plan, scenario, clock)
     joints = make_joints(scenario)
     behaviours |= bind_devices(plan, scenario, body, joints, clock)
     _check_faults(behaviours.keys() - {robot["module"], *joints}, scenario)

@@ -1,17 +1,15 @@
 """Messages, and the links that carry and count them."""
 
 import re
-import sysconfig
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
 from reprlib import Repr
-from traceback import walk_tb
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from mars_asp.behaviour.imports import place_of
 from mars_asp.diagnostic import Span
 from mars_asp.execution.executor.behaviour import AskedError
 from mars_asp.execution.executor.schedule import Schedule
@@ -35,15 +33,6 @@ class Message(NamedTuple):
 #: Makes a message of a tuple of all its fields, at half the cost of calling the class.
 message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = partial(
     tuple.__new__, Message
-)
-
-#: Code that is not the user's: ours, Python's own, and what is installed.
-_FOREIGN = tuple(
-    f"{path}/"
-    for path in {
-        Path(__file__).parents[2].as_posix(),
-        *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
-    }
 )
 
 
@@ -70,9 +59,10 @@ class Failures:
     """How many exceptions were raised that the scenario did not ask for, and the first of them.
 
     `first` is its text, `at` (ns) when it was raised, `raised` its file and line in the code of the
-    user, where it has one, and `inputs` what that was given.
+    user, where it has one, else the `place` of the function, and `inputs` what that was given.
     """
 
+    place: tuple[str, int] | None = None
     count: int = 0
     first: str = ""
     at: int = 0
@@ -85,7 +75,7 @@ class Failures:
             return
         self.count += 1
         if self.count == 1:
-            self.first, self.at, self.raised = _text_of(error), now, _raised(error)
+            self.first, self.at, self.raised = _text_of(error), now, place_of(error) or self.place
             self.inputs = tuple(_shown(value) for value in inputs)
 
 
@@ -96,19 +86,6 @@ def _text_of(error: Exception) -> str:
         return f"{name}: {error}"
     except Exception:  # the class of a user's exception may be wrong in any way
         return name
-
-
-def _raised(error: BaseException) -> tuple[str, int] | None:
-    """Return the file and line of the innermost frame in code of the user."""
-    found = None
-    for frame, line in walk_tb(error.__traceback__):
-        path = frame.f_code.co_filename
-        if not path.startswith((*_FOREIGN, "<")):
-            found = path, line
-    if found is None and error.__context__ is not None:
-        # What ended the program in the place of an exception is its context.
-        return _raised(error.__context__)
-    return found
 
 
 def _shown(value: object) -> str:

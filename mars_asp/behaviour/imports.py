@@ -1,0 +1,159 @@
+"""Files of behaviours: each folder's are imported for one run, and seen by its own code alone."""
+
+import importlib
+import sys
+import sysconfig
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from traceback import walk_tb
+from types import ModuleType, TracebackType
+from typing import Any
+
+#: Code that is not the user's: ours, Python's own, and what is installed.
+FOREIGN = tuple(
+    f"{path}/"
+    for path in {
+        Path(__file__).parents[1].as_posix(),
+        *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
+    }
+)
+
+
+class Folder:
+    """What the files of one folder import from beside them, while their code runs.
+
+    Within a `with` of it, modules of the folder are found before others of their names, except
+    those of Python itself and what is loaded already of installed packages. After it, nothing of
+    them is left in `sys.modules`, so that neither other folders nor later runs see it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        importlib.invalidate_caches()  # files may be new
+        self.path = path
+        self.names = frozenset(_names(path))
+        self.modules: dict[str, ModuleType] = {}
+        self._aside: dict[str, ModuleType] = {}
+        self._sought = False
+        self._depth = 0
+
+    def load(self, path: Path, **given: Any) -> ModuleType:
+        """Return the module of a file, executed once; `given` is put in it before.
+
+        Raises:
+            ImportError: it is not a Python file.
+            Exception: whatever executing it raises.
+        """
+        name = ".".join(path.relative_to(self.path).with_suffix("").parts)
+        name = name.removesuffix(".__init__")
+        if name.partition(".")[0] not in self.names:
+            name = f"_behaviour_{name}"  # another module has its name
+        with self:
+            there = sys.modules.get(name)
+            if there is not None and there.__file__ == str(path):
+                return there
+            if "." in name:
+                importlib.import_module(name.rpartition(".")[0])
+            specification = spec_from_file_location(name, path)
+            if specification is None or specification.loader is None:
+                raise ImportError("it is not a Python file")
+            module = self.modules[name] = sys.modules[name] = module_from_spec(specification)
+            vars(module).update(given)
+            try:
+                specification.loader.exec_module(module)
+            except BaseException:
+                self.modules.pop(name, None)
+                sys.modules.pop(name, None)
+                raise
+            return module
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        """Find a module in the folder, as a finder of `sys.meta_path` does."""
+        if name.partition(".")[0] not in self.names:
+            return None
+        self._sought = True
+        if path is not None:
+            return None
+        found = PathFinder.find_spec(name, [str(self.path)])
+        if found is None or found.loader is not None:
+            return found
+        # A folder without `__init__.py` gives way to a module of its name, as in Python.
+        elsewhere = PathFinder.find_spec(name)
+        return found if elsewhere is None or elsewhere.loader is None else elsewhere
+
+    def __enter__(self) -> "Folder":
+        self._depth += 1
+        if self._depth == 1:
+            loaded = sys.modules
+            if clash := loaded.keys() & self.names:
+                self._aside = {n: m for n, m in loaded.items() if n.partition(".")[0] in clash}
+                for name in self._aside:
+                    del loaded[name]
+            loaded.update(self.modules)
+            sys.meta_path.insert(0, self)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._depth -= 1
+        if self._depth:
+            return
+        loaded = sys.modules
+        sys.meta_path.remove(self)
+        if self._sought:
+            self._sought = False
+            for name, module in loaded.items():
+                if name.partition(".")[0] in self.names and not _file(module).startswith(FOREIGN):
+                    self.modules[name] = module
+        for name in self.modules:
+            loaded.pop(name, None)
+        if self._aside:
+            loaded.update(self._aside)
+            self._aside = {}
+
+
+def folder_of(path: Path) -> Path:
+    """Return the folder that a file's modules are imported from: above its packages."""
+    folder = path.parent
+    while (folder / "__init__.py").is_file() and folder.name.isidentifier():
+        folder = folder.parent
+    return folder
+
+
+def place_of(error: BaseException) -> tuple[str, int] | None:
+    """Return the file and line of an exception: of the innermost frame in code of the user."""
+    if isinstance(error, SyntaxError) and error.filename and error.lineno:
+        return error.filename, error.lineno
+    found = None
+    for frame, line in walk_tb(error.__traceback__):
+        path = frame.f_code.co_filename
+        if not path.startswith((*FOREIGN, "<")):
+            found = path, line
+    if found is None and error.__context__ is not None:
+        # What ended the program in the place of an exception is its context.
+        return place_of(error.__context__)
+    return found
+
+
+def _names(folder: Path) -> list[str]:
+    """Return the modules that files and folders of a folder would be imported as."""
+    found = {
+        entry.stem
+        for entry in folder.iterdir()
+        if entry.suffix == ".py" or (entry.is_dir() and entry.name.isidentifier())
+    }
+    return [name for name in found if name.isidentifier() and not _is_foreign(name)]
+
+
+def _is_foreign(name: str) -> bool:
+    """Whether a module of Python itself, or one that is installed and loaded, has a name."""
+    installed = _file(sys.modules.get(name)).startswith(FOREIGN)
+    return name in sys.stdlib_module_names or name == "mars_asp" or installed
+
+
+def _file(module: ModuleType | None) -> str:
+    return getattr(module, "__file__", None) or ""

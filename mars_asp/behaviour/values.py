@@ -1,0 +1,87 @@
+"""Messages are values: whoever is handed one may change what it was handed, and no more."""
+
+from collections.abc import Callable
+from copy import copy, deepcopy
+from dataclasses import fields, is_dataclass
+from datetime import date, time, timedelta
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, Literal, TypeVar
+
+_Value = TypeVar("_Value")
+#: Objects of exactly these classes never change.
+_ATOMS = frozenset({type(None), bool, int, float, complex, str, bytes, range})
+#: Nor do those of classes made from these, unless they have attributes of their own.
+_FIXED = (int, float, complex, str, bytes, Fraction, Decimal, date, time, timedelta)
+#: As many classes are remembered as a run is likely to have of messages and their members.
+_CLASSES = 256
+
+
+def copied(value: _Value) -> _Value:
+    """Return a value that no change of the given one changes; itself where neither can change.
+
+    Numbers, texts, and tuples and frozen dataclasses of such are shared; what can change is copied
+    as `copy.deepcopy` does.
+
+    Raises:
+        TypeError: it holds what cannot be copied, such as a generator, a lock or an open file.
+    """
+    kind = type(value)
+    if kind in _ATOMS:
+        return value
+    if is_constant(value):
+        return value
+    try:
+        return _copier(value)(value)
+    except Exception as error:  # how a class copies its objects is its author's
+        told = f"a message of type `{kind.__name__}` cannot be copied for its receivers"
+        raise TypeError(f"{told}: {error}") from error
+
+
+def is_constant(value: Any) -> bool:
+    """Whether neither an object nor anything that it holds can change."""
+    kind: Any = type(value)
+    if kind in _ATOMS:
+        return True
+    if kind is tuple and _ATOMS.issuperset(map(type, value)):
+        return True
+    sort = _sort(kind)
+    held = getattr(value, "__dict__", None)
+    if sort == "fields":
+        if held is None:
+            held = {f.name: getattr(value, f.name, None) for f in fields(kind)}
+        return all(map(is_constant, held.values()))
+    if sort == "members":
+        return not held and all(map(is_constant, value))
+    return sort == "nothing" and (not held or isinstance(value, Enum))
+
+
+@lru_cache(maxsize=_CLASSES)
+def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
+    """Return what of an object has to be constant for the object to be, if not itself."""
+    if issubclass(kind, tuple | frozenset):
+        return "members"
+    if issubclass(kind, list | dict | set | bytearray):
+        return "itself"
+    if is_dataclass(kind) and kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+        return "fields"
+    return "nothing" if issubclass(kind, (*_FIXED, Enum)) else "itself"
+
+
+def _copier(value: Any) -> Callable[[_Value], _Value]:
+    """Return what copies an object whole: its outside alone where its members never change."""
+    kind: Any = type(value)
+    if kind is list and _ATOMS.issuperset(map(type, value)):
+        return list.copy  # type: ignore[return-value]
+    if _is_plain(kind) and not getattr(value, "__dict__", None) and all(map(is_constant, value)):
+        return copy
+    return deepcopy
+
+
+@lru_cache(maxsize=_CLASSES)
+def _is_plain(kind: type) -> bool:
+    """Whether objects are lists or sets, without more that they hold or do when copied."""
+    own = ("__copy__", "__deepcopy__", "__slots__")
+    return issubclass(kind, list | set) and not any(getattr(kind, name, None) for name in own)
