@@ -83,7 +83,9 @@ FILES = {
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
     "execution/simulator": "world body devices",
-    "execution/scenario": "schema toml_places toml_tables read functions devices",
+    "execution/scenario": (
+        "schema contradictions toml_places toml_tables read functions agreement devices"
+    ),
     "execution/recording": "picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live progress outputs report extract limits "

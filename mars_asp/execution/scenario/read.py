@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
 from mars_asp.execution.scenario.toml_tables import read_tables
@@ -20,7 +21,8 @@ _MOST_PROBLEMS = 200
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` says where requirements, the robot's module and limits, bindings and faults stand.
+    `places` says where requirements, the robot's module and limits, and the tables of bindings,
+    devices and faults are.
     """
 
     path: Path
@@ -55,17 +57,17 @@ def read_scenario(text: str, path: Path) -> Scenario:
     """
     tables = read_tables(text, str(path), "scenario")
     where = Places(text, str(path))
-    problems = [
-        _problem(where.of(*wrong.path), wrong.message, wrong.help)
-        for wrong in islice(mistakes(tables), _MOST_PROBLEMS)
-    ]
+    wrong = list(islice(mistakes(tables), _MOST_PROBLEMS))
+    if len(wrong) < _MOST_PROBLEMS:
+        wrong += islice(contradictions(tables, wrong), _MOST_PROBLEMS - len(wrong))
+    problems = [_problem(where.of(*each.path), each.message, each.help) for each in wrong]
     if problems:
         raise MarsError(problems)
     places = {key: where.of("requirements", key) for key in tables.get("requirements", ())}
     limits = tables["robot"].get("limits", ())
     places |= {function: where.of("robot", "limits", function) for function in limits}
     places["robot"] = where.of("robot", "module")
-    for table in ("bindings", "faults"):
+    for table in ("bindings", "devices", "faults"):
         named = tables.get(table, ())
         places |= {f"{table}.{module}": where.of(table, module) for module in named}
     return Scenario(path, point(str(path), 1, 1), **tables, places=places)
