@@ -52,7 +52,9 @@ def made(kind: type, context: Context) -> Made:
     for name, parameter in signature.parameters.items():
         if parameter.kind in _VARIABLE or (name not in left and parameter is not given):
             if parameter.kind not in _VARIABLE and parameter.default is Parameter.empty:
-                help_text = f"set it in {_TABLE}, or give it a default"
+                near = nearest(name, left)
+                hint = f"set it in {_TABLE}, or give it a default"
+                help_text = f"{_TABLE} has `{near}`: change one of them" if near else hint
                 raise UnfitError(f"`{shown}` needs the parameter `{name}`", help_text)
             continue
         value = context if parameter is given else left.pop(name)
@@ -202,11 +204,12 @@ def _refuse_inputs(
             raise UnfitError(f"`{shown}` takes `{each.name}` by name", help_text)
     if least <= len(inputs) <= most:
         return
-    wants = f"at least {least}" if most > least else str(least)
-    if len(inputs) > most:
-        wants = "none" if not most else f"at most {most}" if most > least else str(most)
+    bound, number = ("", most) if least == most else ("at most ", most)
+    if len(inputs) < least:
+        bound, number = ("", least) if least == most else ("at least ", least)
+    wants = f"{bound}{number} input{'s' * (number != 1)}" if number else "no inputs"
     come = f"{len(inputs)} ({', '.join(inputs)})" if inputs else "none"
-    message = f"`{shown}{_shown(signature)}` takes {wants} as inputs, and the module gets {come}"
+    message = f"`{shown}{_shown(signature)}` takes {wants}, and the module gets {come}"
     raise UnfitError(message, "give it one parameter for each input, in the order of the lines")
 
 

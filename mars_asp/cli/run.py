@@ -5,7 +5,7 @@ import json
 import os.path
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +27,7 @@ from mars_asp.cli.reason import (
     rulebook_for,
 )
 from mars_asp.cli.report import report
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -101,6 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
         scenario = replace(scenario, duration=arguments.duration)
+        report(_never_begun(scenario), arguments)
     specification = _specification(project, arguments)
     if specification is None:
         print("mars-asp: no specification realises this configuration", file=sys.stderr)
@@ -119,6 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     with aside:
         trial = stage_trial(specification, modules, scenario, observe)
+        report(trial.remarks, arguments)
         _carry_out(trial, arguments)
     judgement = judge(trial)
     write_outputs(trial, record, arguments)
@@ -144,6 +147,16 @@ def _scenario(arguments: argparse.Namespace) -> "Scenario":
     if arguments.scenario == STANDARD_INPUT:
         return read_scenario(read_input("<stdin>"), Path("<stdin>"))
     return load_scenario(Path(arguments.scenario))
+
+
+def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
+    """Yield a warning for each fault that a run that was cut short does not come to."""
+    from mars_asp.execution.scenario.contradictions import late_faults
+
+    for name, start in late_faults(scenario.faults, scenario.duration):
+        message = f"the fault of `{name}` begins at {start:g} s, after the end of this run"
+        place = scenario.places[f"faults.{name}"]
+        yield Diagnostic("scenario", "warning", message, place, (), "lengthen `--duration`")
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":

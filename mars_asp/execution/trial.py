@@ -33,7 +33,8 @@ from mars_asp.model.declarations import GRASP, Configuration, Function, Module
 class Trial:
     """A run: `executor` and `body` hold what happened.
 
-    `limits` are rates by module, `moves` the functions that each simulated device carries out.
+    `limits` are rates by module, `moves` the functions that each simulated device carries out,
+    `remarks` warnings about the scenario.
     """
 
     scenario: Scenario
@@ -41,6 +42,7 @@ class Trial:
     body: Body
     limits: Mapping[str, Mapping[str, float]]
     moves: Mapping[str, tuple[str, ...]]
+    remarks: tuple[Diagnostic, ...] = ()
 
     def run_until(self, seconds: float) -> None:
         """Run events and motion up to a time."""
@@ -150,7 +152,8 @@ def _stage(
         return running[0].schedule.now / SECOND if running else 0.0
 
     plan = Plan(specification, every, {})
-    if problems := list(disagreements(plan, scenario)):
+    remarks = tuple(disagreements(plan, scenario))
+    if problems := [each for each in remarks if each.severity == "error"]:
         raise MarsError(problems)
     behaviours = bind_functions(plan, scenario, clock)
     joints = make_joints(scenario)
@@ -159,7 +162,7 @@ def _stage(
     running.append(Executor(specification, every, behaviours, timeout, observe))
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
     moves[robot["module"]] = planar_functions(scenario.up)
-    return Trial(scenario, running[0], body, limits, moves)
+    return Trial(scenario, running[0], body, limits, moves, remarks)
 
 
 def make_world(scenario: Scenario) -> World:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.execution.executor.plan import Plan
-from mars_asp.execution.scenario.functions import bound_functions
+from mars_asp.execution.scenario.functions import bound_functions, converting
 from mars_asp.execution.scenario.read import Scenario
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
 from mars_asp.spelling import nearest
@@ -14,43 +14,43 @@ _OBEYING = ("joint", "gripper")
 
 
 def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
-    """Yield what a scenario states that a specification has no place for, each at its place."""
+    """Yield what a scenario states that a specification has no place for, each at its place.
+
+    A name that is like that of a module which nothing runs is an error. Otherwise the module is one
+    of another specification that the scenario serves as well, which is a warning.
+    """
     modules = [name for name in plan.names if name in plan.modules or node_kind(name) is None]
     unfit = list(_robot(plan, scenario))
     yield from unfit
     robot = None if unfit else scenario.robot["module"]
+    run = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
+    left = set(modules) - run - scenario.devices.keys() - {robot}
     for name, device in scenario.devices.items():
         if name not in modules:
-            yield _unknown("devices", name, modules, scenario)
+            yield _unknown("devices", name, modules, left, scenario)
         elif wrong := _unlike(plan, robot, name, device["kind"]):
             place = scenario.places[f"devices.{name}"]
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
-    bound = {*modules, *_converting(plan)}
+    bound = {*modules, *converting(plan)}
     for name, stated in scenario.bindings.items():
         has_parts = any(each.startswith(f"{name}.") for each in modules)
         if name not in bound and not (has_parts and "python" not in stated):
-            yield _unknown("bindings", name, bound, scenario)
+            yield _unknown("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
 
 
-def _converting(plan: Plan) -> Iterator[str]:
-    """Yield what converts messages: modules, and nodes to which a function is bound instead."""
-    yield from (name for name in plan.names if plan.kind(name) == "data_transformer")
-    yield from (each.converter for each in plan.configuration.conversions if each.converter)
-    for module in plan.modules.values():
-        if any(service.kind == "Converts" for service in module.services):
-            yield module.name
-
-
-def _unknown(table: str, name: str, known: Iterable[str], scenario: Scenario) -> Diagnostic:
+def _unknown(
+    table: str, name: str, modules: Iterable[str], left: Iterable[str], scenario: Scenario
+) -> Diagnostic:
+    """Return what is wrong with a name; `left` are the modules that nothing runs."""
     place = scenario.places[f"{table}.{name}"]
-    parts = sorted(each for each in known if each.startswith(f"{name}."))
-    near = nearest(name, known)
-    help_text = f"one of {', '.join(sorted(known))}"
-    if parts or near:
-        help_text = f"it runs in parts: {', '.join(parts)}" if parts else f"did you mean `{near}`?"
     message = f"`{table}` names `{name}`, which is not a module of the specification"
-    return Diagnostic("scenario", "error", message, place, (), help_text)
+    if parts := sorted(each for each in modules if each.startswith(f"{name}.")):
+        help_text = f"it runs in parts: {', '.join(parts)}"
+        return Diagnostic("scenario", "error", message, place, (), help_text)
+    if near := nearest(name, left):
+        return Diagnostic("scenario", "error", message, place, (), f"did you mean `{near}`?")
+    return Diagnostic("scenario", "warning", message, place, (), "remove it, or add the module")
 
 
 def _unlike(plan: Plan, robot: str | None, name: str, device: str) -> tuple[str, str] | None:

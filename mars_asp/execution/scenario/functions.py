@@ -76,6 +76,9 @@ class Functions:
         self, name: str, folder: Folder, path: Path, called: str
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
         """Return what to call for a module, and where it is defined."""
+        if not path.is_file():
+            told = f"`{relpath(path)}` is not a file"
+            raise UnfitError(told, "name a file, relative to the scenario")
         # A behaviour that draws random numbers finds the run's seed there.
         target: Any = folder.load(path, SEED=self.scenario.seed)
         context, knows = self._context(name), False
@@ -180,13 +183,24 @@ def bind_functions(plan: Plan, scenario: Scenario, clock: Clock) -> dict[str, Be
         MarsError: files or functions that cannot be used; all of them.
     """
     functions = Functions(plan, scenario, clock)
+    known = {*plan.names, *converting(plan)}
     bound = {
         name: functions.behaviour(name, *place)
         for name, place in bound_functions(plan.modules, scenario, plan.names)
+        if name in known
     }
     if functions.problems:
         raise MarsError(functions.problems)
     return {n: faulty(each, scenario, n, clock) for n, each in bound.items() if each is not None}
+
+
+def converting(plan: Plan) -> Iterator[str]:
+    """Yield what converts messages: modules, and nodes to which a function is bound instead."""
+    yield from (name for name in plan.names if plan.kind(name) == "data_transformer")
+    yield from (each.converter for each in plan.configuration.conversions if each.converter)
+    for module in plan.modules.values():
+        if any(service.kind == "Converts" for service in module.services):
+            yield module.name
 
 
 def bound_functions(

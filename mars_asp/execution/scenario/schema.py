@@ -161,7 +161,10 @@ _DEVICE = _one_of(
 )
 _BINDING = _table(
     {
-        "python": _WORD,
+        "python": _told(
+            '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
+            {"type": "string", "pattern": r"^[^\n]+\.py:[^:\n]+$"},
+        ),
         "period": _number(0.001),
         "delay": _POSITIVE,
         "parameters": {"type": "object"},
