@@ -3,6 +3,7 @@
 import importlib
 import sys
 import sysconfig
+from collections.abc import Iterator
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -20,12 +21,15 @@ FOREIGN = tuple(
 )
 
 
+_OURS = "mars_asp"
+
+
 class Folder:
     """What the files of one folder import from beside them, while their code runs.
 
     Within a `with` of it, modules of the folder are found before others of their names, except
-    those of Python itself and what is loaded already of installed packages. After it, nothing of
-    them is left in `sys.modules`, so that neither other folders nor later runs see it.
+    those of Python itself and ours. After it, nothing of them is left in `sys.modules`, so that
+    neither other folders nor later runs see it.
     """
 
     def __init__(self, path: Path) -> None:
@@ -73,13 +77,8 @@ class Folder:
             return None
         self._sought = True
         if path is not None:
-            return None
-        found = PathFinder.find_spec(name, [str(self.path)])
-        if found is None or found.loader is not None:
-            return found
-        # A folder without `__init__.py` gives way to a module of its name, as in Python.
-        elsewhere = PathFinder.find_spec(name)
-        return found if elsewhere is None or elsewhere.loader is None else elsewhere
+            return None  # in a package, which knows its folder
+        return PathFinder.find_spec(name, [str(self.path)])
 
     def __enter__(self) -> "Folder":
         self._depth += 1
@@ -106,9 +105,8 @@ class Folder:
         sys.meta_path.remove(self)
         if self._sought:
             self._sought = False
-            for name, module in loaded.items():
-                if name.partition(".")[0] in self.names and not _file(module).startswith(FOREIGN):
-                    self.modules[name] = module
+            own = {n: m for n, m in loaded.items() if n.partition(".")[0] in self.names}
+            self.modules.update(own)
         for name in self.modules:
             loaded.pop(name, None)
         if self._aside:
@@ -139,21 +137,16 @@ def place_of(error: BaseException) -> tuple[str, int] | None:
     return found
 
 
-def _names(folder: Path) -> list[str]:
-    """Return the modules that files and folders of a folder would be imported as."""
-    found = {
-        entry.stem
-        for entry in folder.iterdir()
-        if entry.suffix == ".py" or (entry.is_dir() and entry.name.isidentifier())
-    }
-    return [name for name in found if name.isidentifier() and not _is_foreign(name)]
-
-
-def _is_foreign(name: str) -> bool:
-    """Whether a module of Python itself, or one that is installed and loaded, has a name."""
-    installed = _file(sys.modules.get(name)).startswith(FOREIGN)
-    return name in sys.stdlib_module_names or name == "mars_asp" or installed
-
-
-def _file(module: ModuleType | None) -> str:
-    return getattr(module, "__file__", None) or ""
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the modules that are imported from the files and folders of a folder."""
+    for entry in folder.iterdir():
+        name = entry.stem if entry.suffix == ".py" else entry.name
+        is_ours = name in sys.stdlib_module_names or name == _OURS
+        if not name.isidentifier() or is_ours or not (entry.suffix == ".py" or entry.is_dir()):
+            continue
+        if entry.is_dir() and not (entry / "__init__.py").is_file():
+            # As in Python, a folder that is not a package gives way to a module of its name.
+            elsewhere = PathFinder.find_spec(name)
+            if elsewhere is not None and elsewhere.loader is not None:
+                continue
+        yield name
