@@ -4,7 +4,7 @@ import ast
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from os.path import relpath
+from os.path import normpath
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -44,7 +44,7 @@ class Functions:
     def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
         """Return what a module does by a function or a class of a file; note what is wrong."""
         stated = self.scenario.bindings.get(name, {})
-        shown = f"{relpath(path)}:{called}"
+        shown = f"{normpath(path)}:{called}"
         try:
             folder = self._folder(path)
             call, place = self._found(name, folder, path.resolve(), called)
@@ -56,7 +56,7 @@ class Functions:
             told = f"{type(error).__name__}: {error}"
             raised = place_of(error)
             if raised is not None:
-                told = f"{relpath(raised[0])}:{raised[1]}: {told}"
+                told = f"{_seen_from_here(raised[0])}:{raised[1]}: {told}"
             message, help_text = f"`{shown}` cannot be used: {told}", None
         else:
             period, delay = (_nanoseconds(stated.get(key)) for key in ("period", "delay"))
@@ -77,7 +77,7 @@ class Functions:
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
         """Return what to call for a module, and where it is defined."""
         if not path.is_file():
-            told = f"`{relpath(path)}` is not a file"
+            told = f"`{_seen_from_here(str(path))}` is not a file"
             raise UnfitError(told, "name a file, relative to the scenario")
         # A behaviour that draws random numbers finds the run's seed there.
         target: Any = folder.load(path, SEED=self.scenario.seed)
@@ -149,6 +149,12 @@ def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
             raise RuntimeError(f"it raised {type(error).__name__}") from None
 
     return run
+
+
+def _seen_from_here(file: str) -> str:
+    """Return a path within the current folder without that folder, of another its last part."""
+    path, here = Path(file), Path.cwd()
+    return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
 
 def _inputs(plan: Plan, name: str) -> tuple[str, ...] | None:
