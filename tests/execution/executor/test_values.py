@@ -43,6 +43,8 @@ WAYS = [
     "B uses_data_from DataSplitter1",
     "DataTransformer1 uses_data_from S\nA uses_data_from DataTransformer1",
     "D uses_data_from S\nA uses_data_from D\nB uses_data_from S",
+    "DataSplitter1 uses_data_from S\nDataTransformer1 uses_data_from DataSplitter1\n"
+    "A uses_data_from DataTransformer1\nB uses_data_from DataSplitter1",
 ]
 
 
@@ -51,9 +53,9 @@ def test_no_receiver_sees_what_another_did(lines: str) -> None:
     first, second, record, kept = Box(), Box(), Record(), [1, [2]]
 
     def passing(value: list[Any]) -> list[Any]:
+        made = [value[0], [*value[1]]]
         value[1].append("passed")
-        del value[1][1:]
-        return value
+        return made
 
     modules = [sensor("S"), sink("A"), sink("B"), data_out("D")]
     behaviours = {"S": Behaviour(lambda: kept, ms(100)), "A": first, "B": second, "D": passing}
@@ -84,6 +86,34 @@ def test_a_list_that_its_sender_goes_on_changing_is_what_it_was_when_it_was_sent
     lines = "A uses_data_from S\nA uses_data_from T"
     executed(lines, modules, {"S": late, "T": clock, "A": take}, 0.6)
     assert [value for value, _ in seen] == [[0], [0, 1], [0, 1, 2], [0, 1, 2, 3]]
+
+
+@pytest.mark.parametrize("sender", ["S", "D", "DataTransformer1"])
+def test_what_a_sender_keeps_changes_no_message(sender: str) -> None:
+    kept: list[int] = [0]
+    seen: list[int] = []
+
+    def tick() -> int:
+        kept.append(0)
+        return 0
+
+    def send(*_: Any) -> list[int]:
+        del kept[1:]
+        return kept
+
+    modules = [sensor("S"), sensor("T"), data_out("D"), sink("A")]
+    behaviours: dict[str, Any] = {
+        "S": Behaviour(send, ms(1000)),
+        "T": Behaviour(tick, ms(100)),
+        "D": send,
+        "DataTransformer1": send,
+        "A": lambda slow, _: seen.append(len(slow)),
+    }
+    lines = f"A uses_data_from {sender}\nA uses_data_from T"
+    if sender != "S":
+        lines += f"\n{sender} uses_data_from S"
+    executed(lines, modules, behaviours, 0.5)
+    assert set(seen[1:]) == {1}  # of the first instant, `T` ticks before or after
 
 
 def test_the_latest_of_an_input_is_as_it_was_sent_at_each_computation() -> None:
