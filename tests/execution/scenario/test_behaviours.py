@@ -1,5 +1,6 @@
 """Functions and classes of users in a run: state, context, imports, and what is refused."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.reasoning.project import load_project
+from tests.support.documents import ROOT
 from tests.support.trials import BASE, DRIVE, trial
 
 TWO = "@specification\n@modules P, Q, C, D\nP is_controlled_by C\nQ is_controlled_by D\n"
+LANGUAGES = ("python", "toml")
 SLIDE = '[devices.Q]\nkind = "joint"\nfunction = "Trans_Z"\n'
 BIND = 'python = "{}"\nperiod = 100\n'
 
@@ -148,6 +151,24 @@ def test_parts_of_a_module_share_its_object(tmp_path: Path) -> None:
     )
     made = annotated(tmp_path, CAMERA, "P, C, Camera, A, B", lines, f"{scenario}period = 100\n")
     assert rates(made, "P")[-1] == -30
+
+
+def test_the_template_of_the_page_runs(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "how-to" / "behaviours.md").read_text(encoding="utf-8")
+    source, bindings = (re.findall(rf"(?ms)^```{kind}\n(.*?)^```$", page)[0] for kind in LANGUAGES)
+    (tmp_path / "behaviours.py").write_text(source)
+    robot = (
+        "@specification\n@modules Base, Sonar, Cruise, Retreat\n"
+        "DataSplitter1 uses_data_from Sonar\nCruise uses_data_from DataSplitter1\n"
+        "Retreat uses_data_from DataSplitter1\nBase is_controlled_by ArbitrationNode\n"
+        "ArbitrationNode is_controlled_by Cruise 1\nArbitrationNode is_controlled_by Retreat 2\n"
+    )
+    world = "[world]\nwalls = [[[1200, -900], [1200, 900]]]\n[devices.Sonar]\nkind = 'sonar'\n"
+    text = 'duration = 12\n[robot]\nmodule = "Base"\n'
+    made = trial(f"{text}{world}{bindings}", robot, tmp_path)
+    assert not made.executor.failures
+    assert made.control_time.keys() == {"Cruise", "Retreat"}
+    assert made.body.collisions == 0
 
 
 REFUSED = {
