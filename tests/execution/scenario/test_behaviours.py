@@ -158,7 +158,7 @@ def test_the_template_of_the_page_runs(tmp_path: Path) -> None:
     source, bindings = (re.findall(rf"(?ms)^```{kind}\n(.*?)^```$", page)[0] for kind in LANGUAGES)
     (tmp_path / "behaviours.py").write_text(source)
     robot = (
-        "@specification\n@modules Base, Sonar, Cruise, Retreat\n"
+        "@specification hierarchical\n@modules Base, Sonar, Cruise, Retreat\n"
         "DataSplitter1 uses_data_from Sonar\nCruise uses_data_from DataSplitter1\n"
         "Retreat uses_data_from DataSplitter1\nBase is_controlled_by ArbitrationNode\n"
         "ArbitrationNode is_controlled_by Cruise 1\nArbitrationNode is_controlled_by Retreat 2\n"
