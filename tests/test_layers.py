@@ -43,7 +43,7 @@ FILES = {
     "annotations/declarations": (
         "declaration tokens c_types c_parameters c java rust go matlab python read"
     ),
-    "behaviour": "command context values imports calls testing",
+    "behaviour": "values command context imports calls testing",
     "language": (
         "layout text_edits expected relocate statements lines grammar tokens parse "
         "statement_edits print format"

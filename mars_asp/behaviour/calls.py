@@ -86,8 +86,10 @@ def method_of(instance: object, name: str | None) -> Callable[..., Any]:
     if callable(found):
         return found  # type: ignore[no-any-return]
     near = nearest(name, methods) if name else None
-    some = methods[0] if methods else "step"
-    help_text = f"did you mean `{near}`?" if near else f"name one, as in `FILE.py:{kind}.{some}`"
+    some = f"name one, as in `FILE.py:{kind}.{methods[0] if methods else 'step'}`"
+    if not methods and callable(instance):
+        some = f"leave out `.{name}`: an object of the class is called"
+    help_text = f"did you mean `{near}`?" if near else some
     what = f"method `{name}`" if name else "`__call__`"
     raise UnfitError(f"the class `{kind}` has no {what}", help_text)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Literal, TypeAlias
 
+from mars_asp.behaviour.values import shown
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
 from mars_asp.spelling import nearest
 
@@ -30,9 +31,11 @@ class Command:
         if self.function not in _FUNCTIONS:
             near = nearest(self.function, _FUNCTIONS) if isinstance(self.function, str) else None
             hint = f"did you mean `{near}`?" if near else f"one of {', '.join(_FUNCTIONS)}"
-            raise ValueError(f"{self.function!r} is not a function of an effector: {hint}")
+            raise ValueError(f"{shown(self.function)} is not a function of an effector: {hint}")
         if isinstance(self.rate, bool) or not hasattr(self.rate, "__float__"):
-            raise TypeError(f"the rate of `{self.function}` must be a number, not {self.rate!r}")
+            raise TypeError(
+                f"the rate of `{self.function}` must be a number, not {shown(self.rate)}"
+            )
         if not isfinite(rate := float(self.rate)):
             raise ValueError(f"the rate of `{self.function}` must be finite, not {rate}")
         object.__setattr__(self, "rate", rate)
@@ -51,5 +54,5 @@ def command_of(result: object) -> Command:
     pairs = list(result.items()) if isinstance(result, dict) else [result]
     if len(pairs) != 1 or not isinstance(pairs[0], tuple) or len(pairs[0]) != 2:
         told = "a controller returns one `Command(function, rate)`, or None"
-        raise ValueError(f"{told}, not {result!r}")
+        raise ValueError(f"{told}, not {shown(result)}")
     return Command(*pairs[0])

@@ -1,5 +1,6 @@
 """Messages are values: whoever is handed one may change what it was handed, and no more."""
 
+import re
 from collections.abc import Callable, Collection
 from copy import deepcopy
 from dataclasses import fields, is_dataclass
@@ -9,6 +10,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
 from itertools import chain
+from reprlib import Repr
 from typing import Any, Literal, TypeVar
 
 _Value = TypeVar("_Value")
@@ -18,6 +20,7 @@ _ATOMS = frozenset({type(None), bool, int, float, complex, str, bytes, range})
 _FIXED = (int, float, complex, str, bytes, Fraction, Decimal, date, time, timedelta)
 #: As many classes are remembered as a run is likely to have of messages and their members.
 _CLASSES = 256
+_ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
 #: What a class may change of how its objects are copied.
 _COPYING = ("__new__", "__reduce__", "__reduce_ex__", "__iter__")
 
@@ -108,3 +111,21 @@ def _is_plain(kind: type) -> bool:
     if hasattr(kind, "__copy__") or hasattr(kind, "__deepcopy__"):
         return False
     return all(getattr(kind, name) == getattr(list, name) for name in _COPYING)
+
+
+class _Short(Repr):
+    """Shortens texts of values, and numbers in them to six digits."""
+
+    def repr_float(self, number: float, _: int) -> str:
+        return f"{number:.6g}"
+
+
+#: Of a class whose text cannot be made, it shows the name.
+_SHORT = _Short()
+_SHORT.maxlist = _SHORT.maxtuple = 4
+_SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
+
+
+def shown(value: object) -> str:
+    """Return a short text of a value, the same in every run: without its address."""
+    return _ADDRESS.sub("", _SHORT.repr(value))

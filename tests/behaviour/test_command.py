@@ -38,6 +38,11 @@ def test_a_rate_is_any_number() -> None:
     assert isinstance(Command("Trans_Z", 3).rate, float)
 
 
+def test_a_message_is_the_same_in_every_run() -> None:
+    with pytest.raises(ValueError, match=r"or None, not <object object>$"):
+        command_of(object())
+
+
 def test_pairs_and_mappings_are_commands() -> None:
     same = [Command("Grasp", 40), ("Grasp", 40), {"Grasp": 40}]
     assert {command_of(each) for each in same} == {Command("Grasp", 40)}

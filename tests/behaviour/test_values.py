@@ -123,7 +123,9 @@ def test_what_a_message_holds_twice_it_holds_twice_in_a_copy() -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [(n for n in [1]), threading.Lock(), [threading.Lock()]], ids=repr
+    "value",
+    [(n for n in [1]), threading.Lock(), [threading.Lock()]],
+    ids=["generator", "lock", "list"],
 )
 def test_what_cannot_be_copied_is_an_error_that_names_its_type(value: object) -> None:
     with pytest.raises(TypeError, match=f"a message of type `{type(value).__name__}` cannot be"):

@@ -1,15 +1,14 @@
 """Messages, and the links that carry and count them."""
 
-import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from reprlib import Repr
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mars_asp.behaviour.imports import place_of
+from mars_asp.behaviour.values import shown
 from mars_asp.diagnostic import Span
 from mars_asp.execution.executor.behaviour import AskedError
 from mars_asp.execution.executor.schedule import Schedule
@@ -35,20 +34,6 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
     tuple.__new__, Message
 )
 
-
-class _Short(Repr):
-    """Shortens texts of values, and numbers in them to six digits."""
-
-    def repr_float(self, number: float, _: int) -> str:
-        return f"{number:.6g}"
-
-
-#: Of a class whose text cannot be made, it shows the name.
-_SHORT = _Short()
-_SHORT.maxlist = _SHORT.maxtuple = 4
-_SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
-
-_ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
 
 #: Told of every delivery, holding and fault: time, what happened, where, and with what.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
@@ -76,7 +61,7 @@ class Failures:
         self.count += 1
         if self.count == 1:
             self.first, self.at, self.raised = _text_of(error), now, place_of(error) or self.place
-            self.inputs = tuple(_shown(value) for value in inputs)
+            self.inputs = tuple(shown(value) for value in inputs)
 
 
 def _text_of(error: Exception) -> str:
@@ -86,11 +71,6 @@ def _text_of(error: Exception) -> str:
         return f"{name}: {error}"
     except Exception:  # the class of a user's exception may be wrong in any way
         return name
-
-
-def _shown(value: object) -> str:
-    """Return a short text of an input, the same in every run: without its address."""
-    return _ADDRESS.sub("", _SHORT.repr(value))
 
 
 @dataclass(slots=True, eq=False)

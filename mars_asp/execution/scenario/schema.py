@@ -163,7 +163,7 @@ _BINDING = _table(
     {
         "python": _told(
             '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
-            {"type": "string", "pattern": r"^[^\n]+\.py:[^:\n]+$"},
+            {"type": "string", "pattern": r"^[^\n]+\.py:[^:.\s]+(\.[^:.\s]+)*$"},
         ),
         "period": _number(0.001),
         "delay": _POSITIVE,

@@ -178,6 +178,7 @@ REFUSED = {
     "b.py:Bad": "`b.py:Bad` cannot be used: b.py:6: ValueError: not today",
     "b.py:Mute": "the class `Mute` has no `__call__`",
     "b.py:Mute.stp": "the class `Mute` has no method `stp`",
+    "b.py:Call.stp": "the class `Call` has no method `stp`",
     "b.py:late": "`late` is asynchronous (`async def`)",
     "b.py:two": "`two(a, b)` takes 2 inputs, and the module gets none",
     "c.py:go": "`c.py` is not a file",
@@ -195,6 +196,7 @@ def test_what_cannot_run_is_refused_at_its_binding_all_at_once(
         "N = 3\ndef go(): ...\nasync def late(): ...\ndef two(a, b): ...\n"
         "class Bad:\n    def __init__(self): raise ValueError('not today')\n"
         "    def __call__(self): ...\nclass Mute:\n    def step(self): ...\n"
+        "class Call:\n    def __call__(self): ...\n"
     )
     (tmp_path / "wrong.py").write_text("x = 1\ndef go(:\n")
     (tmp_path / "needs.py").write_text("import nothing_of_this_name\n")
@@ -210,6 +212,7 @@ def test_what_cannot_run_is_refused_at_its_binding_all_at_once(
     for name, told, diagnostic in zip(names, REFUSED.values(), found, strict=True):
         assert diagnostic.message.startswith(f"`{name}`: {told}")
     assert found[1].help == "did you mean `go`?"
+    assert found[6].help == "leave out `.stp`: an object of the class is called"
 
 
 def test_what_is_annotated_and_cannot_run_is_refused_where_it_is_annotated(tmp_path: Path) -> None:
