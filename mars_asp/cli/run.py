@@ -5,7 +5,7 @@ import json
 import os.path
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +23,8 @@ from mars_asp.cli.reason import (
     check_inputs,
     read_project,
 )
+from mars_asp.cli.report import report
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -99,6 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
         scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
         scenario = replace(scenario, duration=arguments.duration)
+        report(_never_begun(scenario), arguments)
     found = specified(project, arguments)
     if found is None:
         return 1
@@ -114,6 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     with aside, live_line(arguments, run_line) as show:
         trial, judgement = performed(specification, modules, scenario, observe, show)
+    report(trial.remarks, arguments)
     write_outputs(trial, record, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
@@ -135,6 +139,16 @@ def _scenario(arguments: argparse.Namespace) -> "Scenario":
     from mars_asp.execution.scenario.read import read_scenario
 
     return read_scenario(*scenario_text(arguments), read_changes(arguments.vary))
+
+
+def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
+    """Yield a warning for each fault that a run that was cut short does not come to."""
+    from mars_asp.execution.scenario.contradictions import late_faults
+
+    for name, start in late_faults(scenario.faults, scenario.duration):
+        message = f"the fault of `{name}` begins at {start:g} s, after the end of this run"
+        place = scenario.places[f"faults.{name}"]
+        yield Diagnostic("scenario", "warning", message, place, (), "lengthen `--duration`")
 
 
 def _print_plan(

@@ -38,6 +38,7 @@ def test_a_place_is_reached_in_time_or_not() -> None:
 def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
     made = trial(f"{BASE}{HAND}{ASKED}reach = {{ at = [2500, 800], within = 60 }}\n")
     assert judge(made).verdict == "not decided"
+    assert [d.message for d in made.remarks] == ["`within` is 60 s, and the run ends at 3 s"]
     assert message_of(made, "reach") == (
         "the run ended at 3 s, and (2500, 800) is to be reached by 60 s; nearest 2.062 m, at 3 s"
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
 from mars_asp.execution.scenario.toml_tables import read_tables
@@ -21,7 +22,8 @@ _MOST_PROBLEMS = 200
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` has those of requirements, the robot's module, start and limits, bindings and faults.
+    `places` has those of requirements, the robot's module, start and limits, and of the tables of
+    bindings, devices and faults.
     """
 
     path: Path
@@ -58,10 +60,10 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
     """
     tables = read_tables(text, str(path), "scenario")
     where = Places(text, str(path))
-    problems = [
-        _problem(where.of(*wrong.path), wrong.message, wrong.help)
-        for wrong in islice(mistakes(tables), _MOST_PROBLEMS)
-    ]
+    wrong = list(islice(mistakes(tables), _MOST_PROBLEMS))
+    if len(wrong) < _MOST_PROBLEMS:
+        wrong += islice(contradictions(tables, wrong), _MOST_PROBLEMS - len(wrong))
+    problems = [_problem(where.of(*each.path), each.message, each.help) for each in wrong]
     if problems:
         raise MarsError(problems)
     tables = changed(tables, changes)
@@ -71,7 +73,7 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
     places["robot"] = where.of("robot", "module")
     if "start" in tables["robot"]:
         places["start"] = where.of("robot", "start")
-    for table in ("bindings", "faults"):
+    for table in ("bindings", "devices", "faults"):
         named = tables.get(table, ())
         places |= {f"{table}.{module}": where.of(table, module) for module in named}
     places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import MarsError, point, refusal
+from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import Mistake, mistakes
 from mars_asp.spelling import nearest
 
@@ -167,7 +168,8 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
         except _NoSuchKeyError as error:
             wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
     # The text alone was checked before.
-    found = [_refused(each.message, each.help) for each in wrong or mistakes(tables)]
+    wrong = wrong or list(mistakes(tables)) or list(contradictions(tables, ()))
+    found = [_refused(each.message, each.help) for each in wrong]
     if found:
         raise MarsError(each.diagnostics[0] for each in found)
     return tables
