@@ -1,7 +1,7 @@
 """How long judging a run takes beside simulating it: `python benchmarks/judge.py 240 900 3600`.
 
-Two controllers take turns 20 times a second, and every requirement is asked for. Times are processor
-time of this one process; the figure is their ratio, facts and rules together.
+Two controllers take turns 20 times a second, and every requirement is asked for. Times are
+processor time of this one process; the figure is their ratio, facts and rules together.
 """
 
 import sys
