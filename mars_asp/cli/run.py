@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -224,19 +225,20 @@ def _links_json(trial: "Trial") -> list[dict[str, Any]]:
     from mars_asp.execution.promises import promises
 
     rates = {each.number: each.hz for each in promises(trial)}
+    now = trial.executor.schedule.now
     return [
-        _link_json(trial, link, rates.get(number))
+        _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
         for number, link in enumerate(trial.executor.links)
     ]
 
 
-def _link_json(trial: "Trial", link: "Link", hz: float | None) -> dict[str, Any]:
+def _link_json(trial: "Trial", link: "Link", hz: float) -> dict[str, Any]:
     asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
     return {
         "source": link.source,
         "client": link.client,
         "asked_hz": None if asked is None else float(asked),
-        "got_hz": round(link.delivered / trial.scenario.duration if hz is None else hz, 6),
+        "got_hz": round(hz, 6),
         "oldest_ms": link.oldest / 1e6,
         "delivered": link.delivered,
         "dropped": dict(link.dropped),

@@ -38,7 +38,7 @@ def promises(trial: Trial) -> Iterator[Promise]:
             promised = floor(Fraction(now - begin) * hz / SECOND)
             end = begin + promised * SECOND / hz
         # A message at the very end belongs to the period that begins there.
-        count = link.delivered - sum(at >= end for at in link.latest)
+        count = link.before(end)
         seconds = float(end - begin) / SECOND
         yield Promise(number, link, promised, count, count / seconds if seconds else 0.0)
 

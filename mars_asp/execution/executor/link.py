@@ -110,6 +110,10 @@ class Link:
         """Whether an exception dropped a message."""
         return bool(self.fault)
 
+    def before(self, time: Fraction) -> int:
+        """Return how many messages were delivered before a time (ns) of the last few."""
+        return self.delivered - sum(at >= time for at in self.latest)
+
     def send(self, message: Message) -> None:
         """Deliver at once."""
         now = self.schedule.now
