@@ -63,7 +63,7 @@ def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path:
     (tmp_path / "s.toml").write_text(BASE + hands)
     words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
     assert run_command(words) == 1
-    assert re.search(r"C -> P +10\.33 +0 +31 overtaken", capfd.readouterr().out)
+    assert re.search(r"C -> P +10\.00 +0 +31 overtaken", capfd.readouterr().out)
     assert run_command([*words, "--format", "json"]) == 1
     links = json.loads(capfd.readouterr().out)["links"]
     assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
