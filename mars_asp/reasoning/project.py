@@ -19,7 +19,13 @@ from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
-from mars_asp.reasoning.includes import instances, undescribed, with_includes, without_idle
+from mars_asp.reasoning.includes import (
+    described_twice,
+    instances,
+    undescribed,
+    with_includes,
+    without_idle,
+)
 from mars_asp.spelling import nearest, resemblances
 
 if TYPE_CHECKING:
@@ -127,7 +133,7 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
         diagnostics += found.diagnostics
         modules = {module.name: module for module in found.modules}
     clashes = [
-        _annotated_twice(module, modules[module.name])
+        described_twice(module, modules[module.name])
         for module in configuration.declared
         if module.name in modules
     ]
@@ -270,14 +276,3 @@ def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
 
 def _undigited(name: str) -> str:
     return re.sub("[0-9]", "", name)
-
-
-def _annotated_twice(module: Module, other: Module) -> Diagnostic:
-    return Diagnostic(
-        "module-twice",
-        "error",
-        f"module `{module.name}` is described twice",
-        module.span,
-        ((other.span, "also here"),),
-        "keep one of the two descriptions",
-    )
