@@ -9,13 +9,16 @@ import io
 import os
 import sys
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
-from mars_asp.output import replace_together, visible, write_whole
+from mars_asp.output import Begun, replace_together, visible, write_whole
 
-_OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
+_OUTPUT, _FILE, _PART, _WHOLE, _GROUP, _CODE, _END = b"o", b"f", b"p", b"w", b"g", b"c", b"."
 _LENGTH = 8
+#: So much of a file that grows is sent at a time.
+_PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
 _writer: int | None = None
@@ -65,6 +68,55 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     _send(_GROUP, str(len(group)).encode())
     for path, content, read in files:
         write_file(path, content, read)
+
+
+class Growing:
+    """A file that is written in parts, which `send` takes."""
+
+    def __init__(self, send: Callable[[bytes], object]) -> None:
+        self._send, self._gathered, self._sent = send, bytearray(), 0
+
+    def write(self, content: bytes) -> None:
+        """Write more of it."""
+        self._gathered += content
+        if len(self._gathered) >= _PORTION:
+            self.flush()
+
+    def tell(self) -> int:
+        """Return how many bytes of it were written."""
+        return self._sent + len(self._gathered)
+
+    def flush(self) -> None:
+        """Send what was gathered."""
+        self._sent += len(self._gathered)
+        self._send(bytes(self._gathered))
+        self._gathered.clear()
+
+
+@contextmanager
+def growing(path: str) -> Iterator[Growing]:
+    """Yield a file that is on the disk while it is written, but appears when the block has ended.
+
+    In a worker it appears when the verb has ended. Where the block raises, it never does.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if _pipe is not None:
+        named = os.fsencode(path).hex().encode()
+        file = Growing(lambda part: _send(_PART, named + b"\n" + part))
+        yield file
+        file.flush()
+        _send(_WHOLE, named)
+        return
+    begun = Begun(path)
+    try:
+        file = Growing(begun.write)
+        yield file
+        file.flush()
+        begun.replace()
+    finally:
+        begun.drop()
 
 
 # ---- In the worker -------------------------------------------------------------------------------
@@ -150,6 +202,10 @@ class Told:
         self.output: list[bytes] = []
         #: Groups of files of which all or none are written.
         self.files: list[list[File]] = []
+        #: Files that grow, by their paths, and those of them that are whole.
+        self._grown: dict[str, Begun] = {}
+        self._whole: set[str] = set()
+        self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
         self._rest = bytearray()
@@ -178,14 +234,18 @@ class Told:
             self.output.append(payload)
         elif kind == _FILE:
             header, _, content = payload.partition(b"\n")
-            path, _, read = header.decode().partition(" ")
-            named = os.fsdecode(bytes.fromhex(path))
-            file = File(named, content, read or None)
+            path, _, read = header.partition(b" ")
+            file = File(_path(path), content, read.decode() or None)
             if self._missing:
                 self._missing -= 1
                 self.files[-1].append(file)
             else:
                 self.files.append([file])
+        elif kind == _PART:
+            header, _, content = payload.partition(b"\n")
+            self._grow(_path(header), content)
+        elif kind == _WHOLE:
+            self._whole.add(_path(payload))
         elif kind == _GROUP:
             self._missing = int(payload)
             self.files.append([])
@@ -196,6 +256,22 @@ class Told:
         else:
             raise ValueError(kind)
 
+    def _grow(self, path: str, content: bytes) -> None:
+        """Write more of a file beside the one that it replaces; failures are reported later."""
+        if path in self._unwritten:
+            return
+        try:
+            if path not in self._grown:
+                self._grown[path] = Begun(path)
+            self._grown[path].write(content)
+        except OSError as error:
+            self._unwritten[path] = error
+
+    def drop(self) -> None:
+        """Remove what was not delivered of files that grew."""
+        for begun in self._grown.values():
+            begun.drop()
+
     def deliver(self) -> int:
         """Write files, then standard output; return the exit status.
 
@@ -203,6 +279,14 @@ class Told:
             BrokenPipeError: nobody reads standard output any more.
         """
         status = self.status or 0
+        for path in sorted(self._whole):
+            try:
+                if path in self._unwritten:
+                    raise self._unwritten[path]
+                self._grown[path].replace()
+            except OSError as error:
+                _say_unwritten(f"`{visible(path)}`", error)
+                status = 2
         for group in self.files:
             path = group[0].path if group else ""
             try:
@@ -223,6 +307,10 @@ class Told:
                 _say_unwritten("standard output", error)
                 status = 2
         return status
+
+
+def _path(header: bytes) -> str:
+    return os.fsdecode(bytes.fromhex(header.decode()))
 
 
 def _write_out(chunks: list[bytes]) -> None:

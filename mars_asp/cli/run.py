@@ -16,7 +16,7 @@ from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.live import live_line
-from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
+from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
 from mars_asp.cli.reason import (
     STANDARD_INPUT,
     add_file,
@@ -89,7 +89,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.judgement import judge
-    from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
     from mars_asp.execution.trial import stage_trial
     from mars_asp.model.described import described_modules
@@ -114,16 +113,18 @@ def run(arguments: argparse.Namespace) -> int:
     functions = dict(bound_functions(modules, scenario, named))
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
-    record = Record()
-    observe = record.observe if arguments.record else None
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
-    with aside:
-        trial = stage_trial(specification, modules, scenario, observe)
+    with aside, recorded(arguments) as record:
+        trial = stage_trial(
+            specification, modules, scenario, record.observe if record else None
+        )
         _carry_out(trial, arguments)
+        if record:
+            record.end(trial)
     judgement = judge(trial)
-    write_outputs(trial, record, arguments)
+    write_outputs(trial, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
     if arguments.format == "json":

@@ -14,7 +14,6 @@ from mars_asp.cli.outputs import write_outputs
 from mars_asp.execution.executor.arbitration import Holding
 from mars_asp.execution.executor.link import Observer
 from mars_asp.execution.recording.picture import Picture, plot_run
-from mars_asp.execution.recording.record import Record
 from mars_asp.execution.recording.replay import replay_json, replay_page
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.simulator import Pose
@@ -148,8 +147,8 @@ def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
 
 def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
     made = trial()
-    arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None, record=None)
-    write_outputs(made, Record(), arguments)
+    arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None)
+    write_outputs(made, arguments)
     content = (tmp_path / "a.png").read_bytes()
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
     found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made))
