@@ -10,6 +10,7 @@ from mars_asp.cli.deliver import growing, write_file
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 if TYPE_CHECKING:
+    from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.trial import Trial
 
@@ -81,21 +82,21 @@ def recorded(arguments: argparse.Namespace) -> "Iterator[Record | None]":
             yield Foxglove(cast("IO[bytes]", file))
 
 
-def write_outputs(trial: "Trial", arguments: argparse.Namespace) -> None:
+def write_outputs(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
     """Write what was asked for, each file whole or not at all."""
     if arguments.plot:
-        write_file(arguments.plot, _plotted(trial, arguments.plot))
+        write_file(arguments.plot, _plotted(trial, judgement, arguments.plot))
     if arguments.replay:
         from mars_asp.execution.recording.replay import replay_page
 
         title = f"{trial.scenario.path}, seed {trial.scenario.seed}"
-        write_file(arguments.replay, replay_page(trial, title))
+        write_file(arguments.replay, replay_page(trial, judgement, title))
 
 
-def _plotted(trial: "Trial", path: str) -> str | bytes:
+def _plotted(trial: "Trial", judgement: "Judgement", path: str) -> str | bytes:
     from mars_asp.execution.recording.picture import plot_run
 
-    svg = plot_run(trial)
+    svg = plot_run(trial, judgement)
     if path.endswith(".svg"):
         return svg
     from mars_asp.draw.png import png_bytes

@@ -117,14 +117,12 @@ def run(arguments: argparse.Namespace) -> int:
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
     with aside, recorded(arguments) as record:
-        trial = stage_trial(
-            specification, modules, scenario, record.observe if record else None
-        )
+        trial = stage_trial(specification, modules, scenario, record.observe if record else None)
         _carry_out(trial, arguments)
         if record:
             record.end(trial)
     judgement = judge(trial)
-    write_outputs(trial, arguments)
+    write_outputs(trial, judgement, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
     if arguments.format == "json":
@@ -239,7 +237,7 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
 
     replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
     title = f"{Path(trial.scenario.path).name}, seed {trial.scenario.seed}"
-    page = report_page(run_json(trial, judgement), plot_run(trial), title, replay)
+    page = report_page(run_json(trial, judgement), plot_run(trial, judgement), title, replay)
     write_file(arguments.report, page)
 
 

@@ -18,8 +18,8 @@ function indexAt(entries, time) {
 }
 
 function pixels(forward, side) {
-  const { corner, scale, margin } = run.view;
-  return [margin + (corner[1] - side) * scale, margin + (corner[0] - forward) * scale];
+  const { corner, scale, left, top } = run.view;
+  return [left + (corner[1] - side) * scale, top + (corner[0] - forward) * scale];
 }
 
 function poseAt(time) {

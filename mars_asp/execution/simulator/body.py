@@ -46,6 +46,8 @@ class Body:
     both: float = 0.0
     motion: list[Stretch] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
+    #: From when until when (s) the step lasted on which the clearance was least.
+    closest: tuple[float, float] = (0.0, 0.0)
     #: No less is the gap (mm) now; it is measured where that does not suffice.
     _room: float = 0.0
 
@@ -132,7 +134,7 @@ class Body:
             nearest = self._nearest(way, step)
         whole = step == seconds - way.since
         self._take(way, seconds if whole else max(way.since + step, nextafter(way.since, inf)))
-        self._note(nearest)
+        self._note(nearest, way.since)
         self._room -= closing * step
         if nearest <= _APART:
             self._room = self.gap()
@@ -166,9 +168,11 @@ class Body:
             way = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
         self._take(way, seconds)
 
-    def _note(self, gap: float) -> None:
-        """Take a gap (mm) into account that there is now, or was a moment ago."""
-        self.clearance = min(self.clearance, max(gap, 0.0))
+    def _note(self, gap: float, since: float | None = None) -> None:
+        """Take a gap (mm) into account that there is now, or was at some time since a time (s)."""
+        if max(gap, 0.0) < self.clearance:
+            self.clearance = max(gap, 0.0)
+            self.closest = (self.seconds if since is None else since, self.seconds)
         touching = gap <= TOUCH
         if touching and not self.touching:
             self.contacts.append(self.seconds)

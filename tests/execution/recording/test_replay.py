@@ -13,7 +13,9 @@ import pytest
 from mars_asp.cli.outputs import write_outputs
 from mars_asp.execution.executor.arbitration import Holding
 from mars_asp.execution.executor.link import Observer
-from mars_asp.execution.recording.picture import Picture, plot_run
+from mars_asp.execution.judgement import Judgement, judge
+from mars_asp.execution.recording.frame import Frame
+from mars_asp.execution.recording.picture import plot_run
 from mars_asp.execution.recording.replay import replay_json, replay_page
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.simulator import Pose
@@ -61,22 +63,27 @@ def trial(scenario: str = SCENARIO, observe: Observer | None = None) -> Trial:
     return made
 
 
+def judged() -> tuple[Trial, Judgement]:
+    made = trial()
+    return made, judge(made)
+
+
 @cache
 def page() -> str:
-    return replay_page(trial(), "a title")
+    return replay_page(*judged(), "a title")
 
 
 def hostile_page() -> str:
     """Return a page all of whose texts try to break out of where they stand."""
     made = trial(SCENARIO.replace('"red"', json.dumps(HOSTILE)))
-    arbiter = made.executor.arbiters["ArbitrationNode"]
+    judgement, arbiter = judge(made), made.executor.arbiters["ArbitrationNode"]
     arbiter.holdings.append(Holding("ArbitrationNode", HOSTILE, 0, HOSTILE, HOSTILE))
     made.executor.effectors["P"].applied.insert(0, (0, HOSTILE, {HOSTILE: 1.0}))
-    return replay_page(made, HOSTILE)
+    return replay_page(made, judgement, HOSTILE)
 
 
 def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
-    told = replay_json(trial())
+    told = replay_json(*judged())
     assert told["poses"][0] == [0, 0, 0, 0]
     assert told["poses"][-1][0] == 3
     assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
@@ -119,13 +126,13 @@ def test_no_text_of_others_becomes_markup() -> None:
 
 
 def test_the_same_run_gives_the_same_page() -> None:
-    assert page() == replay_page(trial(), "a title")
+    assert page() == replay_page(*judged(), "a title")
 
 
 def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
     made = trial()
     made.body.pose = Pose(0, 0, 30)
-    at = [Picture(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
+    at = [Frame(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
     assert at[1][1] < at[0][1]
     assert at[2][0] < at[0][0]
     assert "rotate(-30.0)" in plot_run(made)
@@ -148,10 +155,10 @@ def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
 def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
     made = trial()
     arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None)
-    write_outputs(made, arguments)
+    write_outputs(made, judge(made), arguments)
     content = (tmp_path / "a.png").read_bytes()
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
-    found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made))
+    found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made, judge(made)))
     assert found
     size = [int.from_bytes(content[k : k + 4]) for k in (16, 20)]
     assert size == [2 * int(found[1]), 2 * int(found[2])]
