@@ -83,11 +83,11 @@ FILES = {
     ),
     "execution/simulator": "motion world body devices",
     "execution/scenario": "schema toml_places toml_tables read functions devices",
-    "execution/recording": "picture record mcap replay",
+    "execution/recording": "approach frame lanes signs picture record mcap replay",
     "cli": (
-        "deliver encode layout arguments lines live progress outputs report extract limits "
-        "trace_document trace_schema worker reason ignores baseline settings selection results "
-        "github sarif publish alternatives analyse can completion draw export "
+        "deliver encode layout arguments lines live watch pace progress outputs report extract "
+        "limits trace_document trace_schema worker reason ignores baseline settings selection "
+        "results github sarif publish alternatives analyse can completion draw export "
         "facts fmt import rules run_report run synthesise test verify diff repair check account "
         "explain_page explain"
     ),

@@ -15,8 +15,8 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
+from mars_asp.cli.pace import carry_out, shown
 from mars_asp.cli.reason import (
     STANDARD_INPUT,
     add_file,
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 _NONE = "none"
 #: How a requirement that holds, does not, or is not decided, is listed.
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
-#: Simulated seconds between two looks at the run.
-_GLANCE = 0.5
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +53,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
     parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
+    parser.add_argument(
+        "--speed",
+        metavar="FACTOR",
+        type=positive,
+        help="pace the run, 1 is real time, and show it in a page whose address is printed",
+    )
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )
@@ -116,12 +120,16 @@ def run(arguments: argparse.Namespace) -> int:
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
-    with aside, recorded(arguments) as record:
-        trial = stage_trial(specification, modules, scenario, record.observe if record else None)
-        _carry_out(trial, arguments)
-        if record:
-            record.end(trial)
-    judgement = judge(trial)
+    with shown(arguments, _title(scenario)) as stage:
+        with aside, recorded(arguments) as record:
+            observe = record.observe if record else None
+            trial = stage_trial(specification, modules, scenario, observe)
+            carry_out(trial, arguments, stage)
+            if record:
+                record.end(trial)
+        judgement = judge(trial)
+        if stage:
+            stage.show(trial, judgement)
     write_outputs(trial, judgement, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
@@ -193,16 +201,6 @@ def _print_plan(
     return 2 if missing else 0
 
 
-def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
-    """Run to the end, with a live line where a person is watching."""
-    duration, at = trial.scenario.duration, 0.0
-    with live_line(arguments) as show:
-        while at < duration:
-            at = min(duration, at + _GLANCE)
-            trial.run_until(at)
-            show(trial)
-
-
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
     body, executor = trial.body, trial.executor
@@ -236,9 +234,13 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
     from mars_asp.execution.recording.picture import plot_run
 
     replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
-    title = f"{Path(trial.scenario.path).name}, seed {trial.scenario.seed}"
-    page = report_page(run_json(trial, judgement), plot_run(trial, judgement), title, replay)
+    told, title = run_json(trial, judgement), _title(trial.scenario)
+    page = report_page(told, plot_run(trial, judgement), title, replay)
     write_file(arguments.report, page)
+
+
+def _title(scenario: "Scenario") -> str:
+    return f"{Path(scenario.path).name}, seed {scenario.seed}"
 
 
 def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
