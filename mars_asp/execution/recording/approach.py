@@ -11,6 +11,8 @@ from mars_asp.execution.simulator.motion import Point
 
 #: So much nearer (mm) than found it may have been.
 _EXACT = 0.01
+#: So exactly (s) the instant is found.
+_INSTANT = 1e-7
 #: So many looks at most at the step on which it came as near as ever.
 _MOST_LOOKS = 20_000
 
@@ -34,7 +36,7 @@ def least_approach(body: Body) -> Approach | None:
     """Return when it first was as near to something as ever; `None` where there is nothing.
 
     It is looked for on the one step that had the least clearance. From one look to the next time
-    passes in which nothing can have come as near.
+    passes in which nothing can have come as near; the last way is down to where it is least.
     """
     if body.clearance == inf:
         return None
@@ -47,7 +49,12 @@ def least_approach(body: Body) -> Approach | None:
         if left <= _EXACT or not closing:
             break
         at = min(until, at + max(left, step) / closing)
-    return approach_at(body, at)
+    least, stride = approach_at(body, at), until - at
+    while stride > _INSTANT:
+        further = approach_at(body, min(until, least.at + stride))
+        nearer = further.gap < least.gap
+        least, stride = (further, stride) if nearer else (least, stride / 2)
+    return least
 
 
 def approach_at(body: Body, seconds: float) -> Approach:

@@ -15,10 +15,10 @@ from mars_asp.execution.executor.arbitration import Holding
 from mars_asp.execution.executor.link import Observer
 from mars_asp.execution.judgement import Judgement, judge
 from mars_asp.execution.recording.frame import Frame
-from mars_asp.execution.recording.picture import plot_run
+from mars_asp.execution.recording.picture import framed, plot_run
 from mars_asp.execution.recording.replay import replay_json, replay_page
 from mars_asp.execution.scenario.read import read_scenario
-from mars_asp.execution.simulator import Pose
+from mars_asp.execution.simulator import Circle, Pose
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
 from tests.support.browser import Browser, in_a_browser
@@ -280,3 +280,54 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
     # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
     moved = [(start[3] - each[3]) / scale for each in (middle, end)]
     assert moved == pytest.approx([750, 500], abs=0.01)
+
+
+#: There and back, past points, in a circuit, past one point twice, and off at once.
+ROUNDS = (
+    Circle((0, 0), 50, ((1000, 0),), 333),
+    Circle((0, 0), 50, ((1000, 0), (1000, 500), (-200, 500)), 410),
+    Circle((0, 0), 50, ((700, 0), (700, 700), (0, 0)), 125),
+    Circle((0, 0), 50, ((300, 0), (300, 0), (300, 300)), 80),
+    Circle((5, 5), 50, ((5, 6),), 900),
+)
+
+
+@in_a_browser
+def test_obstacles_go_their_rounds_as_the_simulator_moves_them(
+    browser: Browser, tmp_path: Path
+) -> None:
+    made = trial()
+    made.body.world.moving = ROUNDS
+    shown(browser, tmp_path / "run.html", replay_page(made, judge(made), "rounds"))
+    times = [0, 0.1, 1, 2.5, 3.0030030030030033, 7.25, 60.1, 1234.5]
+    found = browser.run(f"run.moving.map((circle) => {times}.map((time) => placeAt(circle, time)))")
+    frame = framed(made, judge(made))[0]
+    for circle, places in zip(ROUNDS, found, strict=True):
+        for time, place in zip(times, places, strict=True):
+            assert place == pytest.approx(frame.at(*circle.at(time)), abs=1e-6), (circle, time)
+    # The slider moves what is drawn, each its own.
+    browser.run("show(2.5)")
+    drawn = browser.run(
+        "[...moving].map((each) => ['cx', 'cy'].map((name) => Number(each.getAttribute(name))))"
+    )
+    assert drawn == [pytest.approx(frame.at(*circle.at(2.5)), abs=1e-6) for circle in ROUNDS]
+    assert not browser.complaints
+
+
+@in_a_browser
+def test_the_page_shows_the_verdict_and_what_is_silent(browser: Browser, tmp_path: Path) -> None:
+    shown(browser, tmp_path / "run.html", page())
+    shown_texts = browser.run(
+        "[...document.querySelectorAll('#picture text')].map((each) => each.textContent)"
+    )
+    assert shown_texts[0] == "pass: all 6 requirements hold"
+    assert any(each.startswith("least clearance: ") for each in shown_texts)
+    # No two texts touch, as a browser draws them.
+    assert browser.run(
+        """(() => {
+          const boxes = [...document.querySelectorAll("#picture text")].map(
+            (each) => each.getBoundingClientRect());
+          return boxes.every((a, k) => boxes.slice(0, k).every((b) =>
+            a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top));
+        })()"""
+    )
