@@ -13,15 +13,18 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from mars_asp.output import Begun, replace_together, visible, write_whole
+from mars_asp.output import Begun, GrowingFile, replace_together, visible, write_whole
 
-_OUTPUT, _FILE, _PART, _WHOLE, _GROUP, _CODE, _END = b"o", b"f", b"p", b"w", b"g", b"c", b"."
+_OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
+_GROW, _LINE, _PART, _WHOLE = b"l", b"n", b"p", b"w"
 _LENGTH = 8
 #: So much of a file that grows is sent at a time.
 _PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
 _writer: int | None = None
+#: The file that grows by lines, in the process that writes.
+_growing: GrowingFile | None = None
 #: What several threads send must not be mixed.
 _sending = threading.Lock()
 
@@ -47,6 +50,7 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     raw = content.encode() if isinstance(content, str) else content
     file = File(path, raw, None if read is None else _digest(read))
     if _pipe is None:
+        end_growing()
         _write(file)
         return
     header = f"{os.fsencode(path).hex()} {file.read or ''}"
@@ -70,7 +74,42 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
         write_file(path, content, read)
 
 
-class Growing:
+def grow_file(path: str, kept: int, size: int) -> None:
+    """Begin to write lines to a file, behind the first `kept` of its `size` bytes.
+
+    It is closed before files are written whole, of which it may be one.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    global _growing  # noqa: PLW0603 -- there is one
+    if _pipe is None:
+        _growing = GrowingFile(path, kept, size)
+        return
+    _send(_GROW, f"{os.fsencode(path).hex()} {kept} {size}".encode())
+
+
+def add_line(line: bytes) -> None:
+    """Write a line to the file that grows, at once.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if _pipe is not None:
+        _send(_LINE, line)
+    elif _growing is not None:
+        _growing.append(line)
+
+
+def end_growing() -> None:
+    """Close the file that grows, if there is one."""
+    global _growing  # noqa: PLW0603 -- there is one
+    if _growing is not None:
+        _growing.close()
+        _growing = None
+
+
+class Parts:
     """A file that is written in parts, which `send` takes."""
 
     def __init__(self, send: Callable[[bytes], object]) -> None:
@@ -94,7 +133,7 @@ class Growing:
 
 
 @contextmanager
-def growing(path: str) -> Iterator[Growing]:
+def streamed(path: str) -> Iterator[Parts]:
     """Yield a file that is on the disk while it is written, but appears when the block has ended.
 
     In a worker it appears when the verb has ended. Where the block raises, it never does.
@@ -104,14 +143,14 @@ def growing(path: str) -> Iterator[Growing]:
     """
     if _pipe is not None:
         named = os.fsencode(path).hex().encode()
-        file = Growing(lambda part: _send(_PART, named + b"\n" + part))
+        file = Parts(lambda part: _send(_PART, named + b"\n" + part))
         yield file
         file.flush()
         _send(_WHOLE, named)
         return
     begun = Begun(path)
     try:
-        file = Growing(begun.write)
+        file = Parts(begun.write)
         yield file
         file.flush()
         begun.replace()
@@ -202,12 +241,14 @@ class Told:
         self.output: list[bytes] = []
         #: Groups of files of which all or none are written.
         self.files: list[list[File]] = []
-        #: Files that grow, by their paths, and those of them that are whole.
-        self._grown: dict[str, Begun] = {}
+        #: Files that come in parts, by their paths, and those of them that are whole.
+        self._begun: dict[str, Begun] = {}
         self._whole: set[str] = set()
         self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
+        #: Whether a line could not be written, so that there is no point in going on.
+        self.failed = False
         self._rest = bytearray()
         self._missing = 0
 
@@ -243,12 +284,14 @@ class Told:
                 self.files.append([file])
         elif kind == _PART:
             header, _, content = payload.partition(b"\n")
-            self._grow(_path(header), content)
+            self._extend(_path(header), content)
         elif kind == _WHOLE:
             self._whole.add(_path(payload))
         elif kind == _GROUP:
             self._missing = int(payload)
             self.files.append([])
+        elif kind in (_GROW, _LINE):
+            self._grow(kind, payload)
         elif kind == _CODE:
             self.code = tuple(map(os.fsdecode, payload.split(b"\0"))) if payload else ()
         elif kind == _END:
@@ -256,20 +299,35 @@ class Told:
         else:
             raise ValueError(kind)
 
-    def _grow(self, path: str, content: bytes) -> None:
+    def _grow(self, kind: bytes, payload: bytes) -> None:
+        """Open the file that grows, or write a line to it, and nothing more once that failed."""
+        if self.failed:
+            return
+        try:
+            if kind == _LINE:
+                add_line(payload)
+                return
+            path, kept, size = payload.decode().split()
+            self._grown = os.fsdecode(bytes.fromhex(path))
+            grow_file(self._grown, int(kept), int(size))
+        except OSError as error:
+            _say_unwritten(f"`{visible(self._grown)}`", error)
+            self.failed = True
+
+    def _extend(self, path: str, content: bytes) -> None:
         """Write more of a file beside the one that it replaces; failures are reported later."""
         if path in self._unwritten:
             return
         try:
-            if path not in self._grown:
-                self._grown[path] = Begun(path)
-            self._grown[path].write(content)
+            if path not in self._begun:
+                self._begun[path] = Begun(path)
+            self._begun[path].write(content)
         except OSError as error:
             self._unwritten[path] = error
 
     def drop(self) -> None:
-        """Remove what was not delivered of files that grew."""
-        for begun in self._grown.values():
+        """Remove what was not delivered of files that came in parts."""
+        for begun in self._begun.values():
             begun.drop()
 
     def deliver(self) -> int:
@@ -279,11 +337,12 @@ class Told:
             BrokenPipeError: nobody reads standard output any more.
         """
         status = self.status or 0
+        end_growing()
         for path in sorted(self._whole):
             try:
                 if path in self._unwritten:
                     raise self._unwritten[path]
-                self._grown[path].replace()
+                self._begun[path].replace()
             except OSError as error:
                 _say_unwritten(f"`{visible(path)}`", error)
                 status = 2

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import IO, TYPE_CHECKING, cast
 
-from mars_asp.cli.deliver import growing, write_file
+from mars_asp.cli.deliver import streamed, write_file
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def recorded(arguments: argparse.Namespace) -> "Iterator[Record | None]":
     if not arguments.record:
         yield None
         return
-    with growing(arguments.record) as file:
+    with streamed(arguments.record) as file:
         if arguments.record.endswith(".jsonl"):
             from mars_asp.execution.recording.record import Lines
 

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
-from mars_asp.cli.live import live_line
-
 if TYPE_CHECKING:
     from mars_asp.cli.watch import Stage
     from mars_asp.execution.trial import Trial
@@ -27,16 +25,7 @@ def shown(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[
     return watched(title)
 
 
-def carry_out(trial: "Trial", arguments: argparse.Namespace, stage: "Stage | None") -> None:
-    """Run to the end, with a live line where a person is watching."""
-    with live_line(arguments) as show:
-        for _ in _carried_out(trial, arguments.speed):
-            show(trial)
-            if stage:
-                stage.show(trial)
-
-
-def _carried_out(trial: "Trial", speed: float | None) -> Iterator[None]:
+def stepped(trial: "Trial", speed: float | None) -> Iterator[None]:
     """Run a trial to its end, and yield now and then; at `speed` times real time at most.
 
     The motion is computed at the same instants at any speed, so a run does not depend on it.

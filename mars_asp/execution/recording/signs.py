@@ -10,9 +10,9 @@ from functools import cached_property
 from mars_asp.asp.units import measured
 from mars_asp.draw.shapes import escaped, text_width
 from mars_asp.execution.judgement import Judgement
-from mars_asp.execution.recording.approach import Approach, approach_at, least_approach, pose_at
 from mars_asp.execution.recording.frame import LINE, MARGIN, SIZE, TEXT, Frame
 from mars_asp.execution.recording.lanes import round_step
+from mars_asp.execution.simulator.approach import Approach, approach_at, least_approach, pose_at
 from mars_asp.execution.trial import Trial
 
 _GOAL, _CONTACT, _LEAST, _INK = "#117733", "#cc0000", "#6a3d9a", "#333333"

@@ -10,10 +10,10 @@ import pytest
 
 from mars_asp.draw.shapes import text_width
 from mars_asp.execution.judgement import judge
-from mars_asp.execution.recording.approach import approach_at, least_approach, pose_at
 from mars_asp.execution.recording.lanes import round_step
 from mars_asp.execution.recording.picture import framed, plot_run
 from mars_asp.execution.recording.signs import Signs
+from mars_asp.execution.simulator.approach import approach_at, least_approach, pose_at
 from mars_asp.execution.trial import Trial
 from tests.support.trials import BASE, HAND, WALL, trial
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mars_asp.execution.simulator import Body, Pose, World
-from mars_asp.execution.simulator.motion import Point
+from mars_asp.execution.simulator.body import Body
+from mars_asp.execution.simulator.motion import Point, Pose
+from mars_asp.execution.simulator.world import World
 
 #: So much nearer (mm) than found it may have been.
 _EXACT = 0.01
