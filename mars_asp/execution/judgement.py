@@ -18,6 +18,7 @@ from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.promises import promises
+from mars_asp.execution.simulator.approach import least_approach
 from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
@@ -156,7 +157,8 @@ def _facts(trial: Trial) -> Iterator[Fact]:
         yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
     yield from _contacts(trial)
     if "clearance" in asked:
-        numbers = body.clearance, asked["clearance"], body.nearest_at
+        least = least_approach(body)
+        numbers = body.clearance, asked["clearance"], least.at if least else 0.0
         yield _seen("clearance", *(_whole(number * 1000) for number in numbers))
     if "reach" in asked and trial.reached is None:
         within = asked["reach"].get("within", scenario.duration)

@@ -18,8 +18,8 @@ function indexAt(entries, time) {
 }
 
 function pixels(forward, side) {
-  const { corner, scale, margin } = run.view;
-  return [margin + (corner[1] - side) * scale, margin + (corner[0] - forward) * scale];
+  const { corner, scale, left, top } = run.view;
+  return [left + (corner[1] - side) * scale, top + (corner[0] - forward) * scale];
 }
 
 function poseAt(time) {
@@ -133,11 +133,11 @@ function show(time) {
   const command = run.commands[indexAt(run.commands, now)];
   const rates = Object.entries(command ? command[2] : {});
   const obeyed = rates.length
-    ? `${command[1] || "nobody"}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}`
-    : "nobody: it rests";
+    ? `The robot obeys ${command[1]}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}.`
+    : "The robot rests: no command is in force.";
   const collisions = indexAt(run.contacts.map((at) => [at]), now) + 1;
   document.getElementById("state").textContent =
-    `The robot obeys ${obeyed}. It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
+    `${obeyed} It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
     `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
   const focused = document.activeElement?.dataset.key;
   why.replaceChildren(...run.arbiters.map(explain));

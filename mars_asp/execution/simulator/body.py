@@ -30,8 +30,7 @@ class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
     `limits` are the greatest rates by function. What happened is kept: the motion, the least
-    clearance (mm) on all of it and when it was noted (s), contacts (s), and seconds of turning and
-    driving at once.
+    clearance (mm) on all of it, contacts (s), and seconds of turning and driving at once.
     """
 
     world: World
@@ -43,11 +42,12 @@ class Body:
     seconds: float = 0.0
     touching: bool = False
     clearance: float = inf
-    nearest_at: float = 0.0
     driven: float = 0.0
     both: float = 0.0
     motion: list[Stretch] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
+    #: From when until when (s) the step lasted on which the clearance was least.
+    closest: tuple[float, float] = (0.0, 0.0)
     #: No less is the gap (mm) now; it is measured where that does not suffice.
     _room: float = 0.0
 
@@ -134,7 +134,7 @@ class Body:
             nearest = self._nearest(way, step)
         whole = step == seconds - way.since
         self._take(way, seconds if whole else max(way.since + step, nextafter(way.since, inf)))
-        self._note(nearest)
+        self._note(nearest, way.since)
         self._room -= closing * step
         if nearest <= _APART:
             self._room = self.gap()
@@ -168,10 +168,11 @@ class Body:
             way = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
         self._take(way, seconds)
 
-    def _note(self, gap: float) -> None:
-        """Take a gap (mm) into account that there is now, or was a moment ago."""
+    def _note(self, gap: float, since: float | None = None) -> None:
+        """Take a gap (mm) into account that there is now, or was at some time since a time (s)."""
         if max(gap, 0.0) < self.clearance:
-            self.clearance, self.nearest_at = max(gap, 0.0), self.seconds
+            self.clearance = max(gap, 0.0)
+            self.closest = (self.seconds if since is None else since, self.seconds)
         touching = gap <= TOUCH
         if touching and not self.touching:
             self.contacts.append(self.seconds)

@@ -1,0 +1,83 @@
+"""When and where a run came nearest to something, on its exact motion."""
+
+from bisect import bisect_right
+from math import dist, hypot, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from mars_asp.execution.simulator.body import Body
+from mars_asp.execution.simulator.motion import Point, Pose
+from mars_asp.execution.simulator.world import World
+
+#: So much nearer (mm) than found it may have been.
+_EXACT = 0.01
+#: So exactly (s) the instant is found.
+_INSTANT = 1e-7
+#: So many looks at most at the step on which it came as near as ever.
+_MOST_LOOKS = 20_000
+
+
+class Approach(NamedTuple):
+    """At a time (s) the robot was at a pose, and the nearest thing at a point, `gap` mm away."""
+
+    at: float
+    pose: Pose
+    thing: Point
+    gap: float
+
+
+def pose_at(body: Body, seconds: float) -> Pose:
+    """Return where a body was at a time up to now."""
+    number = bisect_right(body.motion, seconds, key=lambda stretch: stretch.since) - 1
+    return body.motion[max(number, 0)].at(seconds)
+
+
+def least_approach(body: Body) -> Approach | None:
+    """Return when it first was as near to something as ever; `None` where there is nothing.
+
+    It is looked for on the one step that had the least clearance. From one look to the next time
+    passes in which nothing can have come as near; the last way is down to where it is least.
+    """
+    if body.clearance == inf:
+        return None
+    at, until = body.closest
+    stretch = body.motion[bisect_right(body.motion, at, key=lambda each: each.since) - 1]
+    closing = stretch.speed + body.world.fastest
+    step = max(_EXACT, closing * (until - at) / _MOST_LOOKS)
+    while at < until:
+        left = approach_at(body, at).gap - body.clearance
+        if left <= _EXACT or not closing:
+            break
+        at = min(until, at + max(left, step) / closing)
+    least, stride = approach_at(body, at), until - at
+    while stride > _INSTANT:
+        further = approach_at(body, min(until, least.at + stride))
+        nearer = further.gap < least.gap
+        least, stride = (further, stride) if nearer else (least, stride / 2)
+    return least
+
+
+def approach_at(body: Body, seconds: float) -> Approach:
+    """Return how near the nearest thing was at a time; in contact the gap is 0."""
+    pose = pose_at(body, seconds)
+    thing = _nearest(body.world, (pose.forward, pose.side), seconds)
+    gap = dist((pose.forward, pose.side), thing) - body.radius
+    return Approach(seconds, pose, thing, max(gap, 0.0))
+
+
+def _nearest(world: World, point: Point, seconds: float) -> Point:
+    """Return the point of walls and rims that is nearest to a point at a time."""
+    found: list[Point] = []
+    if len(world.segments):
+        start, along = world.segments[:, :2], world.segments[:, 2:] - world.segments[:, :2]
+        squared = np.maximum((along * along).sum(axis=1), 1e-300)
+        share = np.clip(((np.array(point) - start) * along).sum(axis=1) / squared, 0.0, 1.0)
+        places = start + share[:, None] * along
+        x, y = places[np.hypot(*(places - np.array(point)).T).argmin()].tolist()
+        found.append((x, y))
+    circles = [*world.circles.tolist(), *((*c.at(seconds), c.radius) for c in world.moving)]
+    for x, y, radius in circles:
+        way = hypot(point[0] - x, point[1] - y) or inf
+        found.append((x + radius * (point[0] - x) / way, y + radius * (point[1] - y) / way))
+    return min(found, key=lambda place: dist(place, point))
