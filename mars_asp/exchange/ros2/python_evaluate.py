@@ -228,8 +228,8 @@ class Evaluator:
                 | ast.SetComp(elt=element, generators=generators)
             ):
                 scopes = self.scopes(generators, names, depth + 1)
-                each = [self.value(element, inner, depth + 1) for inner in scopes]
-                return Listed(each, self.span(node))
+                made = [self.value(element, inner, depth + 1) for inner in scopes]
+                return Listed(made, self.span(node))
             case ast.DictComp(key=key, value=value, generators=generators):
                 scopes = self.scopes(generators, names, depth + 1)
                 pairs = [
