@@ -72,8 +72,8 @@ FILES = {
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions names interface catalogue cmake workspace parameters source_cpp source_python "
-        "programs glue python_values python_nodes python_evaluate launch_python launch_markup "
-        "launch muxes read"
+        "programs glue python_values python_known python_nodes python_evaluate launch_python "
+        "launch_markup launch muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",

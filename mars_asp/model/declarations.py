@@ -263,7 +263,8 @@ class Configuration:
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
-    `relays` the places of its relays, contracted already;
+    `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
+    could be read;
     `includes` are other configurations that are still to be taken in.
     """
 
@@ -281,6 +282,7 @@ class Configuration:
     stand_ins: tuple[StandIn, ...] = ()
     muxes: tuple[Muxed, ...] = ()
     relays: tuple[Span, ...] = ()
+    opaque: tuple[Name, ...] = ()
     includes: tuple[Include, ...] = ()
 
 

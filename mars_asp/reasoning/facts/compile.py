@@ -193,13 +193,15 @@ class Compiler:
                 tell()
 
     def heading(self) -> None:
-        """Add the architecture and the muxes that there are already."""
+        """Add the architecture, the muxes that there are already and nodes that were not read."""
         configuration = self.configuration
         self.add(configuration.span, "architecture", Atom(configuration.architecture))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
         for mux in configuration.muxes:
             self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
+        for name in configuration.opaque:
+            self.add(name.span, "opaque", name.text)
 
     def each_module(self) -> None:
         """Add the modules that the configuration names."""
