@@ -114,5 +114,6 @@ def samples() -> tuple[Project, ...]:
     ranked, flat = load_project("ranked.mars", text=_RANKED), load_project("flat.mars", text=_FLAT)
     # No line of ours says that a mux is there; the parameters of one do.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
-    muxed = replace(ranked, configuration=replace(ranked.configuration, muxes=(mux,)))
+    read = replace(ranked.configuration, muxes=(mux,), format="twist_mux")
+    muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)
