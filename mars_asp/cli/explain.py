@@ -248,7 +248,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         print(encoded(_why_not_json(answer)))
     else:
         packs = "".join(f" --rules {visible(path)}" for path in arguments.rules)
-        first, *others = _why_not_text(answer, packs)
+        first, *others = _why_not_text(answer, packs, project.format)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
