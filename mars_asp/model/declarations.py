@@ -189,6 +189,8 @@ class Data:
 Relationship: TypeAlias = Mount | Control | Data
 #: What muxes in other people's robots run.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
+#: The formats of robots that are not ours.
+FOREIGN = ("twist_mux", "rosgraph", "dora", "ros2")
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,8 +266,8 @@ class Configuration:
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
     `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
-    could be read;
-    `includes` are other configurations that are still to be taken in.
+    could be read; `includes` are other configurations that are still to be taken in. `format` is what
+    the file is in, where it is no `.mars` file: then the architecture is taken for granted.
     """
 
     path: str
@@ -284,6 +286,7 @@ class Configuration:
     relays: tuple[Span, ...] = ()
     opaque: tuple[Name, ...] = ()
     includes: tuple[Include, ...] = ()
+    format: str | None = None
 
 
 NodeKind: TypeAlias = Literal[

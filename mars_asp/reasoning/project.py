@@ -39,8 +39,7 @@ class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
-    are the texts of the configuration's own module blocks; `format` is what the file is in, where
-    it is no `.mars` file.
+    are the texts of the configuration's own module blocks.
     """
 
     configuration: Configuration
@@ -49,7 +48,11 @@ class Project:
     text: str = ""
     found: "Extraction | None" = None
     blocks: tuple[str, ...] = ()
-    format: str | None = None
+
+    @property
+    def format(self) -> str | None:
+        """Return the format that the file is in, where it is no `.mars` file."""
+        return self.configuration.format
 
 
 def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
@@ -76,7 +79,8 @@ def described(
         MarsError: sources that are missing or wrongly annotated.
     """
     parsed = with_includes(parsed)
-    configuration = parsed.configuration
+    configuration = replace(parsed.configuration, format=format)
+    parsed = parsed._replace(configuration=configuration)
     problems: list[Diagnostic] = []
     paths: list[Path] = []
     for name in configuration.sources:
@@ -95,7 +99,7 @@ def described(
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
         found = extract(paths)
-    return replace(_described(parsed, text, found), format=format)
+    return _described(parsed, text, found)
 
 
 def revised(project: Project, texts: Mapping[str, str]) -> Project:

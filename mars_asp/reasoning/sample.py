@@ -115,7 +115,6 @@ def samples() -> tuple[Project, ...]:
     # No line of ours says that a mux is there, or that a node was not read; files of others do.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
     node = ranked.configuration.modules[0]
-    muxed = replace(
-        ranked, configuration=replace(ranked.configuration, muxes=(mux,), opaque=(node,))
-    )
+    read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")
+    muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)
