@@ -279,7 +279,7 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
                     break
                 if holder != link.source:
                     both = _milliseconds(max(start, since)), _milliseconds(min(end, until))
-                    yield _seen("met", name, holder, link.source, *both)
+                    yield _seen("coincided", name, holder, link.source, *both)
 
 
 def _contacts(trial: Trial) -> Iterator[Fact]:
