@@ -266,8 +266,8 @@ class Configuration:
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
     `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
-    could be read; `includes` are other configurations that are still to be taken in. `format` is what
-    the file is in, where it is no `.mars` file: then the architecture is taken for granted.
+    could be read; `includes` are other configurations that are still to be taken in. `format` is
+    what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
     """
 
     path: str
