@@ -10,6 +10,7 @@ from mars_asp.execution.campaign.summary import (
     Cell,
     Share,
     cells,
+    control_shares,
     requirement_shares,
     share_passed,
     worst,
@@ -39,7 +40,11 @@ def print_table(
 
 
 def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
-    """Yield what passed in each cell, and what held; requirements that always held are one line."""
+    """Yield what passed in each cell, what held, and who was in control.
+
+    Requirements that always held are one line, and so are controllers that always or never were in
+    control.
+    """
     passed, shares = share_passed(results), requirement_shares(results)
     groups = cells(results)
     labels = [_label(cell, _fixed(groups)) for cell in groups]
@@ -56,6 +61,16 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
             for label, cell in zip(labels, groups, strict=True)
             if name in cell.requirements
         ]
+    controls = control_shares(results)
+    for name, share in controls.items():
+        if 0 < share.held < share.of:
+            title = f"{name} in control"
+            rows.append(("", title, share))
+            rows += [
+                (label, title, cell.in_control[name])
+                for label, cell in zip(labels, groups, strict=True)
+                if name in cell.in_control
+            ]
     fixed = ", ".join(written_change(*each) for each in _fixed(groups).items())
     head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
@@ -64,6 +79,12 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     if always:
         text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
         yield from map(visible, wrapped(text, width, "held in all, ", "  "))
+    for told, among in (
+        ("in control in each run: ", [n for n, s in controls.items() if 0 < s.held == s.of]),
+        ("in control in no run: ", [n for n, s in controls.items() if s.held == 0]),
+    ):
+        if among:
+            yield from map(visible, wrapped(", ".join(among), width, told, "  "))
 
 
 def _fixed(groups: Sequence[Cell]) -> dict[str, Any]:
