@@ -11,6 +11,7 @@ from mars_asp.execution.campaign.summary import (
     Share,
     cells,
     control_shares,
+    fixed_values,
     requirement_shares,
     share_passed,
     worst,
@@ -47,7 +48,7 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     """
     passed, shares = share_passed(results), requirement_shares(results)
     groups = cells(results)
-    labels = [_label(cell, _fixed(groups)) for cell in groups]
+    labels = [_label(cell, fixed_values(groups)) for cell in groups]
     rows = [("", "passed", passed)]
     rows += [(label, "passed", cell.passed) for label, cell in zip(labels, groups, strict=True)]
     always = []
@@ -71,7 +72,7 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
                 for label, cell in zip(labels, groups, strict=True)
                 if name in cell.in_control
             ]
-    fixed = ", ".join(written_change(*each) for each in _fixed(groups).items())
+    fixed = ", ".join(written_change(*each) for each in fixed_values(groups).items())
     head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
     # One cell has what all have.
@@ -85,16 +86,6 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     ):
         if among:
             yield from map(visible, wrapped(", ".join(among), width, told, "  "))
-
-
-def _fixed(groups: Sequence[Cell]) -> dict[str, Any]:
-    """Return the values that all cells have."""
-    first = groups[0].vary if groups else {}
-    return {
-        key: value
-        for key, value in first.items()
-        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
-    }
 
 
 def _aligned(rows: Sequence[tuple[str, str, Share]]) -> Iterator[str]:

@@ -93,6 +93,16 @@ def cells(results: Iterable[_Result]) -> list[Cell]:
     ]
 
 
+def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
+    """Return the values that all cells have."""
+    first = groups[0].vary if groups else {}
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
+    }
+
+
 def worst(results: Iterable[_Result]) -> list[_Result]:
     """Return at most five of the runs that did not pass, the worst first.
 

@@ -42,6 +42,13 @@ def test_each_further_value_is_a_series_with_its_name() -> None:
     assert len(set(re.findall(r'r="4" fill="(\S+)"', svg))) == 2
 
 
+def test_what_all_cells_have_is_written_once() -> None:
+    cells = [cell._replace(vary={"duration": 20, **cell.vary}) for cell in CELLS]
+    svg = campaign_picture(cells, [Axis("duration", (20,)), SWITCH, RADIUS], "t")
+    assert svg.count("duration=20") == 1
+    assert "modules.C=on</text>" in svg
+
+
 def test_numbers_are_drawn_along_before_words() -> None:
     assert plotted_axis([SWITCH, RADIUS]) == RADIUS
     assert plotted_axis([Axis("duration", (1,)), SWITCH]) == SWITCH
