@@ -4,6 +4,7 @@ Each `.mars` file of `tests/accounts` has what `explain` prints of it beside it;
 every rule of `rules/account` speak.
 """
 
+import argparse
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.reason import load
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited
@@ -21,6 +23,13 @@ from tests.support.counterfactual import KINDS, STAGES, topics, uncaused, uncoun
 from tests.support.documents import ROOT
 
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
+#: Robots in files of others, and what is told of each, beside them.
+FOREIGN = {
+    "twist_mux/ros2_tied.yaml": "a_list",
+    "twist_mux/cmd_vel_mux_ros2.yaml": "a_first_sender",
+    "rosgraph/rosdiscover_warehouse.yml": "a_topic",
+    "ros2/courier": "a_workspace",
+}
 EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
 #: One answer of so many has more than twelve lines at most.
 FEW = 20
@@ -36,6 +45,22 @@ def test_what_is_told(
     monkeypatch.chdir(path.parent)
     run_here(["explain", path.name])
     told, expected = capsys.readouterr().out, path.with_suffix(".txt")
+    if update_golden:
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("path", "name"), FOREIGN.items(), ids=FOREIGN)
+def test_what_is_told_of_files_of_others(
+    path: str,
+    name: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    update_golden: bool,
+) -> None:
+    monkeypatch.chdir(ROOT / "tests")
+    run_here(["explain", path, "--quiet"])
+    told, expected = capsys.readouterr().out, ROOT / f"tests/accounts/{name}.txt"
     if update_golden:
         expected.write_text(told, encoding="utf-8")
     assert told == expected.read_text(encoding="utf-8")
@@ -68,6 +93,11 @@ def test_every_rule_speaks_in_a_case() -> None:
     rulebook = load_rulebook(stages=STAGES)
     telling = {rule.id for rule in rulebook.rules if rule.stage == STAGE and rule.derives(ACCOUNT)}
     spoken = {rule for account in _accounts() for rule in account.rules}
+    for path in FOREIGN:
+        reading = argparse.Namespace(from_format=None, sources=[], quiet=True)
+        project = load(reading, str(ROOT / "tests" / path))
+        for topic in explain(Reasoner(project, rulebook), traced=False).topics:
+            spoken |= set(topic.account.rules) if topic.account else set()
     for name in PRICES:
         spoken |= set(told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").rules)
     assert telling == spoken
