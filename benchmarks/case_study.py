@@ -74,7 +74,7 @@ def one_world(task: tuple[Configuration, int]) -> Row:
     scenario = load_scenario(EXAMPLES / "level1/scenario.toml")
     trial = stage_trial(specification, {}, replace(scenario, duration=SECONDS, seed=seed))
     trial.run_until(SECONDS)
-    body = trial.body
+    body = trial.bodies[0]
     return body.collisions, body.clearance, body.driven, body.both
 
 

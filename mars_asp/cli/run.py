@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from mars_asp.execution.executor import Link
     from mars_asp.execution.executor.link import Failures
     from mars_asp.execution.judgement import Judgement
-    from mars_asp.execution.scenario.read import Scenario
+    from mars_asp.execution.scenario.read import Robot, Scenario
+    from mars_asp.execution.simulator import Body
     from mars_asp.execution.trial import Trial
     from mars_asp.model.declarations import Configuration
     from mars_asp.reasoning.project import Project
@@ -206,8 +207,7 @@ def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
-    body, executor = trial.body, trial.executor
-    clearance = body.clearance
+    executor, clearance = trial.executor, trial.clearance
     return {
         "verdict": judgement.verdict,
         "requirements": [
@@ -217,11 +217,12 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "seed": trial.scenario.seed,
         "events": executor.schedule.events,
         "messages": sum(link.delivered for link in executor.links),
-        "collisions": body.collisions,
-        "min_clearance_mm": round(clearance, 3) if clearance < float("inf") else None,
+        "collisions": trial.collisions,
+        "min_clearance_mm": _millimetres(clearance),
         "control_time": {name: round(t, 6) for name, t in trial.control_time.items()},
-        "driven_mm": round(body.driven, 3),
-        "turn_while_driving_s": round(body.both, 6),
+        "driven_mm": round(sum(body.driven for body in trial.bodies), 3),
+        "turn_while_driving_s": round(sum(body.both for body in trial.bodies), 6),
+        "robots": [_robot_json(trial, *each) for each in trial.robots],
         "links": [_link_json(trial, link) for link in executor.links],
         "control": [
             {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
@@ -229,6 +230,27 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
             for h in arbiter.holdings
         ],
         "failures": [_failures_json(*each) for each in executor.failures.items()],
+    }
+
+
+def _millimetres(clearance: float) -> float | None:
+    return round(clearance, 3) if clearance < float("inf") else None
+
+
+def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
+    reached = None if robot.reach is None else trial.reached(robot)
+    return {
+        "name": robot.name,
+        "module": robot.module,
+        "collisions": [
+            {"seconds": at, "with": other or None}
+            for at, other in zip(body.contacts, body.struck, strict=True)
+        ],
+        "min_clearance_mm": _millimetres(body.clearance),
+        "nearest": body.beside or None,
+        "reached_s": reached,
+        "driven_mm": round(body.driven, 3),
+        "turn_while_driving_s": round(body.both, 6),
     }
 
 
@@ -291,14 +313,15 @@ def _print_tables(
     for requirement in judgement.requirements:
         word = _WORDS[requirement.holds]
         _say(console, f"{word:8} {requirement.name}  ", requirement.message)
-    body = trial.body
+    bodies, clearance = trial.bodies, trial.clearance
     # Where there is nothing to come near to, there is no clearance.
-    clear = f"least clearance {body.clearance:.0f} mm, " if body.clearance < float("inf") else ""
+    clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
     _say(
         console,
         f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
-        f"{counted(body.collisions, 'collision')}, {clear}{body.driven:.0f} mm driven, "
-        f"{body.both:.2f} s turning while driving",
+        f"{counted(trial.collisions, 'collision')}, {clear}"
+        f"{sum(body.driven for body in bodies):.0f} mm driven, "
+        f"{sum(body.both for body in bodies):.2f} s turning while driving",
         "  ",
     )
 

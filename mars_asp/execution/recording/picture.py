@@ -11,6 +11,8 @@ import numpy as np
 from mars_asp.draw.shapes import FONT
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import SECOND
+from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.simulator import Body
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 
@@ -43,12 +45,13 @@ class Picture:
     @cached_property
     def _bounds(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
         """Return the least and the greatest (forward, side): walls, else obstacles, and the way."""
-        world, body = self.trial.body.world, self.trial.body
-        places = [np.array([[p.forward, p.side] for _, p in body.way])]
-        for sign in (-1, 1):
-            places.append(places[0][:, :2] + sign * body.radius)
-            if not len(world.segments):
-                places.append(world.circles[:, :2] + sign * world.circles[:, 2:])
+        world, places = self.trial.bodies[0].world, []
+        for body in self.trial.bodies:
+            way = np.array([[p.forward, p.side] for _, p in body.way])
+            places += [way - body.radius, way + body.radius]
+        if not len(world.segments):
+            sizes = world.circles[:, 2:]
+            places += [world.circles[:, :2] - sizes, world.circles[:, :2] + sizes]
         every = np.concatenate([*places, world.segments.reshape(-1, 2)])
         return every.min(axis=0) - 100, every.max(axis=0) + 100
 
@@ -80,8 +83,14 @@ class Picture:
 
     @cached_property
     def held(self) -> tuple[tuple[float, float, str], ...]:
-        """Return from when until when (s) the robot obeyed whom."""
-        return tuple((since, until, name) for since, until, name, _ in self.trial.commands if name)
+        """Return from when until when (s) a robot obeyed whom."""
+        return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
+
+    def held_by(self, robot: Robot) -> Iterator[tuple[float, float, str]]:
+        """Yield from when until when (s) one robot obeyed whom."""
+        for since, until, name, _ in self.trial.commands(robot):
+            if name:
+                yield since, until, name
 
     @cached_property
     def wanted(self) -> tuple[tuple[float, float, str], ...]:
@@ -116,8 +125,8 @@ def plot_run(trial: Trial) -> str:
         f'height="{picture.height:.1f}"/></clipPath>',
         '<g clip-path="url(#plane)">',
         *_world(picture),
-        *_way(picture),
-        *_robot(picture),
+        *(part for robot, body in trial.robots for part in _way(picture, robot, body)),
+        *(part for robot, body in trial.robots for part in _robot(picture, robot, body)),
         "</g>",
         *_lanes(picture),
         "</svg>",
@@ -126,11 +135,11 @@ def plot_run(trial: Trial) -> str:
 
 
 def _world(picture: Picture) -> Iterator[str]:
-    world = picture.trial.body.world
+    world = picture.trial.bodies[0].world
     for a, b, c, d in world.segments:
         (x, y), (u, v) = picture.at(a, b), picture.at(c, d)
         yield f'<path d="M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}" stroke="#333" stroke-width="2"/>'
-    now = picture.trial.body.seconds
+    now = picture.trial.bodies[0].seconds
     for cx, cy, radius in world.circles:
         yield _circle(picture, cx, cy, radius, 'fill="#999"')
     for moving in world.moving:
@@ -145,12 +154,12 @@ def _circle(picture: Picture, cx: float, cy: float, radius: float, look: str) ->
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius * picture.scale:.1f}" {look}/>'
 
 
-def _way(picture: Picture) -> Iterator[str]:
-    """Yield a line for each stretch of the way in which the robot obeyed one module."""
-    left = iter(picture.held)
+def _way(picture: Picture, robot: Robot, body: Body) -> Iterator[str]:
+    """Yield a line for each stretch of the way in which a robot obeyed one module."""
+    left = picture.held_by(robot)
     span = next(left, None)
     colour, points = "", list[str]()
-    for (since, p), (_, q) in pairwise(picture.trial.body.way):
+    for (since, p), (_, q) in pairwise(body.way):
         while span is not None and span[1] < since:
             span = next(left, None)
         held = span is not None and span[0] <= since
@@ -161,8 +170,8 @@ def _way(picture: Picture) -> Iterator[str]:
         if (p.forward, p.side) != (q.forward, q.side):
             points.append(_point(picture, q.forward, q.side))
     yield from _line(points, colour)
-    for at in picture.trial.body.contacts:
-        pose = next((pose for time, pose in picture.trial.body.way if time >= at), None)
+    for at in body.contacts:
+        pose = next((pose for time, pose in body.way if time >= at), None)
         if pose is not None:
             x, y = picture.at(pose.forward, pose.side)
             yield f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="#c00"/>'
@@ -179,12 +188,12 @@ def _line(points: list[str], colour: str) -> Iterator[str]:
         yield f'<polyline points="{way}" fill="none" stroke="{colour}" stroke-width="3"/>'
 
 
-def _robot(picture: Picture) -> Iterator[str]:
-    body = picture.trial.body
+def _robot(picture: Picture, robot: Robot, body: Body) -> Iterator[str]:
     x, y = picture.at(body.pose.forward, body.pose.side)
     radius = body.radius * picture.scale
     # Turned so that the line to the rim points where the robot heads.
-    yield f'<g id="robot" transform="translate({x:.1f} {y:.1f}) rotate({-body.pose.heading:.1f})">'
+    turn = f"translate({x:.1f} {y:.1f}) rotate({-body.pose.heading:.1f})"
+    yield f'<g class="robot" transform="{turn}"><title>{escape(visible(robot.name))}</title>'
     yield f'<circle r="{radius:.1f}" fill="none" stroke="black" stroke-width="1.5"/>'
     yield f'<path d="M0 0V{-radius:.1f}" stroke="black" stroke-width="1.5"/></g>'
 

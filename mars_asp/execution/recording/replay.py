@@ -29,7 +29,7 @@ def _part(ending: str) -> str:
 
 def replay_json(trial: Trial) -> dict[str, Any]:
     """Return what the page shows: times in s, lengths in mm, places in pixels of the picture."""
-    picture, world = Picture(trial), trial.body.world
+    picture, world = Picture(trial), trial.bodies[0].world
     return {
         "duration": trial.scenario.duration,
         "view": {"corner": picture.corner, "scale": picture.scale, "margin": MARGIN},
@@ -39,13 +39,21 @@ def replay_json(trial: Trial) -> dict[str, Any]:
             "top": picture.top,
             "bottom": picture.bottom,
         },
-        "poses": [
-            [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
-            for at, pose in trial.body.way
+        "robots": [
+            {
+                "called": robot.name if len(trial.bodies) > 1 else "The robot",
+                "poses": [
+                    [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
+                    for at, pose in body.way
+                ],
+                "contacts": body.contacts,
+                "commands": [
+                    [since, origin, command] for since, _, origin, command in trial.commands(robot)
+                ],
+            }
+            for robot, body in trial.robots
         ],
         "moving": [{"round": c.round, "speed": c.speed} for c in world.moving],
-        "contacts": trial.body.contacts,
-        "commands": [[since, origin, command] for since, _, origin, command in trial.commands],
         "arbiters": list(_arbiters(trial)),
     }
 

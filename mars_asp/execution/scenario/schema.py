@@ -70,11 +70,21 @@ _ENTRY = _told(
     _row(_number(), _FUNCTION, _number()),
 )
 _MOVING = _told(
-    "a table `{ from, to, radius, speed }`",
+    "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
     _table(
-        {"from": _POINT, "to": _POINT, "radius": _POSITIVE, "speed": _POSITIVE},
-        *("from", "to", "radius", "speed"),
-    ),
+        {
+            "from": _POINT,
+            "to": _POINT,
+            "way": _list(_PAIR) | {"minItems": 2},
+            "radius": _POSITIVE,
+            "speed": _POSITIVE,
+        },
+        *("radius", "speed"),
+    )
+    | {
+        "anyOf": [{"required": ["from", "to"]}, {"required": ["way"]}],
+        "not": {"anyOf": [{"required": [end, "way"]} for end in ("from", "to")]},
+    },
 )
 _MARK = _told("a table `{ at, colour }`", _table({"at": _POINT, "colour": _WORD}, "at", "colour"))
 _SCATTER = _table(
@@ -97,12 +107,18 @@ _WORLD = _table(
         "scatter": _SCATTER,
     }
 )
+_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
+_GRADUAL = _table(dict.fromkeys(MOTION_FUNCTIONS, _number(0.001)))
 _ROBOT = _table(
     {
+        "name": _told("a name of at least one character", _WORD | {"minLength": 1}),
         "module": _WORD,
         "radius": _POSITIVE,
         "start": _told("`[forward, side, heading]`", _row(*3 * [_number()])),
         "limits": _table(dict.fromkeys(_FUNCTIONS, _number())),
+        "acceleration": _GRADUAL,
+        "deceleration": _GRADUAL,
+        "reach": _REACH,
     },
     "module",
 )
@@ -136,7 +152,6 @@ _FAULT = _table(
         "by": _number(0.001),
     }
 )
-_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
 _REQUIREMENTS = _table(
     {
         "no_collision": {"type": "boolean"},
@@ -148,26 +163,31 @@ _REQUIREMENTS = _table(
         "coverage": _number(0, 1),
     }
 )
-SCHEMA: _Schema = {
-    "$schema": "http://json-schema.org/draft-04/schema#",
-    "title": "A scenario of mars-asp",
-    **_table(
-        {
-            "seed": _whole(-(2**63), 2**63 - 1),
-            "duration": _number(0.001),
-            "up": {"enum": ["y", "z"]},
-            "command_timeout": _POSITIVE,
-            "world": _WORLD,
-            "robot": _ROBOT,
-            "devices": _named(_DEVICE),
-            "bindings": _named(_BINDING),
-            "faults": _named(_FAULT),
-            "requirements": _REQUIREMENTS,
-        },
-        *("robot", "duration"),
-    ),
-}
-_VALIDATOR = Draft4Validator(SCHEMA)
+
+
+def _scenario(robot: _Schema) -> _Schema:
+    """Return the schema of scenarios with such a `robot`."""
+    keys = {
+        "seed": _whole(-(2**63), 2**63 - 1),
+        "duration": _number(0.001),
+        "up": {"enum": ["y", "z"]},
+        "command_timeout": _POSITIVE,
+        "world": _WORLD,
+        "robot": robot,
+        "devices": _named(_DEVICE),
+        "bindings": _named(_BINDING),
+        "faults": _named(_FAULT),
+        "requirements": _REQUIREMENTS,
+    }
+    draft = "http://json-schema.org/draft-04/schema#"
+    title = "A scenario of mars-asp"
+    return {"$schema": draft, "title": title, **_table(keys, "robot", "duration")}
+
+
+_ROBOTS = _told("a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1})
+#: Of one robot, or of several.
+_ONE, _SEVERAL = _scenario(_ROBOT), _scenario(_ROBOTS)
+SCHEMA = _scenario({"anyOf": [_ROBOT, _ROBOTS]})
 #: What the schema calls types of TOML.
 _TYPES = {
     "object": "a table",
@@ -199,7 +219,7 @@ class Mistake(NamedTuple):
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
     """Yield all that is wrong with a scenario, each once."""
     told: set[Mistake] = set()
-    for error in _VALIDATOR.iter_errors(_as_json(tables)):
+    for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
         for mistake in _mistakes(error, tables):
             if mistake not in told:  # of one form several parts can be wrong
                 told.add(mistake)
@@ -222,8 +242,8 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
     """Yield what an error means to the author of a scenario."""
     path, kind = tuple(error.instance_path), error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
-    schema, value = _schema(path), _value(path, tables)
-    form = _form(path)
+    schema, value = _schema(path, tables), _value(path, tables)
+    form = _form(path, tables)
     if isinstance(kind, Kind.AdditionalProperties):
         known = schema["properties"]
         for unknown in kind.unexpected:
@@ -239,7 +259,7 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
         yield Mistake(path, message, f"from {_plainly(least)} to {_plainly(most)}")
     elif form is not None:
         owner = f"`{key}`" if isinstance(form[-1], str) else f"an entry of `{key}`"
-        yield Mistake(form, f"{owner} must be {_schema(form)['description']}")
+        yield Mistake(form, f"{owner} must be {_schema(form, tables)['description']}")
     elif isinstance(kind, Kind.Enum) and isinstance(value, str):
         choices = schema["enum"]
         near = nearest(value, choices)
@@ -251,9 +271,14 @@ def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mis
         yield Mistake(path, f"`{key}` must be {_TYPES[wanted]}")
 
 
-def _schema(path: _Path) -> _Schema:
+def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
+    """Return the schema of scenarios with as many robots as are stated, which tells more."""
+    return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
+
+
+def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
     """Return what the schema says of a place in a scenario."""
-    schema = SCHEMA
+    schema = _whole_schema(tables)
     for part in path:
         if isinstance(part, str):
             schema = schema.get("properties", {}).get(part) or schema["additionalProperties"]
@@ -270,10 +295,10 @@ def _value(path: _Path, value: Any) -> Any:
     return value
 
 
-def _form(path: _Path) -> _Path | None:
+def _form(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
     """Return the value whose form is wrong where a part of it is; `None` where none has one."""
     for count in range(len(path), 0, -1):
-        if "description" in _schema(path[:count]):
+        if "description" in _schema(path[:count], tables):
             return path[:count]
         if isinstance(path[count - 1], str):
             return None

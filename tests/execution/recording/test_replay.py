@@ -78,8 +78,8 @@ def hostile_page() -> str:
 
 def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     told = replay_json(trial())
-    assert told["poses"][0] == [0, 0, 0, 0]
-    assert told["poses"][-1][0] == 3
+    assert told["robots"][0]["poses"][0] == [0, 0, 0, 0]
+    assert told["robots"][0]["poses"][-1][0] == 3
     assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
     (arbiter,) = told["arbiters"]
     assert arbiter["holdings"] == [
@@ -92,7 +92,7 @@ def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     assert (low["name"], low["priority"], low["in_force"]) == ("Low", 3, [[0, 3.25]])
     assert (high["name"], high["priority"]) == ("High", 7)
     assert high["in_force"] == [[0, 1.15], [2, 3.25]]
-    assert [c[1] for c in told["commands"]] == ["High", "Low", "High"]
+    assert [c[1] for c in told["robots"][0]["commands"]] == ["High", "Low", "High"]
 
 
 def test_a_page_fetches_nothing_and_lets_only_its_own_script_run() -> None:
@@ -116,7 +116,7 @@ def test_no_text_of_others_becomes_markup() -> None:
         assert text.count(f"</{tag}>") == plain.count(f"</{tag}>")
     assert not re.search("[\u202e\x00]", text)
     (data,) = re.findall(r'id="run">(.*?)</script>', text, re.DOTALL)
-    assert json.loads(data)["commands"][0][2] == {HOSTILE: 1.0}
+    assert json.loads(data)["robots"][0]["commands"][0][2] == {HOSTILE: 1.0}
 
 
 def test_the_same_run_gives_the_same_page() -> None:
@@ -125,7 +125,7 @@ def test_the_same_run_gives_the_same_page() -> None:
 
 def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
     made = trial()
-    made.body.pose = Pose(0, 0, 30)
+    made.bodies[0].pose = Pose(0, 0, 30)
     at = [Picture(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
     assert at[1][1] < at[0][1]
     assert at[2][0] < at[0][0]
@@ -247,7 +247,7 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
               const slider = document.querySelector("#slider");
               slider.value = {seconds};
               slider.dispatchEvent(new Event("input"));
-              const place = document.querySelector("#robot").getAttribute("transform");
+              const place = document.querySelector(".robot").getAttribute("transform");
               const circle = document.querySelector(".moving").getAttribute("cy");
               return [...place.match(/-?[\\d.]+/g), circle].map(Number);
             }})()"""
@@ -269,7 +269,8 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
     made = trial()
     assert start[2] == 0
     assert [(start[1] - end[1]) / scale, (start[0] - end[0]) / scale, -end[2]] == pytest.approx(
-        [made.body.pose.forward, made.body.pose.side, made.body.pose.heading], abs=0.01
+        [made.bodies[0].pose.forward, made.bodies[0].pose.side, made.bodies[0].pose.heading],
+        abs=0.01,
     )
     # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
     moved = [(start[3] - each[3]) / scale for each in (middle, end)]
