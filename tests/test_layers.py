@@ -81,7 +81,7 @@ FILES = {
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
-    "execution/simulator": "motion world body devices",
+    "execution/simulator": "motion ramp world body fleet devices",
     "execution/scenario": "schema toml_places toml_tables read functions devices",
     "execution/recording": "picture record mcap replay",
     "cli": (

@@ -248,7 +248,7 @@ def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, objec
         ],
         "min_clearance_mm": _millimetres(body.clearance),
         "nearest": body.beside or None,
-        "reached_s": reached,
+        "reached_s": None if reached is None else round(reached, 6),
         "driven_mm": round(body.driven, 3),
         "turn_while_driving_s": round(body.both, 6),
     }

@@ -20,23 +20,26 @@ Clock = Callable[[], float]
 class Functions:
     """The Python functions of one run; each file is imported once, afresh for every run.
 
-    Module-level state of a behaviour therefore never leaks from one run into the next.
+    Module-level state of a behaviour therefore never leaks from one run into the next. Of several
+    robots, the modules of each include have their own.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self.loaded: dict[Path, ModuleType] = {}
+        self.loaded: dict[tuple[str, Path], ModuleType] = {}
         self.problems: list[Diagnostic] = []
 
     def function(self, path: Path, name: str, module: str) -> Callable[..., Any] | None:
         """Return a function of a file; note what is wrong with it."""
+        several = len(self.scenario.robots) > 1
+        key = module.partition("/")[0] if several and "/" in module else "", path
         try:
-            if path not in self.loaded:
-                self.loaded[path] = self._load(path)
+            if key not in self.loaded:
+                self.loaded[key] = self._load(path)
         except (Exception, SystemExit) as error:  # a user's file may fail in any way
             self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
             return None
-        found = getattr(self.loaded[path], name, None)
+        found = getattr(self.loaded[key], name, None)
         if found is None:
             self._note(module, f"`{path}` defines no function `{name}`")
             return None

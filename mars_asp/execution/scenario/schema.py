@@ -75,7 +75,7 @@ _MOVING = _told(
         {
             "from": _POINT,
             "to": _POINT,
-            "way": _list(_PAIR) | {"minItems": 2},
+            "way": _told("a list of at least two points", _list(_PAIR) | {"minItems": 2}),
             "radius": _POSITIVE,
             "speed": _POSITIVE,
         },
