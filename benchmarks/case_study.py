@@ -12,6 +12,7 @@ from multiprocessing import Pool
 from pathlib import Path
 from statistics import mean, stdev
 
+from mars_asp.execution.campaign.summary import Share
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.execution.trial import stage_trial
 from mars_asp.language import parse_text
@@ -78,14 +79,6 @@ def one_world(task: tuple[Configuration, int]) -> Row:
     return body.collisions, body.clearance, body.driven, body.both
 
 
-def wilson(hits: int, n: int) -> tuple[float, float]:
-    """Return the 95 % score interval of a share (Wilson 1927)."""
-    z, p = 1.96, hits / n
-    centre, scale = (p + z * z / (2 * n)), 1 + z * z / n
-    half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return max(0.0, (centre - half) / scale), min(1.0, (centre + half) / scale)
-
-
 @dataclass(frozen=True)
 class Result:
     """One system over all worlds; shares in percent, ways in m, intervals of 95 %."""
@@ -100,7 +93,7 @@ class Result:
     @property
     def share(self) -> tuple[float, float, float]:
         """Return the share of worlds with a collision, between its bounds."""
-        low, high = wilson(self.struck, len(self.rows))
+        low, high = Share(self.struck, len(self.rows)).interval
         return 100 * low, 100 * self.struck / len(self.rows), 100 * high
 
     @property

@@ -13,10 +13,11 @@ from math import ceil, hypot
 from pathlib import Path
 from random import Random
 from typing import Any
+from unittest.mock import patch
 
 from case_study import specified
 
-from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor import Behaviour, Executor, modules
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.execution.trial import stage_trial
@@ -49,7 +50,7 @@ def moving(specification: Configuration, obstacles: int) -> float:
     """Return the same speed, to real time, where all obstacles move along ways of three points."""
     scenario = load_scenario(LEVEL0 / "scenario.toml")
     random, within = Random(1), 1000.0 * (obstacles / 2) ** 0.5
-    circles = []
+    circles: list[dict[str, Any]] = []
     while len(circles) < obstacles:
         way = [[random.uniform(-within, within) for _ in "xy"] for _ in range(3)]
         if hypot(*way[0]) > 900:
@@ -95,6 +96,17 @@ def _each(names: Iterable[str], robots: int) -> dict[str, Any]:
     """Return names, or tables by name, once for each robot."""
     tables = names if isinstance(names, Mapping) else dict.fromkeys(names)
     return {f"r{k}/{name}": table for k in range(robots) for name, table in tables.items()}
+
+
+def copying(specification: Configuration) -> float:
+    """Return how many times as fast a run of level 0 is whose messages are not copied."""
+
+    def shared() -> float:
+        with patch.object(modules, "copied", lambda value: value):
+            return level0(specification, 20)
+
+    pairs = [(shared(), level0(specification, 20)) for _ in range(5)]
+    return max(s for s, _ in pairs) / max(c for _, c in pairs)
 
 
 def activations() -> float:
@@ -157,6 +169,10 @@ def main() -> None:
     alone = fleet(1)
     for count in (10, 100):
         print(f"{count} robots: {fleet(count) / alone:.2f} times as long a robot as one alone")
+    shared = copying(specification)
+    print(
+        f"20 obstacles, with messages that are shared instead of copied: {shared:.2f} times as fast"
+    )
     done, bare = activations() / 1e6, floor() / 1e6
     print(f"100 modules at 50 Hz: {done:.2f} M activations a second (goal: 1)")
     print(f"bare calls by a heap and a queue: {bare:.2f} M a second ({bare / done:.1f} times)")

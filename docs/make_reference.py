@@ -8,7 +8,8 @@ from pathlib import Path
 from unittest.mock import patch
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.cli import VERBS, run_here
+from mars_asp.cli import run_here
+from mars_asp.cli.arguments import VERBS
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 ROOT = Path(__file__).parents[1]

@@ -1,13 +1,17 @@
 """Findings and the stretches of files that they are about, as plain values."""
 
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, TypeAlias
 
 Severity: TypeAlias = Literal["error", "warning", "note"]
 
 #: The code of notes that list what was not read of a file.
 NOT_READ = "not-read"
+#: Longer than any name or path that a person reads, and how much of both ends tells it apart.
+_LONG = re.compile(r"\S{301,}")
+_KEPT = 100
 
 
 class Span(NamedTuple):
@@ -51,6 +55,20 @@ class Diagnostic:
     kind: str | None = None
 
 
+def brief(diagnostic: Diagnostic) -> Diagnostic:
+    """Return a diagnostic whose words end within reason: what others wrote has any length."""
+    message, help_text, effect = (
+        text and _LONG.sub(_cut, text)
+        for text in (diagnostic.message, diagnostic.help, diagnostic.effect)
+    )
+    labels = tuple((span, _LONG.sub(_cut, text)) for span, text in diagnostic.labels)
+    return replace(diagnostic, message=message or "", labels=labels, help=help_text, effect=effect)
+
+
+def _cut(word: re.Match[str]) -> str:
+    return f"{word[0][:_KEPT]}...{word[0][-_KEPT:]}"
+
+
 def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return diagnostics in the order of their places."""
     return tuple(sorted(diagnostics, key=lambda d: (d.span, d.code, d.message)))
@@ -67,3 +85,9 @@ class MarsError(Exception):
         others = f", and {more} more" if more else ""
         place = f"{first.span.path}:{first.span.line}:{first.span.column}"
         super().__init__(f"{place}: {first.message}{others}")
+
+
+def refusal(code: str, message: str, place: str, help_text: str | None = None) -> MarsError:
+    """Return an error about a word of the command or a whole file, of which no line is shown."""
+    where = point(place, 1, 1)
+    return MarsError([Diagnostic(code, "error", message, where, help=help_text, excerpt="")])

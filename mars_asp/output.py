@@ -1,6 +1,7 @@
-"""Text made safe to show and files written whole."""
+"""Text made safe to show and files written whole, or by whole lines."""
 
 import contextlib
+import errno
 import os
 import stat
 import sys
@@ -71,6 +72,52 @@ def replace_together(contents: Mapping[str, bytes]) -> None:
             for path in replaced:
                 write_whole(path, before[path])
             raise
+
+
+class GrowingFile:
+    """A file that grows by whole lines; what is on the disk is never more than a line behind.
+
+    It is locked while it is open, so that no two commands write to it.
+    """
+
+    def __init__(self, path: str, kept: int, size: int) -> None:
+        """Open a file, or make it, and cut off what follows the first `kept` of its `size` bytes.
+
+        Raises:
+            OSError: it cannot be opened or locked, is not a regular file, or has another size.
+        """
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NONBLOCK, 0o666)
+        self._file = os.fdopen(handle, "ab", buffering=0)
+        try:
+            if not stat.S_ISREG(os.fstat(handle).st_mode):
+                raise OSError(errno.EINVAL, "it is not a regular file", path)
+            try:
+                _lock(handle)
+            except BlockingIOError:
+                told = "another command is writing to it"
+                raise BlockingIOError(errno.EAGAIN, told, path) from None
+            if os.fstat(handle).st_size != size:
+                raise OSError(errno.EBUSY, "it has changed since it was read", path)
+            os.ftruncate(handle, kept)
+            os.fsync(handle)
+        except OSError:
+            self._file.close()
+            raise
+
+    def append(self, line: bytes) -> None:
+        """Write a line; it is on the disk when this returns.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        rest = memoryview(line)
+        while rest:
+            rest = rest[self._file.write(rest) :]
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Close it; others may write to it now."""
+        self._file.close()
 
 
 @contextlib.contextmanager

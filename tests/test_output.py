@@ -4,7 +4,9 @@ import fcntl
 import os
 from pathlib import Path
 
-from mars_asp.output import write_whole
+import pytest
+
+from mars_asp.output import GrowingFile, write_whole
 
 
 def test_what_a_killed_command_left_behind_is_removed(tmp_path: Path) -> None:
@@ -41,3 +43,27 @@ def test_a_pipe_that_looks_like_a_left_over_file_is_no_trap(tmp_path: Path) -> N
     os.mkfifo(tmp_path / ".mars-asp.fifo")
     write_whole(str(tmp_path / "out"), "whole")
     assert (tmp_path / "out").read_text() == "whole"
+
+
+def test_a_file_grows_by_lines_after_what_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    path.write_bytes(b"one\ntwo\nto")
+    growing = GrowingFile(str(path), 4, 10)
+    assert path.read_bytes() == b"one\n"
+    growing.append(b"three\n")
+    assert path.read_bytes() == b"one\nthree\n"
+    with pytest.raises(BlockingIOError, match="another command is writing to it"):
+        GrowingFile(str(path), 0, 10)
+    assert path.read_bytes() == b"one\nthree\n"
+    growing.close()
+    with pytest.raises(OSError, match="it has changed since it was read"):
+        GrowingFile(str(path), 4, 4)
+    GrowingFile(str(path), 10, 10).close()
+    assert path.read_bytes() == b"one\nthree\n"
+
+
+def test_what_is_not_a_regular_file_does_not_grow(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "fifo")
+    for path in (tmp_path / "fifo", tmp_path, Path("/dev/null")):
+        with pytest.raises(OSError):
+            GrowingFile(str(path), 0, 0)

@@ -7,10 +7,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeAlias
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import (
     Configuration,
@@ -29,6 +31,7 @@ from tests.support.documents import ROOT
 from tests.support.strategies import HERE, configurations, few
 
 RULEBOOK = load_rulebook()
+Found: TypeAlias = list[tuple[str, str, frozenset[str]]]
 
 
 def without_places(configuration: Configuration) -> Configuration:
@@ -38,7 +41,7 @@ def without_places(configuration: Configuration) -> Configuration:
     return replace(
         configuration,
         span=HERE,
-        modules=tuple(Name(name.text, HERE) for name in configuration.modules),
+        modules=tuple(replace(name, span=HERE) for name in configuration.modules),
         relationships=tuple(map(bare, configuration.relationships)),
     )
 
@@ -51,7 +54,7 @@ def resolved(configuration: Configuration) -> Synthesis:
     return found
 
 
-def consequences(configuration: Configuration) -> list[tuple[str, str, frozenset[str]]]:
+def consequences(configuration: Configuration) -> Found:
     facts = configuration_facts(configuration)
     analysis = analyse(facts, RULEBOOK, configuration.span)
     return sorted((c.kind, c.subject, frozenset(c.participants)) for c in analysis.consequences)
@@ -81,7 +84,7 @@ def renamed(configuration: Configuration, rename: Callable[[str], str]) -> Confi
 
     return replace(
         configuration,
-        modules=tuple(Name(rename(name.text), HERE) for name in configuration.modules),
+        modules=tuple(replace(n, text=rename(n.text)) for n in configuration.modules),
         relationships=tuple(map(over, configuration.relationships)),
     )
 
@@ -110,39 +113,43 @@ def test_a_specification_reads_back_with_nothing_to_resolve(configuration: Confi
 
 @few
 @given(configurations, st.randoms(use_true_random=False))
-def test_the_order_of_lines_changes_only_order(
+def test_order_names_and_modules_without_lines_change_no_answer(
     configuration: Configuration, rng: random.Random
+) -> None:
+    """What one law compares with is what the others do, and found once."""
+    found, answer = consequences(configuration), resolved(configuration).resolution
+    order_changes_only_order(configuration, rng, found, answer)
+    renaming_renames_the_answer(configuration, found, answer)
+    more = replace(configuration, modules=(*configuration.modules, Name("Alone", HERE)))
+    assert resolved(more).resolution.cost == answer.cost
+
+
+def order_changes_only_order(
+    configuration: Configuration, rng: random.Random, found: Found, answer: Resolution
 ) -> None:
     lines = list(configuration.relationships)
     rng.shuffle(lines)
     other = replace(configuration, relationships=tuple(lines))
-    assert consequences(other) == consequences(configuration)
-    first, second = resolved(configuration).resolution, resolved(other).resolution
-    assert first.taken == second.taken
-    assert (first.cost, first.bound) == (second.cost, second.bound)
-    assert (first.proven, first.count) == (second.proven, second.count)
+    assert consequences(other) == found
+    second = resolved(other).resolution
+    assert answer.taken == second.taken
+    assert (answer.cost, answer.bound) == (second.cost, second.bound)
+    assert (answer.proven, answer.count) == (second.proven, second.count)
 
 
-@few
-@given(configurations)
-def test_renaming_modules_renames_the_answer(configuration: Configuration) -> None:
+def renaming_renames_the_answer(
+    configuration: Configuration, found: Found, answer: Resolution
+) -> None:
     def rename(name: str) -> str:
         return f"Z{name}"
 
     expected = sorted(
         (kind, rename(subject), frozenset(map(rename, participants)))
-        for kind, subject, participants in consequences(configuration)
+        for kind, subject, participants in found
     )
     other = renamed(configuration, rename)
     assert consequences(other) == expected
-    assert resolved(other).resolution.cost == resolved(configuration).resolution.cost
-
-
-@few
-@given(configurations)
-def test_an_unconnected_module_adds_no_node(configuration: Configuration) -> None:
-    more = replace(configuration, modules=(*configuration.modules, Name("Alone", HERE)))
-    assert resolved(more).resolution.cost == resolved(configuration).resolution.cost
+    assert resolved(other).resolution.cost == answer.cost
 
 
 def test_output_is_the_same_for_every_hash_seed() -> None:
@@ -152,7 +159,7 @@ def test_output_is_the_same_for_every_hash_seed() -> None:
         "    run_here([verb, 'tests/mixed.mars', '--format', 'json'])\n"
     )
     outputs = set()
-    for seed in range(12):
+    for seed in range(6):
         environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
         done = subprocess.run(
             [sys.executable, "-c", program],

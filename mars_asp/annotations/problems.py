@@ -17,9 +17,7 @@ class Problems:
 
     def span(self, begin: int, end: int) -> Span:
         """Return the span of a stretch of offsets."""
-        first = self.source.position(begin)
-        last = self.source.position(end) if end > begin else first
-        return Span(self.source.path, *first, *last)
+        return Span(self.source.path, *self.source.positions(begin, max(begin, end)))
 
     def note(
         self,

@@ -12,6 +12,8 @@ from mars_asp.annotations.types import representation
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
 )
+#: What a behaviour in Python calls its context, which needs no type.
+_CONTEXT = "ctx"
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,7 @@ def _inputs(
         return
     for parameter in parameters:
         written = overrides.named.get(parameter.name or "", parameter.type or "")
-        if written == "none":
+        if written == "none" or (not written and parameter.name == _CONTEXT):
             continue
         if not written:
             yield parameter.name, None

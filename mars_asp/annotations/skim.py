@@ -139,8 +139,10 @@ def _construct(language: str, data: bytes, at: int) -> tuple[int, bool]:
         return _string_end(language, data, at), False
     if first == b"%" and not _is_block(data, at):
         return _line_end(data, at), True
-    if first == b"@" and data[data.rfind(b"\n", 0, at) + 1 : at].strip(b" \t"):
-        return at + 1, False
+    if first == b"@":
+        if data[data.rfind(b"\n", 0, at) + 1 : at].strip(b" \t"):
+            return at + 1, False
+        return annotation_end(data, at), True
     return comment_end(language, data, at), True
 
 

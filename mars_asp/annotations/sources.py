@@ -208,6 +208,14 @@ class Source:
         """Return the line and column, from 1, of an offset; columns count code points."""
         return self._place(offset)[1:3]
 
+    def positions(self, begin: int, end: int) -> tuple[int, int, int, int]:
+        """Return the positions of two offsets, the first one first."""
+        line, column = self.position(begin)
+        # Most stretches end on the line where they begin.
+        if self._wide or self.data.find(b"\n", begin, end) >= 0:
+            return line, column, *self.position(end)
+        return line, column, line, column + end - begin
+
     def excerpt(self, offset: int) -> str:
         """Return the line of an offset, at most its first 400 characters."""
         start = self._place(offset)[3]
@@ -216,7 +224,10 @@ class Source:
         return text.partition("\n")[0][:_MOST_EXCERPT]
 
     def _place(self, offset: int) -> tuple[int, int, int, int]:
-        index = bisect_left(self._places, (offset + 1,))
+        index = len(self._places)
+        # Most are asked for in the order of the file.
+        if self._places[-1][0] > offset:
+            index = bisect_left(self._places, (offset + 1,))
         known, line, column, start = self._places[index - 1]
         if known == offset:
             return self._places[index - 1]

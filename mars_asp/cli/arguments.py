@@ -51,6 +51,10 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
             "execute a specification on the simulator and judge the run",
             "run specification.mars --scenario scenario.toml",
         ),
+        "campaign": Verb(
+            "run it in many worlds, and show what holds in how many",
+            "campaign robot.mars --scenario s.toml --seeds 1-200",
+        ),
     },
     "Understand and change it": {
         "explain": Verb(

@@ -76,12 +76,15 @@ class _Checked:
         """Print what is not hidden, some with its one repair, and count it."""
         results = tuple(results)
         found = [each.diagnostic for each in results if each.hidden is None]
+        suggestions = _suggestions(found, sole)
         self.counted.update(each.severity for each in found)
         self.hidden.update(each.hidden.by for each in results if each.hidden is not None)
         if is_published(arguments):
-            self.results += results
+            self.results += (
+                each._replace(suggestion=suggestions.get(each.diagnostic)) for each in results
+            )
         else:
-            report(found, arguments, _suggestions(found, sole))
+            report(found, arguments, suggestions)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -99,12 +102,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="apply the repair of each finding that has exactly one, and check again; "
         "the text of standard input goes to the output",
     )
+    parser.add_argument(
+        "--fail-on",
+        choices=("error", "warning"),
+        default="error",
+        help="the least severity of a reported finding that makes the exit status 1",
+    )
     add_selection(parser)
 
 
 @published
 def run(arguments: argparse.Namespace) -> int:
-    """Report the findings; 1 where one is an error, 2 where a file cannot be read."""
+    """Report the findings; 1 where one is bad enough to fail, 2 where a file cannot be read."""
     check_inputs(*arguments.files)
     if arguments.fix and is_published(arguments):
         told = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
@@ -160,7 +169,8 @@ def _check(
     selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()
     is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
-    if project.format is None and selected.shown and is_small and not is_published(arguments):
+    shows_repairs = arguments.format != "github"
+    if project.format is None and selected.shown and is_small and shows_repairs:
         shown = {(each.spans, each.message) for each in selected.shown}
         found = _sole_repairs(project, rules, arguments)
         sole = tuple(r for r in found if (r.consequence.spans, r.consequence.message) in shown)
@@ -179,7 +189,9 @@ def _check(
     if project.format is not None and arguments.fix:
         one.report([Result(_unfixed(project.configuration.path, _FOREIGN))], arguments)
         one.status = 2
-    one.status = max(one.status, int(one.counted["error"] > 0))
+    failing: tuple[Severity, ...] = ("error", "warning")
+    failing = failing[: failing.index(arguments.fail_on) + 1]
+    one.status = max(one.status, int(any(one.counted[severity] for severity in failing)))
 
 
 def _sole_repairs(

@@ -12,13 +12,16 @@ import threading
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from mars_asp.output import replace_together, visible, write_whole
+from mars_asp.output import GrowingFile, replace_together, visible, write_whole
 
 _OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
+_GROW, _LINE = b"l", b"n"
 _LENGTH = 8
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
 _writer: int | None = None
+#: The file that grows by lines, in the process that writes.
+_growing: GrowingFile | None = None
 #: What several threads send must not be mixed.
 _sending = threading.Lock()
 
@@ -44,6 +47,7 @@ def write_file(path: str, content: str | bytes, read: bytes | None = None) -> No
     raw = content.encode() if isinstance(content, str) else content
     file = File(path, raw, None if read is None else _digest(read))
     if _pipe is None:
+        end_growing()
         _write(file)
         return
     header = f"{os.fsencode(path).hex()} {file.read or ''}"
@@ -65,6 +69,41 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
     _send(_GROUP, str(len(group)).encode())
     for path, content, read in files:
         write_file(path, content, read)
+
+
+def grow_file(path: str, kept: int, size: int) -> None:
+    """Begin to write lines to a file, behind the first `kept` of its `size` bytes.
+
+    It is closed before files are written whole, of which it may be one.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    global _growing  # noqa: PLW0603 -- there is one
+    if _pipe is None:
+        _growing = GrowingFile(path, kept, size)
+        return
+    _send(_GROW, f"{os.fsencode(path).hex()} {kept} {size}".encode())
+
+
+def add_line(line: bytes) -> None:
+    """Write a line to the file that grows, at once.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if _pipe is not None:
+        _send(_LINE, line)
+    elif _growing is not None:
+        _growing.append(line)
+
+
+def end_growing() -> None:
+    """Close the file that grows, if there is one."""
+    global _growing  # noqa: PLW0603 -- there is one
+    if _growing is not None:
+        _growing.close()
+        _growing = None
 
 
 # ---- In the worker -------------------------------------------------------------------------------
@@ -152,6 +191,8 @@ class Told:
         self.files: list[list[File]] = []
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
+        #: Whether a line could not be written, so that there is no point in going on.
+        self.failed = False
         self._rest = bytearray()
         self._missing = 0
 
@@ -189,12 +230,29 @@ class Told:
         elif kind == _GROUP:
             self._missing = int(payload)
             self.files.append([])
+        elif kind in (_GROW, _LINE):
+            self._grow(kind, payload)
         elif kind == _CODE:
             self.code = tuple(map(os.fsdecode, payload.split(b"\0"))) if payload else ()
         elif kind == _END:
             self.status = int(payload)
         else:
             raise ValueError(kind)
+
+    def _grow(self, kind: bytes, payload: bytes) -> None:
+        """Open the file that grows, or write a line to it, and nothing more once that failed."""
+        if self.failed:
+            return
+        try:
+            if kind == _LINE:
+                add_line(payload)
+                return
+            path, kept, size = payload.decode().split()
+            self._grown = os.fsdecode(bytes.fromhex(path))
+            grow_file(self._grown, int(kept), int(size))
+        except OSError as error:
+            _say_unwritten(f"`{visible(self._grown)}`", error)
+            self.failed = True
 
     def deliver(self) -> int:
         """Write files, then standard output; return the exit status.
@@ -203,6 +261,7 @@ class Told:
             BrokenPipeError: nobody reads standard output any more.
         """
         status = self.status or 0
+        end_growing()
         for group in self.files:
             path = group[0].path if group else ""
             try:

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,8 @@ from mars_asp.cli.deliver import write_file
 from mars_asp.cli.reason import add_file, read_project
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.model.names import read_name
+from mars_asp.model.declarations import Data
+from mars_asp.model.names import end, read_end
 from mars_asp.output import visible
 from mars_asp.spelling import nearest
 
@@ -47,7 +48,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=FORMATS,
         help="what to write, if not by the suffix of OUT",
     )
-    parser.add_argument("--about", metavar="NAME", help="draw a module and what is near it")
+    parser.add_argument(
+        "--about",
+        metavar="NAME",
+        help="draw what is near a module, or near a port of one, as in `Camera.image`",
+    )
     parser.add_argument(
         "--depth",
         metavar="N",
@@ -110,33 +115,59 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     from mars_asp.draw.svg import drawn_width
 
     whole = depict(project.configuration, project.modules)
-    shown, name = whole, arguments.about
+    shown, name, port = whole, arguments.about, None
     if name is not None:
-        name = _name(name, whole, project.configuration.span)
+        name, port = _named(name, whole, project)
     if arguments.only is not None:
         shown = of_kinds(shown, arguments.only, name)
     if name is not None:
-        shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth)
+        shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth, port)
     # Programs that read the others lay them out themselves.
     if is_painted and not arguments.whole:
         shown = fitting(shown, drawn_width, name)
     return replace(shown, remark=left_out(whole, shown) or "")
 
 
-def _name(written: str, picture: "Picture", span: "Span") -> str:
-    """Return the name of a box, which may be written as in a configuration.
+def _named(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
+    """Return the name of a box, and the port of it that is meant, as a configuration writes them.
 
     Raises:
         MarsError: there is none of that name.
     """
+    from mars_asp.reasoning.project import port_names
+
     names = {box.name for box in picture.boxes}
-    for name in (visible(written), visible(read_name(written) or "")):
+    module, port = read_end(written) or (written, None)
+    # What a picture shows is taken as it is, too.
+    for name in (visible(written), visible(module) if port is None else ""):
         if name in names:
-            return name
-    near = nearest(written, names)
-    help_text = f"did you mean `{near}`?" if near else "--about takes the name of a module"
-    message = f"`{written}` is not a module"
-    raise MarsError((Diagnostic("draw", "error", message, span, help=help_text, excerpt=""),))
+            return name, None
+    # What nothing describes has the ports that lines name.
+    named = (each for each in project.configuration.relationships if isinstance(each, Data))
+    ends = {at for each in named for at in _ends(each)}.union(port_names(project).values())
+    ports = {end(*each): each for each in sorted(ends)}
+    if (module, port) in ports.values() and visible(module) in names:
+        return visible(module), port
+    own = sorted(each for each, (of, _) in ports.items() if of == module)
+    if port is not None and visible(module) in names:
+        what, known = f"`{module}` has no port `{port}`", f"its ports are {', '.join(own)}"
+        near, known = nearest(written, own), known if own else "no line joins a port of it"
+    else:
+        what, known = f"`{written}` is not a module or port", "--about takes MODULE or MODULE.PORT"
+        # A topic alone means whoever publishes it.
+        tails = (picture.boxes[line.tail] for line in picture.lines if line.outlet == written)
+        sent = (f"{box.name}.{written}" for box in tails)
+        near = next(sent, None) or nearest(written, (*names, *ports))
+    help_text = f"did you mean `{near}`?" if near else known
+    span = project.configuration.span
+    raise MarsError((Diagnostic("draw", "error", what, span, help=help_text, excerpt=""),))
+
+
+def _ends(line: Data) -> Iterator[tuple[str, str]]:
+    """Yield the ports that a line names, with their modules."""
+    for module, port in ((line.source, line.source_port), (line.client, line.client_port)):
+        if port is not None:
+            yield module, port
 
 
 def _told(picture: "Picture", span: "Span") -> Diagnostic:

@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--contract",
         action="store_true",
-        help="print the configuration that each mux realises, not the mux as a node",
+        help="print the configuration that muxes and relays realise, without them as nodes",
     )
 
 
@@ -75,7 +75,7 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     Raises:
         MarsError: what is wrong with the files.
     """
-    from mars_asp.exchange.lift import lifted, with_origins
+    from mars_asp.exchange.lift import has_glue, lifted, with_origins
 
     files = []
     for name in arguments.files:
@@ -87,7 +87,7 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
         remember(shown, text)
         files.append(File(shown, text, arguments.origin))
     found = read_foreign(files)
-    contract = arguments.contract or not found.configuration.muxes
+    contract = arguments.contract or not has_glue(found.configuration)
     shape = found.configuration if contract else lifted(found.configuration)
     return found, with_origins(shape)
 

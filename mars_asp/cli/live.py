@@ -1,4 +1,4 @@
-"""The line on standard error that shows a run while it goes on, where a person is watching."""
+"""The line on standard error that shows how far a verb is, where a person is watching."""
 
 import argparse
 import os
@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mars_asp.output import visible
 
@@ -17,20 +17,28 @@ if TYPE_CHECKING:
 _PATIENCE = 0.1
 
 
+_T = TypeVar("_T")
+
+
 @contextmanager
-def live_line(arguments: argparse.Namespace) -> "Iterator[Callable[[Trial], None]]":
-    """Yield what shows how far a run is; the line is gone at the end."""
+def live_line(
+    arguments: argparse.Namespace, line_of: Callable[[_T, float], str]
+) -> Iterator[Callable[[_T], None]]:
+    """Yield what shows how far something is; the line is gone at the end.
+
+    `line_of` returns the line, of what is shown and the seconds that it took until now.
+    """
     if arguments.quiet or not sys.stderr.isatty():
-        yield lambda trial: None
+        yield lambda at: None
         return
     columns, started, shown = _columns(), time.monotonic(), -_PATIENCE
 
-    def show(trial: "Trial") -> None:
+    def show(at: _T) -> None:
         nonlocal shown
         wall = time.monotonic() - started
         if wall - shown >= _PATIENCE:
             shown = wall
-            write(visible(run_line(trial, wall))[:columns])
+            write(visible(line_of(at, wall))[:columns])
 
     def write(line: str) -> None:
         # A line that fills the last column, or is longer, would stay when it is to be replaced.

@@ -116,7 +116,14 @@ def _read(arguments: argparse.Namespace, path: str, text: str | None = None) -> 
         text = read_input(path)
     if text is None and Path(path).is_dir():
         return File(path, "", "ros2")
-    text = read_text(Path(path)) if text is None else plain_lines(text)
+    if text is None:
+        # What comes through a pipe comes once.
+        streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
+        text = streamed.get(path) or read_text(Path(path))
+        if not Path(path).is_file():
+            streamed[path] = text
+    else:
+        text = plain_lines(text)
     # What is wrong with a file is shown in its own lines.
     remember(path, text)
     return File(path, text, arguments.from_format or recognised(text))
@@ -137,8 +144,8 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[list[str
 
 
 def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether a file can be read, again if need be as no pipe can, and is not ours."""
-    if not (Path(path).is_file() or Path(path).is_dir()):
+    """Whether a file, folder or pipe can be read and is not ours."""
+    if not Path(path).exists():
         return False
     try:
         return _read(arguments, path).format != "mars"

@@ -81,10 +81,16 @@ def _text(found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: boo
 
 def _by_hand(consequence: Consequence) -> str:
     """Return what to do about a finding in a file that is not ours, and where."""
-    places = ", ".join(dict.fromkeys(str(span.line) for span in consequence.spans))
-    lines = "line" if len(consequence.spans) == 1 else "lines"
+    lines: dict[str, dict[int, None]] = {}
+    for span in consequence.spans:
+        lines.setdefault(span.path, {})[span.line] = None
+    first = consequence.spans[0].path
+    places = " and ".join(
+        f"line{'s' * (len(of) > 1)} {', '.join(map(str, of))}{f' of {path}' * (path != first)}"
+        for path, of in lines.items()
+    )
     told = consequence.help or "only `.mars` files are edited here"
-    return visible(f"change it by hand, {lines} {places}: {told}")
+    return visible(f"change it by hand, {places}: {told}")
 
 
 def _unproposed(consequence: Consequence) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -75,21 +75,22 @@ def report(
     """
     if arguments.format in ("sarif", "github"):
         return
-    for diagnostic in diagnostics:
+    for whole in diagnostics:
+        diagnostic = brief(whole)
         for_programs = arguments.format in ("json", "jsonl")
         # What was not read of a file no program may miss.
         told = for_programs and diagnostic.code == NOT_READ
         if arguments.quiet and diagnostic.severity == "note" and not told:
             continue
         if for_programs:
-            found = diagnostic_json(diagnostic, suggestions.get(diagnostic))
+            found = diagnostic_json(diagnostic, suggestions.get(whole))
             print(encoded(found), file=sys.stderr)
         else:
             width = columns(sys.stderr)
             print(
                 diagnostic_text(diagnostic, colours(arguments, sys.stderr), width), file=sys.stderr
             )
-            for line in _suggested(suggestions.get(diagnostic), width):
+            for line in _suggested(suggestions.get(whole), width):
                 print(line, file=sys.stderr)
 
 

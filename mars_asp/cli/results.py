@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from mars_asp.cli.report import Suggestion
 from mars_asp.cli.selection import Hidden, Selected
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
@@ -15,19 +16,26 @@ from mars_asp.reasoning.analysis import Consequence, diagnostic
 class Result(NamedTuple):
     """Something that was found: what is shown of it, and the consequence that it is, if it is one.
 
-    `hidden` is why it is not reported, `is_new` whether no baseline lists it, where there is one.
+    `hidden` is why it is not reported, `is_new` whether no baseline lists it, where there is one,
+    and `suggestion` its one repair, where it has exactly one.
     """
 
     diagnostic: Diagnostic
     consequence: Consequence | None = None
     hidden: Hidden | None = None
     is_new: bool | None = None
+    suggestion: Suggestion | None = None
 
     @property
     def has_file(self) -> bool:
         """Whether it stands in a file, and not in the words of the command or in its input."""
         path = self.diagnostic.span.path
-        return path != "-" and not path.startswith(("--", "<"))
+        return path != "-" and not path.startswith("<") and not self.is_of_command
+
+    @property
+    def is_of_command(self) -> bool:
+        """Whether it is about the words of the command."""
+        return self.diagnostic.span.path.startswith("--")
 
 
 def results_of(selected: Selected) -> Iterator[Result]:

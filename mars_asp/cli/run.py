@@ -5,9 +5,10 @@ import json
 import os.path
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,18 +16,16 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.live import live_line
+from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
+from mars_asp.cli.perform import performed, read_changes, scenario_text, specified
 from mars_asp.cli.reason import (
-    STANDARD_INPUT,
     add_file,
-    analyse_project,
     check_inputs,
-    read_input,
     read_project,
-    rulebook_for,
 )
 from mars_asp.cli.report import report
+from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -39,15 +38,11 @@ if TYPE_CHECKING:
     from mars_asp.execution.scenario.read import Robot, Scenario
     from mars_asp.execution.simulator import Body
     from mars_asp.execution.trial import Trial
-    from mars_asp.model.declarations import Configuration
-    from mars_asp.reasoning.project import Project
 
 #: Who holds control where no controller does.
 _NONE = "none"
 #: How a requirement that holds, does not, or is not decided, is listed.
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
-#: Simulated seconds between two looks at the run.
-_GLANCE = 0.5
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +51,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
     parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
+    parser.add_argument(
+        "--vary",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="give a key of the scenario another value, as in `robot.radius=150`; "
+        "`modules.NAME=off` has a module send nothing; repeatable",
+    )
     parser.add_argument(
         "--explain", action="store_true", help="show why each requirement was violated"
     )
@@ -89,12 +92,8 @@ class _Schema(argparse.Action):
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     from mars_asp.asp.trace.document import traces_json
-    from mars_asp.execution.judgement import judge
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
-    from mars_asp.execution.trial import stage_trial
-    from mars_asp.model.described import described_modules
-    from mars_asp.reasoning.synthesis.carried_modes import state_modes
 
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
@@ -104,13 +103,11 @@ def run(arguments: argparse.Namespace) -> int:
         scenario = replace(scenario, seed=arguments.seed)
     if arguments.duration is not None:
         scenario = replace(scenario, duration=arguments.duration)
-    specification = _specification(project, arguments)
-    if specification is None:
-        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+        report(_never_begun(scenario), arguments)
+    found = specified(project, arguments)
+    if found is None:
         return 1
-    # A specification that was made here does not repeat the blocks of its configuration.
-    modules = described_modules(project.configuration, project.modules)
-    specification = state_modes(specification, modules, rulebook_for(arguments))
+    specification, modules = found
     named = [name.text for name in specification.modules]
     functions = dict(bound_functions(modules, scenario, named))
     if arguments.dry_run:
@@ -120,10 +117,9 @@ def run(arguments: argparse.Namespace) -> int:
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
-    with aside:
-        trial = stage_trial(specification, modules, scenario, observe)
-        _carry_out(trial, arguments)
-    judgement = judge(trial)
+    with aside, live_line(arguments, run_line) as show:
+        trial, judgement = performed(specification, modules, scenario, observe, show)
+    report(trial.remarks, arguments)
     write_outputs(trial, record, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
@@ -142,26 +138,19 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _scenario(arguments: argparse.Namespace) -> "Scenario":
-    from mars_asp.execution.scenario.read import load_scenario, read_scenario
+    from mars_asp.execution.scenario.read import read_scenario
 
-    if arguments.scenario == STANDARD_INPUT:
-        return read_scenario(read_input("<stdin>"), Path("<stdin>"))
-    return load_scenario(Path(arguments.scenario))
+    return read_scenario(*scenario_text(arguments), read_changes(arguments.vary))
 
 
-def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
-    """Return the file's specification, or the minimal one of its configuration."""
-    if project.configuration.kind == "specification":
-        return project.configuration
-    from mars_asp.reasoning.analysis import findings
-    from mars_asp.reasoning.budget import Budget
-    from mars_asp.reasoning.synthesis.synthesise import synthesise
+def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
+    """Yield a warning for each fault that a run that was cut short does not come to."""
+    from mars_asp.execution.scenario.contradictions import late_faults
 
-    rulebook = rulebook_for(arguments)
-    analysis = analyse_project(project, rulebook, arguments)
-    report(findings(analysis), arguments)
-    found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
-    return None if found is None else found.specification.configuration
+    for name, start in late_faults(scenario.faults, scenario.duration):
+        message = f"the fault of `{name}` begins at {start:g} s, after the end of this run"
+        place = scenario.places[f"faults.{name}"]
+        yield Diagnostic("scenario", "warning", message, place, (), "lengthen `--duration`")
 
 
 def _print_plan(
@@ -195,16 +184,6 @@ def _print_plan(
     return 2 if missing else 0
 
 
-def _carry_out(trial: "Trial", arguments: argparse.Namespace) -> None:
-    """Run to the end, with a live line where a person is watching."""
-    duration, at = trial.scenario.duration, 0.0
-    with live_line(arguments) as show:
-        while at < duration:
-            at = min(duration, at + _GLANCE)
-            trial.run_until(at)
-            show(trial)
-
-
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
     executor, clearance = trial.executor, trial.clearance
@@ -223,7 +202,7 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "driven_mm": round(sum(body.driven for body in trial.bodies), 3),
         "turn_while_driving_s": round(sum(body.both for body in trial.bodies), 6),
         "robots": [_robot_json(trial, *each) for each in trial.robots],
-        "links": [_link_json(trial, link) for link in executor.links],
+        "links": _links_json(trial),
         "control": [
             {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
             for arbiter in executor.arbiters.values()
@@ -264,13 +243,24 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
     write_file(arguments.report, page)
 
 
-def _link_json(trial: "Trial", link: "Link") -> dict[str, Any]:
+def _links_json(trial: "Trial") -> list[dict[str, Any]]:
+    from mars_asp.execution.promises import promises
+
+    rates = {each.number: each.hz for each in promises(trial)}
+    now = trial.executor.schedule.now
+    return [
+        _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
+        for number, link in enumerate(trial.executor.links)
+    ]
+
+
+def _link_json(trial: "Trial", link: "Link", hz: float) -> dict[str, Any]:
     asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
     return {
         "source": link.source,
         "client": link.client,
         "asked_hz": None if asked is None else float(asked),
-        "got_hz": round(link.delivered / trial.scenario.duration, 6),
+        "got_hz": round(hz, 6),
         "oldest_ms": link.oldest / 1e6,
         "delivered": link.delivered,
         "dropped": dict(link.dropped),
@@ -381,7 +371,7 @@ def _links(trial: "Trial") -> "Table":
             f"{link['oldest_ms']:g}",
             ", ".join(f"{count} {why}" for why, count in sorted(link["dropped"].items())),
         )
-        for link in (_link_json(trial, each) for each in trial.executor.links)
+        for link in _links_json(trial)
     )
     return _table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
 

@@ -7,7 +7,7 @@ https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html.
 import hashlib
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any, TypeAlias
 from urllib.parse import quote
@@ -15,6 +15,7 @@ from urllib.parse import quote
 from mars_asp import __version__
 from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.cli.results import Result, plain_text, seen_from_root, unique_rules
+from mars_asp.cli.sarif_fixes import sarif_fixes
 from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Consequence
@@ -25,13 +26,16 @@ _SCHEMA = (
 )
 #: What relative paths are relative to, by the name that GitHub and CodeQL use.
 _ROOT = "%SRCROOT%"
+#: Help for what no rule finds.
+_PAGE_OF_CHECKS = "docs/how-to/ci.md explains what is reported"
 #: The page of all findings, which has a heading for each kind.
 _PAGE = "docs/reference/findings.md"
 
 
 def sarif_log(results: Sequence[Result], status: int) -> _Json:
     """Return a log of one run that ends with an exit status."""
-    rules = unique_rules(results)
+    found = [each for each in results if not each.is_of_command]
+    rules = unique_rules(found)
     numbers = {code: number for number, code in enumerate(rules)}
     driver = {
         "name": "mars-asp",
@@ -42,27 +46,49 @@ def sarif_log(results: Sequence[Result], status: int) -> _Json:
     told = "what relative paths are relative to: the root of the repository, else the folder in use"
     run: _Json = {
         "tool": {"driver": driver},
-        "invocations": [{"executionSuccessful": status < 2, "exitCode": status}],
+        "invocations": [_invocation(results, status)],
         "originalUriBaseIds": {_ROOT: {"description": {"text": plain_text(told)}}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(each, numbers) for each in results],
+        "results": [_result(each, numbers) for each in found],
     }
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+
+
+def _invocation(results: Iterable[Result], status: int) -> _Json:
+    """Return how a run ended, with what is wrong with the words of its command (3.20)."""
+    wrong = [
+        {
+            "level": each.diagnostic.severity,
+            "message": {"text": _marked(_told(each))},
+            "descriptor": {"id": each.diagnostic.code},
+        }
+        for each in results
+        if each.is_of_command
+    ]
+    ended: _Json = {"executionSuccessful": status < 2, "exitCode": status}
+    return ended | ({"toolConfigurationNotifications": wrong} if wrong else {})
 
 
 def _descriptor(code: str, first: Result) -> _Json:
     """Return what is known of the rule or check that found something (3.49)."""
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
-        return {"id": code, "shortDescription": {"text": plain_text(_words(code))}, **level}
+        # GitHub asks for a description and for help of each.
+        short, advice = plain_text(_words(code)), first.diagnostic.help or _PAGE_OF_CHECKS
+        return {
+            "id": code,
+            "shortDescription": {"text": short},
+            "fullDescription": {"text": short},
+            "help": {"text": plain_text(advice)},
+            **level,
+        }
     kind, rule = first.consequence.kind, first.consequence.rule
     page = f"{_PAGE}#{kind}"
-    why = {"fullDescription": {"text": plain_text(rule.why)}} if rule.why else {}
     return {
         "id": code,
         "name": kind,
         "shortDescription": {"text": plain_text(_words(kind))},
-        **why,
+        "fullDescription": {"text": plain_text(rule.why or _words(kind))},
         "help": _help(kind, rule, page),
         **level,
         "properties": {"kind": kind, "page": page},
@@ -92,22 +118,25 @@ def _words(name: str) -> str:
 
 def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     found, consequence = result.diagnostic, result.consequence
-    advice = found.help and f"help: {found.help}"
     entry: _Json = {
         "ruleId": found.code,
         "ruleIndex": numbers[found.code],
         "level": found.severity,
-        "message": {"text": plain_text(found.message, found.effect, advice)},
+        "message": {"text": _marked(_told(result))},
         "locations": [_location(found.span)] if result.has_file else [],
     }
-    if not result.has_file:
-        entry["message"]["text"] = f"{visible(found.span.path)}: {entry['message']['text']}"
-    if found.labels:
+    if found.labels and result.has_file:
+        # A related location is shown where the message has a link to it, as on GitHub (3.11.6).
+        related = tuple(enumerate(found.labels, 1))
+        links = ", ".join(
+            f"[{_linked(span, label)}]({number})" for number, (span, label) in related
+        )
+        entry["message"]["text"] += f" See {links}."
         entry["relatedLocations"] = [
-            _location(span, label) | {"id": number}
-            for number, (span, label) in enumerate(found.labels, 1)
-            if result.has_file
+            _location(span, label) | {"id": number} for number, (span, label) in related
         ]
+    if result.suggestion is not None and result.has_file:
+        entry |= sarif_fixes(result.suggestion, _artifact)
     if consequence is not None:
         entry["partialFingerprints"] = {"marsFinding/v1": _fingerprint(consequence)}
         entry["properties"] = {
@@ -125,6 +154,24 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
             suppression["justification"] = visible(result.hidden.reason)
         entry["suppressions"] = [suppression]
     return entry
+
+
+def _told(result: Result) -> str:
+    """Return what was found, what will happen and what to do, after what it is about."""
+    found = result.diagnostic
+    text = plain_text(found.message, found.effect, found.help and f"help: {found.help}")
+    return text if result.has_file else f"{visible(found.span.path)}: {text}"
+
+
+def _marked(text: str) -> str:
+    """Return a text in which no brackets begin a link (3.11.6)."""
+    return re.sub(r"[\[\]]", r"\\\g<0>", text)
+
+
+def _linked(span: Span, label: str) -> str:
+    """Return the words of a link to a place."""
+    words = visible(label) or f"{PurePath(span.path).name}, line {span.line}"
+    return re.sub(r"[\\\[\]]", r"\\\g<0>", words)
 
 
 def _location(span: Span, label: str = "") -> _Json:

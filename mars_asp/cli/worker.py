@@ -7,7 +7,8 @@ writes results. They cross a pipe and end with a mark, so what was ended writes 
 A message in the pipe is a letter, the length of what follows (eight bytes), and what follows:
 `o` output, `f` a file (its name and a digest of what it replaces in a line, then its content), `g`
 how many of the next files are written together or not at all, `c` the files whose code runs from
-now on, `.` the end (the exit status).
+now on, `l` a file that grows by lines from now on (its name, how much of it stays, its size), `n` a
+line of it, `.` the end (the exit status).
 """
 
 import argparse
@@ -132,18 +133,14 @@ def _work(
     """Run the verb, say what came of it, and end without what belongs to the command."""
     status = 2
     try:
-        global _worker  # noqa: PLW0603 -- this process is one
-        _worker = os.getpid()
-        os.setpgid(0, 0)
+        begin_group(watched)
         for number in ENDING:
             # Not Python's own handlers: they wait until clingo comes back.
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-        threading.Thread(target=_watch, args=(watched,), daemon=True).start()
         limit_memory(memory_limit(arguments))
         deliver.to_pipe(said)
-        os._exit = _stay  # type: ignore[assignment]
         try:
             status = run_plain(run, arguments)
         except Exception as error:  # whatever it is, the worker must not end without a word
@@ -155,6 +152,24 @@ def _work(
         _leave(status)
 
 
+def begin_group(*watched: int) -> None:
+    """Make this process a worker with a group of its own, which ends when a watched pipe does."""
+    global _worker  # noqa: PLW0603 -- this process is one
+    _worker = os.getpid()
+    os.setpgid(0, 0)
+    os._exit = _stay  # type: ignore[assignment]
+    threading.Thread(target=_watch, args=watched, daemon=True).start()
+
+
+def leave_with(said: int, result: bytes) -> NoReturn:
+    """End this worker when its result has gone through a pipe; without one it has failed."""
+    with suppress(OSError):
+        rest = memoryview(result)
+        while rest:
+            rest = rest[os.write(said, rest) :]
+    _leave(int(not result))
+
+
 def _stay(code: int) -> NoReturn:
     """Let code that a verb runs fail where it would end the worker; what it forked may end."""
     if os.getpid() != _worker:
@@ -162,9 +177,15 @@ def _stay(code: int) -> NoReturn:
     raise SystemExit(code)
 
 
-def _watch(watched: int) -> None:
-    """End the whole group of the worker when the command is no more."""
-    os.read(watched, 1)
+def _watch(*watched: int) -> None:
+    """End the whole group of the worker when one of the processes that hold the pipes is no more.
+
+    Nothing is ever sent through them, but what may be is left for others.
+    """
+    ends = select.poll()
+    for pipe in watched:
+        ends.register(pipe, 0)
+    ends.poll()
     os.killpg(0, signal.SIGKILL)
 
 
@@ -184,16 +205,20 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
             with suppress(ValueError), closing(_heard(results, worker)) as chunks:
                 while told.status is None and (chunk := next(chunks, b"")):
                     told.hear(chunk)
+                    if told.failed:
+                        break
             if told.status is None:
-                _end_group(worker)
+                end_group(worker)
             _, status = os.waitpid(worker, 0)
             signal.setitimer(signal.ITIMER_REAL, 0)
-            _end_group(worker)
+            end_group(worker)
+            if told.failed:
+                return 2
             if told.status is None:
                 return _broken(status, told.code, arguments)
             return told.deliver()
     except Ended as ended:
-        _end_group(worker)
+        end_group(worker)
         os.waitpid(worker, 0)
         clear_line()
         if ended.number == signal.SIGALRM:
@@ -247,7 +272,7 @@ def _expire(number: int, frame: FrameType | None) -> None:
     raise Ended(number)
 
 
-def _end_group(worker: int) -> None:
+def end_group(worker: int) -> None:
     """End the worker and what it started; it need not have its group yet."""
     for end in (os.killpg, os.kill):
         with suppress(ProcessLookupError, PermissionError):

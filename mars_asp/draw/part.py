@@ -1,9 +1,9 @@
 """Parts of a picture: lines of some kinds, what is near a box, and what a screen has room for."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from mars_asp.draw.picture import LineKind, Picture
+from mars_asp.draw.picture import Line, LineKind, Picture
 
 #: How wide most screens are, in px.
 SCREEN = 1920
@@ -25,20 +25,29 @@ def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = N
     return _with(replace(picture, lines=tuple(lines)), sorted(joined))
 
 
-def about(picture: Picture, name: str, depth: int) -> Picture:
+def about(picture: Picture, name: str, depth: int, port: str | None = None) -> Picture:
     """Return the boxes that at most `depth` lines lead to from that of a name, in any direction.
 
+    Of a `port` the first lines are those that begin or end there; with a depth of 1 they are all.
     Boxes of which lines are left out have a note that tells how many.
     """
-    near = _neighbours(picture)
+    near = _neighbours(picture.lines, len(picture.boxes))
     found = {number for number, box in enumerate(picture.boxes) if box.name == name}
+    wire = [line for line in picture.lines if port is None or _has_port(line, found, port)]
+    first = near if port is None else _neighbours(wire, len(picture.boxes))
     fringe = found
-    for _ in range(depth):
-        fringe = {other for each in fringe for other in near[each]} - found
+    for step in range(depth):
+        fringe = {other for each in fringe for other in (near if step else first)[each]} - found
         if not fringe:
             break
         found = found | fringe
-    return _noted(picture, sorted(found))
+    return _noted(picture, sorted(found), wire if depth == 1 else picture.lines)
+
+
+def _has_port(line: Line, boxes: Collection[int], port: str) -> bool:
+    """Whether a line leaves one of some boxes, or enters it, by a port."""
+    leaves = line.tail in boxes and line.outlet == port
+    return leaves or (line.head in boxes and line.inlet == port)
 
 
 def fitting(
@@ -82,7 +91,7 @@ def _outwards(picture: Picture, name: str | None) -> Iterator[int]:
 
     Where lines lead no further, it goes on at the busiest box that is left.
     """
-    near = _neighbours(picture)
+    near = _neighbours(picture.lines, len(picture.boxes))
     busiest = sorted(range(len(near)), key=lambda box: (-len(near[box]), box))
     rank = {box: place for place, box in enumerate(busiest)}
     seen: set[int] = set()
@@ -97,28 +106,35 @@ def _outwards(picture: Picture, name: str | None) -> Iterator[int]:
             fringe = sorted(further, key=rank.__getitem__)
 
 
-def _neighbours(picture: Picture) -> Sequence[set[int]]:
-    near: list[set[int]] = [set() for _ in picture.boxes]
-    for line in picture.lines:
+def _neighbours(lines: Iterable[Line], boxes: int) -> Sequence[set[int]]:
+    near: list[set[int]] = [set() for _ in range(boxes)]
+    for line in lines:
         near[line.tail].add(line.head)
         near[line.head].add(line.tail)
     return near
 
 
-def _noted(picture: Picture, boxes: Sequence[int]) -> Picture:
-    """Return some boxes with the lines between them, and notes on how many others they have."""
-    kept = set(boxes)
+def _noted(
+    picture: Picture, boxes: Sequence[int], shown: Collection[Line] | None = None
+) -> Picture:
+    """Return some boxes with the lines between them, and notes on how many others they have.
+
+    The lines are those that are to be `shown`, or all.
+    """
+    among = set(picture.lines if shown is None else shown)
     more = dict.fromkeys(boxes, 0)
     for line in picture.lines:
-        if (line.tail in kept) != (line.head in kept):
-            more[line.tail if line.tail in kept else line.head] += 1
+        if line not in among or not {line.tail, line.head} <= more.keys():
+            for end in more.keys() & {line.tail, line.head}:
+                more[end] += 1
     noted = list(picture.boxes)
     for box, number in more.items():
         if number:
             words = f"{number} more line{'' if number == 1 else 's'}"
             note = f"{noted[box].note}; {words}" if noted[box].note else words
             noted[box] = replace(noted[box], note=note)
-    return _with(replace(picture, boxes=tuple(noted)), boxes)
+    lines = tuple(line for line in picture.lines if line in among)
+    return _with(replace(picture, boxes=tuple(noted), lines=lines), boxes)
 
 
 def _with(picture: Picture, boxes: Sequence[int]) -> Picture:

@@ -1,6 +1,6 @@
 """What a picture shows: a box for each module and node, a line for each relationship."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -19,6 +19,7 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import module_classes
+from mars_asp.model.ports import inputs, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.output import visible
 
@@ -39,6 +40,7 @@ class Line:
     """A relationship in the direction in which things flow, by the index of its boxes.
 
     Mounts lead from the mounting module to what carries it. `text` is the relationship as written.
+    `outlet` and `inlet` are the ports of data, which a line need not name where there is only one.
     """
 
     kind: LineKind
@@ -46,6 +48,8 @@ class Line:
     head: int
     label: str
     text: str
+    outlet: str | None = None
+    inlet: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +85,7 @@ def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Pictu
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
-    lines = [_line(relationship, number) for relationship in configuration.relationships]
+    lines = [_line(relationship, number, described) for relationship in configuration.relationships]
     stated = f"{configuration.architecture} " if configuration.stated else ""
     return Picture(f"{stated}{configuration.kind}", tuple(boxes), tuple(lines))
 
@@ -96,7 +100,10 @@ def _ends(relationship: Relationship) -> tuple[str, str]:
             return source, client
 
 
-def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
+def _line(
+    relationship: Relationship, number: Mapping[str, int], described: Mapping[str, Module]
+) -> Line:
+    outlet = inlet = None
     tail, head = (number[name] for name in _ends(relationship))
     kind: LineKind
     match relationship:
@@ -118,11 +125,22 @@ def _line(relationship: Relationship, number: Mapping[str, int]) -> Line:
             kind = "data"
             ports = relationship.source_port, relationship.client_port
             words = [" → ".join(port for port in ports if port is not None)] if any(ports) else []
+            outlet = ports[0] or _only_port(described.get(relationship.source), outputs)
+            inlet = ports[1] or _only_port(described.get(relationship.client), inputs)
             if relationship.mode is not None:
                 words.append(relationship.mode.text)
             if relationship.hz is not None:
                 words.append(_rate(relationship.hz))
-    return Line(kind, tail, head, _shown(" ".join(words)), _shown(print_relationship(relationship)))
+    label, text = _shown(" ".join(words)), _shown(print_relationship(relationship))
+    return Line(kind, tail, head, label, text, outlet, inlet)
+
+
+def _only_port(
+    module: Module | None, ports: Callable[[Module], Mapping[str, object]]
+) -> str | None:
+    """Return the one output, or input, of a module that has no other."""
+    names = tuple(ports(module)) if module is not None else ()
+    return names[0] if len(names) == 1 else None
 
 
 def _note(module: Module | None, conversion: Conversion | None) -> str:
@@ -130,7 +148,8 @@ def _note(module: Module | None, conversion: Conversion | None) -> str:
         return _shown(f"{conversion.source} → {conversion.target}")
     if module is None:
         return ""
-    return ", ".join(name.replace("_", " ") for name in module_classes(module))
+    words = [name.replace("_", " ") for name in module_classes(module)]
+    return ", ".join([*words, *(["guard"] if module.guard is not None else [])])
 
 
 def _shown(text: str) -> str:

@@ -13,12 +13,16 @@ _DEEPEST = 3
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """An element: its name, attributes, place (of its `<`) and the elements in it."""
+    """An element: its name, attributes, place (of its `<`), the elements and the text in it.
+
+    Each piece of the text stands with its line and the columns before it.
+    """
 
     name: str
     attributes: Mapping[str, str]
     span: Span
     children: list["Element"] = field(default_factory=list)
+    pieces: list[tuple[int, int, str]] = field(default_factory=list)
 
     def child(self, name: str) -> "Element | None":
         """Return the first child of a name."""
@@ -74,7 +78,14 @@ def read_elements(
         found = "a document type, which is refused: it could declare entities"
         raise MarsError((Diagnostic(code, "error", found, place, help="delete it"),))
 
+    def characters(text: str) -> None:
+        if open_elements and depth <= deepest:
+            piece = (parser.CurrentLineNumber, parser.CurrentColumnNumber, text)
+            open_elements[-1].pieces.append(piece)
+
     parser.StartElementHandler = start
+    if whole:
+        parser.CharacterDataHandler = characters
     parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = refuse
     try:

@@ -1,7 +1,7 @@
 """Glue that a robot has already, as nodes of a specification.
 
-That is muxes, and what a middleware does by itself: it hands an output to all who subscribe to it,
-and the commands of all publishers to whom they are for, where the latest wins.
+That is muxes, throttles, and what a middleware does by itself: it hands an output to all who
+subscribe to it, and the commands of all publishers to whom they are for, where the latest wins.
 """
 
 from collections import defaultdict
@@ -16,6 +16,8 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Inner,
+    Muxed,
     Name,
     NodeKind,
     Relationship,
@@ -30,9 +32,16 @@ def lifted(configuration: Configuration) -> Configuration:
     lines: list[Relationship] = [
         Control(mux.module, arbiters[mux.module], mux.span) for mux in configuration.muxes
     ]
+    places = {
+        mux.module: dict(_places(mux, arbiters[mux.module], nodes, lines))
+        for mux in configuration.muxes
+        if mux.numbers
+    }
     for line in configuration.relationships:
         if isinstance(line, Control) and line.controlled in arbiters:
-            line = replace(line, controlled=arbiters[line.controlled])  # noqa: PLW2901
+            here = arbiters[line.controlled], line.priority
+            arbiter, number = places.get(line.controlled, {}).get(line.priority, here)
+            line = replace(line, controlled=arbiter, priority=number)  # noqa: PLW2901
         lines.append(line)
     for change in (_copied, _arbitrated, _commanded):
         lines = list(change(lines, nodes))
@@ -42,7 +51,25 @@ def lifted(configuration: Configuration) -> Configuration:
         modules=(*configuration.modules, *nodes.names),
         relationships=tuple(lines),
         muxes=(),
+        relays=(),
     )
+
+
+def _places(
+    mux: Muxed | Inner, arbiter: str, nodes: "_Nodes", lines: list[Relationship]
+) -> Iterator[tuple[int | None, tuple[str, int | None]]]:
+    """Yield for each number of a cascade its arbiter and what is written; add those within."""
+    for number, written in mux.numbers:
+        yield number, (arbiter, written)
+    for each in mux.inner:
+        within = nodes.new("arbitration_node", each.span)
+        lines.append(Control(arbiter, within, each.span, each.priority))
+        yield from _places(each, within, nodes, lines)
+
+
+def has_glue(configuration: Configuration) -> bool:
+    """Whether there is more in other people's wiring than its configuration has."""
+    return bool(configuration.muxes or configuration.relays)
 
 
 class _Nodes:
@@ -73,7 +100,7 @@ class _Nodes:
 
 
 def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
-    """Yield lines with a splitter behind each output that several take."""
+    """Yield lines with a splitter behind each output that several take, or one at a lower rate."""
     takers: dict[tuple[str, str | None], list[Data]] = defaultdict(list)
     for line in lines:
         if isinstance(line, Data):
@@ -81,7 +108,10 @@ def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationsh
     splitters: dict[tuple[str, str | None], str] = {}
     for line in lines:
         output = (line.source, line.source_port) if isinstance(line, Data) else None
-        if not isinstance(line, Data) or output is None or len(takers[output]) == 1:
+        if not isinstance(line, Data) or output is None:
+            yield line
+            continue
+        if len(takers[output]) == 1 and line.hz is None:
             yield line
             continue
         if output not in splitters:

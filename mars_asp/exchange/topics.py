@@ -7,107 +7,48 @@ own administration are left out and counted.
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
 from typing import NamedTuple
 
-from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Span, point
 from mars_asp.exchange import ports
+from mars_asp.exchange.cascades import merged
+from mars_asp.exchange.graph import (
+    Endpoint,
+    Graph,
+    Mux,
+    MuxInput,
+    Node,
+    each_once,
+    is_command,
+    represented,
+    typed,
+)
+from mars_asp.exchange.relays import Passage, contracted, reached
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
-    Engine,
-    Hold,
+    Mode,
     Module,
     Muxed,
     Name,
     Service,
 )
 
-#: Messages that tell somebody to move; a joystick's are none, as no base obeys them.
-COMMANDS = frozenset(
-    {"Twist", "TwistStamped", "AckermannDrive", "AckermannDriveStamped", "JointTrajectory"}
-)
 #: The last words of topics that belong to the middleware, not to the robot.
 _MIDDLEWARE = frozenset(
     "rosout rosout_agg clock parameter_events parameter_descriptions parameter_updates tf"
     " tf_static diagnostics diagnostics_agg diagnostics_toplevel_state statistics bond"
     " transition_event".split()
 )
+_PERIODIC = Mode("NotifyAtFrequency", text="NotifyAtFrequency")
+#: So deep muxes may feed each other.
+_MOST_CASCADED = 16
 _DEBUG = re.compile(r"(?:^|[/_])debug(?:[/_]|$)", re.IGNORECASE)
-#: What dumps write where a type is not known.
-_NO_TYPES = frozenset({"", "*", "any", "unknown", "unknown type"})
-
-
-@dataclass(frozen=True, slots=True)
-class Endpoint:
-    """An end of a topic at a node.
-
-    `topic` is its full name, all renaming done; `type` is the message's as it is written, if it is
-    known; `span` is what an owner would change; `hz` is how often it is published, if that is
-    known; `optional` is whether a node that hears it works as well without.
-    """
-
-    topic: str
-    type: str | None
-    span: Span
-    hz: Fraction | None = None
-    optional: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A node by its full name; `guard` is the place that makes it a guard, if it is one.
-
-    `relays` is whether it publishes what it hears, whatever the type of that.
-    """
-
-    name: str
-    span: Span
-    published: tuple[Endpoint, ...] = ()
-    subscribed: tuple[Endpoint, ...] = ()
-    guard: Span | None = None
-    relays: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class MuxInput:
-    """A topic that a mux listens to, with the name that the mux has for it."""
-
-    name: str
-    topic: str
-    span: Span
-    priority: int
-    hold_ms: Hold | None
-
-
-@dataclass(frozen=True, slots=True)
-class Mux:
-    """A node that hands on, of several topics, the one with the highest priority to `output`."""
-
-    name: str
-    engine: Engine
-    span: Span
-    output: str
-    inputs: tuple[MuxInput, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Graph:
-    """Nodes, muxes and how they are wired; a mux is not among the nodes.
-
-    `observed` is whether it is all of a robot that ran, so that what nobody hears is loose;
-    elsewhere the base may hear it that is no node.
-    """
-
-    path: str
-    nodes: tuple[Node, ...]
-    muxes: tuple[Mux, ...] = ()
-    observed: bool = False
 
 
 class Mapped(NamedTuple):
@@ -118,57 +59,23 @@ class Mapped(NamedTuple):
 
 
 class _End(NamedTuple):
-    """A node's name and its end of a topic."""
+    """A node's name and its end of a topic, which a passage may lead on."""
 
     node: str
     end: Endpoint
+    passage: Passage | None = None
 
+    @property
+    def span(self) -> Span:
+        """What an owner would change for another topic to have this end."""
+        return self.end.span if self.passage is None else self.passage.span
 
-def joined(graphs: Sequence[Graph]) -> Graph:
-    """Return several graphs, at least one, as that of one robot: nodes of one name are one."""
-    nodes: dict[str, Node] = {}
-    for node in chain.from_iterable(graph.nodes for graph in graphs):
-        known = nodes.get(node.name)
-        nodes[node.name] = node if known is None else _united(known, node)
-    muxes = {mux.name: mux for mux in chain.from_iterable(graph.muxes for graph in graphs)}
-    kept = tuple(node for node in nodes.values() if node.name not in muxes)
-    observed = any(graph.observed for graph in graphs)
-    return Graph(graphs[0].path, kept, tuple(muxes.values()), observed)
-
-
-def _united(first: Node, second: Node) -> Node:
-    """Return what two sources of knowledge say of one node; the first one's places stay."""
-    return replace(
-        first,
-        published=_once((*first.published, *second.published)),
-        subscribed=_once((*first.subscribed, *second.subscribed)),
-        guard=first.guard or second.guard,
-    )
-
-
-def _once(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
-    """Return ends with each topic once: its first place, and the first type and rate known."""
-    found: dict[str, Endpoint] = {}
-    for end in ends:
-        known = found.setdefault(end.topic, end)
-        if known is not end:
-            type_ = end.type if represented(known.type) is None else known.type
-            found[end.topic] = replace(known, type=type_, hz=known.hz or end.hz)
-    return tuple(found.values())
-
-
-def represented(written: str | None) -> str | None:
-    """Return the representation of a message's type, `None` where it is not known."""
-    if written is None or written.strip().lower() in _NO_TYPES:
-        return None
-    # ROS 1 names C++ templates `Image_`.
-    return representation(written.strip().rstrip("_")) or None
-
-
-def is_command(written: str | None) -> bool:
-    """Whether a message of a type tells somebody to move."""
-    known = represented(written)
-    return known is not None and known.rpartition("::")[2] in COMMANDS
+    def lowered(self) -> Fraction | None:
+        """Return the rate to which the passage lowers that of the end, if it does."""
+        if self.passage is None or self.passage.hz is None:
+            return None
+        slower = self.end.hz is not None and self.end.hz <= self.passage.hz
+        return None if slower else self.passage.hz
 
 
 def end_of(topic: str) -> str:
@@ -184,15 +91,26 @@ def configuration_of(graph: Graph) -> Mapped:
 
     What listens to a command topic is controlled by what publishes on it; where nothing listens, a
     module that is named like the topic is. A mux is contracted into the priorities of what it
-    controls, unless something goes past it; then it is a module.
+    controls, unless something goes past it; then it is a module. Relays are contracted into what
+    they connect.
+
+    Raises:
+        MarsError: there are more wires than a robot has.
     """
     unread: list[Unread] = []
+    graph, passages, relays = contracted(graph)
     sent = {end.topic for node in graph.nodes for end in node.published}
-    sent |= {mux.output for mux in graph.muxes}
-    nodes = tuple(_without_dropped(node, sent, unread) for node in _typed(graph.nodes))
+    sent |= {mux.output for mux in graph.muxes} | {passage.target for passage in passages}
+    nodes = tuple(_without_dropped(node, sent, unread) for node in typed(graph.nodes))
     if graph.observed:
         nodes = tuple(_taking_part(nodes, unread))
-    wiring = _Wiring(nodes, graph.muxes, graph.observed)
+    wiring = _Wiring(nodes, graph.muxes, passages, graph.observed)
+    wiring = _cascaded(wiring, nodes, passages, unread)
+    unread += (
+        Unread("rates of throttled commands", relay.name, relay.span)
+        for relay in relays
+        if relay.hz is not None and relay.source in wiring.commands
+    )
     controls, muxed, ends = _commands(wiring)
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
@@ -208,14 +126,50 @@ def configuration_of(graph: Graph) -> Mapped:
         relationships=(*controls, *_wires(wiring, nodes)),
         declared=tuple(module for module in described if module is not None),
         muxes=muxed,
+        relays=tuple(relay.span for relay in relays),
     )
     return Mapped(configuration, tuple(unread))
+
+
+def _cascaded(
+    wiring: "_Wiring", nodes: Sequence[Node], passages: Sequence[Passage], unread: list[Unread]
+) -> "_Wiring":
+    """Return a wiring in which a mux that feeds nothing but an input of another is part of that."""
+    for _ in range(_MOST_CASCADED):
+        feeding = {mux.name: found for mux in wiring.muxes if (found := wiring.fed_by(mux))}
+        feeding = {
+            mux.name: feeding[mux.name]
+            for mux in wiring.muxes
+            if mux.name in feeding and merged(*feeding[mux.name], mux) is not None
+        }
+        # The innermost first: their numbers are those of what they feed.
+        fed = {outer.name for outer, _ in feeding.values()}
+        muxes = {mux.name: mux for mux in wiring.muxes}
+        for name in [each for each in feeding if each not in fed]:
+            outer, slot = feeding[name]
+            current = muxes[outer.name]
+            now = next(each for each in current.inputs if each.topic == slot.topic)
+            whole = merged(current, now, muxes[name])
+            if whole is not None:
+                unread.append(Unread("timeouts of inputs that a mux feeds", slot.name, slot.span))
+                muxes[outer.name] = whole
+                del muxes[name]
+        if len(muxes) == len(wiring.muxes):
+            break
+        wiring = _Wiring(nodes, tuple(muxes.values()), passages, wiring.observed)
+    return wiring
 
 
 class _Wiring:
     """Who publishes and who hears each topic, and which topics are commands."""
 
-    def __init__(self, nodes: Sequence[Node], muxes: Sequence[Mux], observed: bool) -> None:
+    def __init__(
+        self,
+        nodes: Sequence[Node],
+        muxes: Sequence[Mux],
+        passages: Sequence[Passage],
+        observed: bool,
+    ) -> None:
         self.muxes = muxes
         self.observed = observed
         self.published: dict[str, list[_End]] = {}
@@ -225,58 +179,70 @@ class _Wiring:
                 self.published.setdefault(end.topic, []).append(_End(node.name, end))
             for end in node.subscribed:
                 self.subscribed.setdefault(end.topic, []).append(_End(node.name, end))
-        self.heard = {each.topic for mux in muxes for each in mux.inputs}
+        self.hearing: dict[str, list[tuple[Mux, MuxInput]]] = {}
+        for mux in muxes:
+            for each in mux.inputs:
+                self.hearing.setdefault(each.topic, []).append((mux, each))
+        self.heard = self.hearing.keys()
         self.outputs: dict[str, list[Mux]] = {}
         for mux in muxes:
             self.outputs.setdefault(mux.output, []).append(mux)
+        self.passed = {passage.source for passage in passages}
+        self._pass_on(passages)
         ends = chain.from_iterable((*self.published.values(), *self.subscribed.values()))
         typed = {each.end.topic for each in ends if is_command(each.end.type)}
-        self.commands = typed | self.heard | self.outputs.keys()
+        ways: dict[str, list[str]] = {}
+        for source, target, *_ in passages:
+            ways.setdefault(source, []).append(target)
+            ways.setdefault(target, []).append(source)
+        self.commands = reached(typed | self.heard | self.outputs.keys(), ways)
+
+    def _pass_on(self, passages: Sequence[Passage]) -> None:
+        """Let what is sent on a topic be sent where passages lead from it."""
+        sent = {
+            passage.source: tuple(self.published.get(passage.source, ())) for passage in passages
+        }
+        muxed = {
+            passage.source: tuple(self.outputs.get(passage.source, ())) for passage in passages
+        }
+        self.ways: dict[str, list[str]] = {mux.output: [mux.output] for mux in self.muxes}
+        for passage in passages:
+            ends = [_End(node, end, passage) for node, end, _ in sent[passage.source]]
+            if ends:
+                self.published.setdefault(passage.target, []).extend(ends)
+            if muxed[passage.source]:
+                self.outputs.setdefault(passage.target, []).extend(muxed[passage.source])
+                self.ways[passage.source].append(passage.target)
 
     def controlled(self, topic: str) -> tuple[str, ...]:
         """Return what obeys the commands on a topic: nodes, or else a module named like it."""
         hearing = tuple(each.node for each in self.subscribed.get(topic, ()))
-        if hearing or topic in self.heard or (self.observed and topic not in self.outputs):
+        is_on_the_way = topic in self.heard or topic in self.passed
+        if hearing or is_on_the_way or (self.observed and topic not in self.outputs):
             return hearing
         return (end_of(topic),)
 
+    def fed_by(self, mux: Mux) -> tuple[Mux, MuxInput] | None:
+        """Return the input of another mux that a mux alone feeds, if it feeds nothing else."""
+        heard = self.heard & set(self.ways[mux.output])
+        if len(heard) != 1 or any(map(self.controlled, self.ways[mux.output])):
+            return None
+        [topic] = heard
+        if topic in self.published or len(self.outputs[topic]) > 1:
+            return None
+        found = self.hearing[topic]
+        return found[0] if len(found) == 1 and found[0][0] is not mux else None
+
     def is_contracted(self, mux: Mux) -> bool:
         """Whether a mux is all that commands one module, which can have its priorities then."""
+        ends = [each for each in self.ways[mux.output] if self.controlled(each)]
         return (
-            len(self.controlled(mux.output)) == 1
-            and mux.output not in self.heard
-            and mux.output not in self.published
-            and len(self.outputs[mux.output]) == 1
+            len(ends) == 1
+            and len(self.controlled(ends[0])) == 1
+            and not self.heard & set(self.ways[mux.output])
+            and ends[0] not in self.published
+            and len(self.outputs[ends[0]]) == 1
         )
-
-
-def _typed(nodes: Sequence[Node]) -> tuple[Node, ...]:
-    """Return nodes with the types of what is relayed, as far as another node knows them."""
-    relays = [node for node in nodes if node.relays]
-    types: dict[str, str] = {}
-    for node in nodes if relays else ():
-        for end in (*node.published, *node.subscribed):
-            if end.type is not None and represented(end.type) is not None:
-                types.setdefault(end.topic, end.type)
-    # A chain of relays hands a type on by one relay each time.
-    for _ in relays:
-        known = len(types)
-        for node in relays:
-            ends = (*node.published, *node.subscribed)
-            for kind in [types[end.topic] for end in ends if end.topic in types][:1]:
-                types |= {end.topic: kind for end in ends if end.topic not in types}
-        if len(types) == known:
-            break
-
-    def with_types(ends: Iterable[Endpoint]) -> tuple[Endpoint, ...]:
-        return tuple(replace(end, type=types.get(end.topic, end.type)) for end in ends)
-
-    return tuple(
-        replace(node, published=with_types(node.published), subscribed=with_types(node.subscribed))
-        if node.relays
-        else node
-        for node in nodes
-    )
 
 
 def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) -> Node:
@@ -296,7 +262,7 @@ def _without_dropped(node: Node, sent: Collection[str], unread: list[Unread]) ->
                 noted.add(end.topic)
                 unread.append(Unread(sort, end.topic, end.span))
 
-    published, subscribed = _once(kept(node.published)), _once(kept(node.subscribed))
+    published, subscribed = each_once(kept(node.published)), each_once(kept(node.subscribed))
     return replace(node, published=published, subscribed=subscribed)
 
 
@@ -332,10 +298,10 @@ def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[N
     for topic in sorted(wiring.commands):
         publishers = wiring.published.get(topic, ())
         for controlled in wiring.controlled(topic):
-            direct = [Control("", p.node, p.end.span, 0) for p in publishers]
+            direct = [Control("", p.node, p.span, 0) for p in publishers]
             for mux in wiring.outputs.get(topic, ()):
                 if wiring.is_contracted(mux):
-                    muxed.append(Muxed(controlled, mux.engine, mux.span))
+                    muxed.append(_muxed(controlled, mux))
                     direct += _inputs(wiring, mux)
                 else:
                     direct.append(Control("", mux.name, mux.span, 0))
@@ -345,11 +311,15 @@ def _commands(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[N
                 command(controlled, line)
     for mux in wiring.muxes:
         if not wiring.is_contracted(mux):
-            muxed.append(Muxed(mux.name, mux.engine, mux.span))
+            muxed.append(_muxed(mux.name, mux))
             ends.append(Name(mux.name, mux.span))
             for line in _inputs(wiring, mux):
                 command(mux.name, line)
     return list(found.values()), tuple(muxed), ends
+
+
+def _muxed(module: str, mux: Mux) -> Muxed:
+    return Muxed(module, mux.engine, mux.span, mux.numbers, mux.inner)
 
 
 def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
@@ -358,7 +328,7 @@ def _inputs(wiring: _Wiring, mux: Mux) -> Iterator[Control]:
     One publisher stands where the mux ranks it; of several each stands where it publishes.
     """
     for each in mux.inputs:
-        behind = [(p.node, p.end.span) for p in wiring.published.get(each.topic, ())]
+        behind = [(p.node, p.span) for p in wiring.published.get(each.topic, ())]
         behind += [
             (other.name, other.span)
             for other in wiring.outputs.get(each.topic, ())
@@ -383,8 +353,16 @@ def _wires(wiring: _Wiring, nodes: Sequence[Node]) -> Iterator[Data]:
                 # What ran took its own data, too; it would be missing otherwise.
                 if source.node != node.name or wiring.observed:
                     # Where several publish, each is to be told from the others.
-                    span = (source.end if len(sources) > 1 else end).span
-                    yield Data(node.name, source.node, span, client_port=port, source_port=port)
+                    hz = source.lowered()
+                    yield Data(
+                        node.name,
+                        source.node,
+                        source.span if len(sources) > 1 or source.passage else end.span,
+                        None if hz is None else _PERIODIC,
+                        hz,
+                        client_port=port,
+                        source_port=source.end.topic,
+                    )
 
 
 class _Loose(NamedTuple):
@@ -399,7 +377,7 @@ def _loose_commands(wiring: _Wiring) -> _Loose:
     if not wiring.observed:
         return _Loose(frozenset(), frozenset())
     sent = wiring.published.keys() | wiring.outputs.keys()
-    taken = wiring.subscribed.keys() | wiring.heard
+    taken = wiring.subscribed.keys() | wiring.heard | wiring.passed
     return _Loose(
         frozenset((wiring.commands & wiring.subscribed.keys()) - sent),
         frozenset((wiring.commands & wiring.published.keys()) - taken),

@@ -20,6 +20,7 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         relationships=tuple(line for each in every for line in each.relationships),
         declared=_merged(module for each in every for module in each.declared),
         muxes=tuple(mux for each in every for mux in each.muxes),
+        relays=tuple(relay for each in every for relay in each.relays),
     )
     warnings = tuple(warning for part in parts for warning in part.warnings)
     return Parsed(configuration, warnings, tuple(map(print_module, configuration.declared)))

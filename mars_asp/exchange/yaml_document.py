@@ -63,13 +63,13 @@ class _Open:
     size: int = 1
 
 
-def read_yaml(text: str, path: str) -> Node:
-    """Return the one document of a YAML text.
+def read_yaml(text: str, path: str, begins: tuple[int, int] = (1, 1)) -> Node:
+    """Return the one document of a YAML text, which begins at a line and column of its file.
 
     Raises:
         MarsError: what is wrong with it: the first error of its syntax, or all repeated keys.
     """
-    return _read(text, path, MOST_NODES, yaml.SafeLoader)
+    return _read(text, path, MOST_NODES, yaml.SafeLoader, begins)
 
 
 def read_dump(text: str, path: str) -> Node:
@@ -85,12 +85,19 @@ def read_dump(text: str, path: str) -> Node:
     return _read(text, path, MOST_NODES_OF_DUMP, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
-def _read(text: str, path: str, most_nodes: int, loader: type[yaml.SafeLoader]) -> Node:
-    reader = _Reader(path, most_nodes)
+def _read(
+    text: str,
+    path: str,
+    most_nodes: int,
+    loader: type[yaml.SafeLoader],
+    begins: tuple[int, int] = (1, 1),
+) -> Node:
+    reader = _Reader(path, most_nodes, begins)
     strange = yaml.reader.Reader.NON_PRINTABLE.search(text)
     if strange is not None:
         before = text[: strange.start()]
-        place = point(path, before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        line, column = before.count("\n"), len(before) - (before.rfind("\n") + 1)
+        place = point(path, *reader.at(line, column))
         message = f"character U+{ord(strange[0]):04X} is not allowed in YAML"
         raise _wrong(place, message, "is this a text file? if so, save it as UTF-8")
     try:
@@ -98,7 +105,8 @@ def _read(text: str, path: str, most_nodes: int, loader: type[yaml.SafeLoader]) 
             reader.take(event)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = point(path, 1, 1) if mark is None else point(path, mark.line + 1, mark.column + 1)
+        line, column = (0, 0) if mark is None else (mark.line, mark.column)
+        place = point(path, *reader.at(line, column))
         said = error.problem or error.context or "it cannot be read"
         raise _wrong(
             place, f"this is not YAML: {said}", "fix the line, or what is above it"
@@ -106,15 +114,16 @@ def _read(text: str, path: str, most_nodes: int, loader: type[yaml.SafeLoader]) 
     if reader.problems:
         raise MarsError(reader.problems)
     if reader.root is None:
-        raise _wrong(point(path, 1, 1), "the file is empty", "give a file with content")
+        raise _wrong(point(path, *begins), "the file is empty", "give a file with content")
     return reader.root
 
 
 class _Reader:
     """Makes nodes of events."""
 
-    def __init__(self, path: str, most_nodes: int) -> None:
+    def __init__(self, path: str, most_nodes: int, begins: tuple[int, int]) -> None:
         self.path = path
+        self.begins = begins
         self.most_nodes = most_nodes
         self.root: Node | None = None
         self.problems: list[Diagnostic] = []
@@ -167,8 +176,13 @@ class _Reader:
         """Return where an event stands."""
         start, end = event.start_mark, event.end_mark
         if start is None or end is None:
-            return point(self.path, 1, 1)
-        return Span(self.path, start.line + 1, start.column + 1, end.line + 1, end.column + 1)
+            return point(self.path, *self.begins)
+        return Span(self.path, *self.at(start.line, start.column), *self.at(end.line, end.column))
+
+    def at(self, line: int, column: int) -> tuple[int, int]:
+        """Return the line and column in the file of those in the text, which count from 0."""
+        first, before = self.begins
+        return first + line, column + (before if line == 0 else 1)
 
     def check_tag(self, event: yaml.Event, span: Span) -> None:
         """Raise for a tag that asks for more than plain values."""

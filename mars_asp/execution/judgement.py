@@ -4,9 +4,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from fractions import Fraction
 from itertools import pairwise
-from math import floor
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,7 +16,8 @@ from mars_asp.asp.units import measured
 from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
-from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.execution.promises import promises
 from mars_asp.execution.scenario.read import Robot
 from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.trial import Trial
@@ -151,7 +150,8 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _limits(trial)
     yield from _functions(trial)
     for name, failures in trial.executor.failures.items():
-        yield _seen("failed", name, failures.count, failure_text(failures))
+        first = failure_text(failures), failures.at // MILLISECOND
+        yield _seen("failed", name, failures.count, *first)
     scenario = trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
@@ -181,9 +181,9 @@ def _robots(trial: Trial) -> Iterator[Fact]:
             pair = frozenset({body.name, body.beside})
             if pair not in told:
                 told.add(pair)
-                least, asked = body.clearance, scenario.requirements["clearance"]
-                numbers = _whole(least * 1000), _whole(asked * 1000)
-                yield _seen("clearance", body.name, body.beside, *numbers)
+                numbers = body.clearance, scenario.requirements["clearance"], body.nearest_at
+                told_so = (_whole(number * 1000) for number in numbers)
+                yield _seen("clearance", body.name, body.beside, *told_so)
     for robot in scenario.robots:
         if robot.reach is not None and trial.reached(robot) is None:
             yield from _missed(trial, robot, robot.reach)
@@ -210,7 +210,7 @@ def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
     for fact in facts:
         arguments = fact.atom.arguments
         if fact.atom.name in ("peak", "limit"):
-            _, function, number = arguments
+            _, function, number, *_ = arguments
             numbers[str(function), int(str(number))] = None
         if fact.atom.name == "failed":
             numbers[_TIMES, int(str(arguments[1]))] = None
@@ -267,17 +267,12 @@ def _asked(trial: Trial) -> Iterator[str]:
 
 
 def _services(trial: Trial) -> Iterator[Fact]:
-    plan, held = trial.executor.plan, _held_back(trial)
-    for number, link in enumerate(trial.executor.links):
-        if link.kind != "data":
-            continue
-        mode, hz = plan.carried(link)
-        yield _seen("delivered", number, link.delivered)
-        if mode.name == "NotifyAtFrequency" and hz is not None:
-            spent = trial.executor.schedule.now - held[link.source]
-            # Whole periods alone: a message at the very end is one more than was promised.
-            whole = _whole(max(0, floor(Fraction(spent) * hz / SECOND)))
-            yield _fact(link.span, "promised", number, link.source, link.client, whole)
+    for each in promises(trial):
+        yield _seen("delivered", each.number, _whole(each.delivered))
+        if each.promised is not None:
+            link = each.link
+            ends = link.source, link.client, _whole(each.promised)
+            yield _fact(link.span, "promised", each.number, *ends)
 
 
 def _control(trial: Trial) -> Iterator[Fact]:
@@ -335,16 +330,6 @@ def _contacts(trial: Trial, robot: Robot, body: Body) -> Iterator[Fact]:
             yield _seen("obeyed", robot.name, instant, origin, function, *told)
 
 
-def _held_back(trial: Trial) -> dict[str, int]:
-    """Return for how long (ns) delays that the scenario states hold back what each source sends."""
-    plan, held = trial.executor.plan, dict[str, int]()
-    for name in sorted(plan.names, key=lambda name: plan.data_depth[name]):
-        stated = float(trial.scenario.bindings.get(name, {}).get("delay", 0.0))
-        before = (held.get(link.source, 0) for link in plan.data_in[name])
-        held[name] = round(stated * MILLISECOND) + max(before, default=0)
-    return held
-
-
 def _limits(trial: Trial) -> Iterator[Fact]:
     modules = trial.executor.plan.modules
     places = {(m.name, f.name): f.span for m in modules.values() for f in m.functions}
@@ -352,12 +337,13 @@ def _limits(trial: Trial) -> Iterator[Fact]:
         for function in robot.limits:
             places[robot.module, function] = robot.places[f"limits.{function}"]
     for name, effector in trial.executor.effectors.items():
-        peaks: dict[str, float] = {}
-        for _, _, command in effector.applied:
+        peaks: dict[str, tuple[float, int]] = {}
+        for at, _, command in effector.applied:
             for function, rate in command.items():
-                peaks[function] = max(peaks.get(function, 0.0), abs(rate))
-        for function, rate in peaks.items():
-            yield _seen("peak", name, function, _whole(rate * 1000))
+                if function not in peaks or abs(rate) > peaks[function][0]:
+                    peaks[function] = abs(rate), at // MILLISECOND
+        for function, (rate, at) in peaks.items():
+            yield _seen("peak", name, function, _whole(rate * 1000), at)
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
             yield _fact(place, "limit", name, function, _whole(rate * 1000))

@@ -1,7 +1,7 @@
 """A specification in a scenario: world, robot, devices and executor, put together and run."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, dist, inf, radians, sin
@@ -16,6 +16,7 @@ from mars_asp.execution.executor.modules import Effector
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.parts import in_parts
+from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions
 from mars_asp.execution.scenario.read import Robot, Scenario
@@ -31,8 +32,7 @@ from mars_asp.execution.simulator import (
 )
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.execution.simulator.motion import Point
-from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Configuration, Function, Module
-from mars_asp.spelling import nearest
+from mars_asp.model.declarations import GRASP, Configuration, Function, Module
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Trial:
     """A run: `executor` and `bodies`, in the order of the scenario's robots, hold what happened.
 
     `limits` are rates by module, `joints` the simulated joints and grippers by module, `moves` the
-    functions that each simulated device carries out.
+    functions that each simulated device carries out, `remarks` warnings about the scenario.
     """
 
     scenario: Scenario
@@ -49,6 +49,7 @@ class Trial:
     limits: Mapping[str, Mapping[str, float]]
     joints: Mapping[str, Joint]
     moves: Mapping[str, tuple[str, ...]]
+    remarks: tuple[Diagnostic, ...] = ()
 
     def run_until(self, seconds: float) -> None:
         """Run events and motion up to a time."""
@@ -211,18 +212,19 @@ def _stage(
         return running[0].schedule.now / SECOND if running else 0.0
 
     plan = Plan(specification, every, {})
-    _check_robots(plan, scenario)
-    behaviours = bind_functions(every, scenario, plan.names, clock)
+    remarks = tuple(disagreements(plan, scenario))
+    if problems := [each for each in remarks if each.severity == "error"]:
+        raise MarsError(problems)
+    behaviours = bind_functions(plan, scenario, clock)
     joints = make_joints(scenario)
     bodies = {r.module: body for r, body in zip(scenario.robots, fleet.bodies, strict=True)}
     behaviours |= bind_devices(plan, scenario, bodies, joints, clock)
     _check_starts(fleet.bodies, scenario)
-    _check_faults(behaviours.keys() - {*bodies, *joints}, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
     running.append(Executor(specification, every, behaviours, timeout, observe))
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
     moves |= dict.fromkeys(bodies, planar_functions(scenario.up))
-    return Trial(scenario, running[0], fleet.bodies, limits, joints, moves)
+    return Trial(scenario, running[0], fleet.bodies, limits, joints, moves, remarks)
 
 
 def _body(robot: Robot, world: World, up: str, limits: Mapping[str, Mapping[str, float]]) -> Body:
@@ -242,32 +244,6 @@ def _body(robot: Robot, world: World, up: str, limits: Mapping[str, Mapping[str,
     )
 
 
-def _check_robots(plan: Plan, scenario: Scenario) -> None:
-    """Refuse robots that cannot move, all at once."""
-    problems = [each for robot in scenario.robots for each in _unfit(plan, robot)]
-    if problems:
-        raise MarsError(problems)
-
-
-def _unfit(plan: Plan, robot: Robot) -> Iterator[Diagnostic]:
-    """Yield why a robot cannot move: a module's own kind is known once there is a plan."""
-    name = robot.module
-    kind = plan.kind(name).replace("_", " ")
-    functions = plan.modules[name].functions if name in plan.modules else ()
-    help_text = "name the effector that moves the robot"
-    if name not in plan.names:
-        message = f"`{name}` is not a module of the specification"
-        near = nearest(name, plan.names)
-        help_text = f"did you mean `{near}`?" if near else help_text
-    elif kind != "effector":
-        message = f"the robot's `module` is an effector, and `{name}` is not ({kind})"
-    elif functions and not any(function.name in MOTION_FUNCTIONS for function in functions):
-        message = f"the robot's `module` moves, and `{name}` has no motion function"
-    else:
-        return
-    yield Diagnostic("scenario", "error", message, robot.places["module"], (), help_text)
-
-
 def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
     """Refuse robots that start in something solid: they would have to be let out first."""
     problems = []
@@ -285,19 +261,6 @@ def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
         message = f"{scenario.called(robot)} starts {deep} inside of {inside}"
         help_text = "start it elsewhere, or move what is there; its `radius` counts"
         problems.append(Diagnostic("scenario", "error", message, place, (), help_text))
-    if problems:
-        raise MarsError(problems)
-
-
-def _check_faults(able: Set[str], scenario: Scenario) -> None:
-    """Refuse faults that would not be injected: a trial of them would prove nothing."""
-    problems = []
-    for name in sorted(scenario.faults.keys() - able):
-        near = nearest(name, able)
-        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
-        message = f"`{name}` is not run by a Python function or a sensing device"
-        place = scenario.places[f"faults.{name}"]
-        problems.append(Diagnostic("scenario", "error", message, place, (), hint))
     if problems:
         raise MarsError(problems)
 

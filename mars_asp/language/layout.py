@@ -13,7 +13,7 @@ COMMENT = re.compile(r"(?://|#)[^\n]*")
 _QUOTED_OR_COMMENT = re.compile(f"(?P<quoted>{QUOTED})|{COMMENT.pattern}")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
 #: keeps this linear: of a run of blanks only the first is tried.
-_CONTINUED = re.compile(r"(?<=,)\s++|(?<=[^\s,])\s++(?=[,(])")
+_CONTINUED = re.compile(r"(?=\s)(?<=\S)(?:(?<=,)[^\S\n]*+\n\s*+|[^\S\n]*+\n\s*+(?=[,(]))")
 
 
 class Layout(NamedTuple):
@@ -31,7 +31,11 @@ class Layout(NamedTuple):
 
     def span(self, begin: int, end: int) -> Span:
         """Return the span of a stretch of offsets."""
-        return Span(self.path, *self.position(begin), *self.position(end))
+        line, column = self.position(begin)
+        # Most stretches end on the line where they begin.
+        if begin <= end < self.starts[line] if line < len(self.starts) else begin <= end:
+            return Span(self.path, line, column, line, column + end - begin)
+        return Span(self.path, line, column, *self.position(end))
 
     def line(self, number: int) -> str:
         """Return a line without its end."""

@@ -24,7 +24,7 @@ from mars_asp.model.declarations import (
     Transformation,
 )
 from mars_asp.model.modes import ModeProblem, parse_mode
-from mars_asp.model.names import read_name
+from mars_asp.model.names import BARE, QUOTED, read_name
 from mars_asp.model.ranges import (
     HOLD,
     PERIOD,
@@ -40,8 +40,12 @@ from mars_asp.model.transformation import read_transformation
 #: The name of a statement's rule and what stands in it: words, absences, statements within.
 Raw: TypeAlias = tuple[str, list["Word | Raw | None"]]
 PERIODIC = "NotifyAtFrequency"
-#: A path, and the name that what it holds stands behind.
-_AS = re.compile(r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)")
+#: A path, and the name that what it holds stands behind: after the last `as` before a name, else
+#: what stands there instead of one.
+_AS = (
+    re.compile(rf"(?P<path>.*\S)\s+as\s+(?P<name>{BARE}|{QUOTED})"),
+    re.compile(r"(?P<path>.*?\S)\s+as\s+(?P<name>.*)"),
+)
 
 
 class Word(str):
@@ -54,7 +58,7 @@ class Word(str):
 
     def __new__(cls, text: str, begin: int, end: int) -> "Word":
         """Return a text at its place."""
-        word = super().__new__(cls, text)
+        word = str.__new__(cls, text)
         word.begin, word.end = begin, end
         return word
 
@@ -166,7 +170,7 @@ class Builder:
     def _add_include(self, children: list[Word]) -> None:
         (word,) = children
         path, name = word.strip(), None
-        match = _AS.fullmatch(path)
+        match = next(filter(None, (form.fullmatch(path) for form in _AS)), None)
         if match is not None:
             name = read_name(match["name"])
             path = match["path"]

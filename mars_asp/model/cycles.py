@@ -66,7 +66,8 @@ def _shortest_cycle(part: list[str], successors: dict[str, list[str]]) -> tuple[
     """Search breadth first from each node, in name order, for the way back to it."""
     inside = set(part)
     best: tuple[str, ...] = ()
-    for root in part[:_EXACT]:
+    # Each search may walk the whole part: the larger it is, the fewer there are.
+    for root in part[: max(1, _EXACT * _EXACT // max(_EXACT, len(part)))]:
         found = _way_back(root, inside, successors, len(best))
         if found and (not best or len(found) < len(best)):
             best = found

@@ -192,12 +192,30 @@ Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
 
 
 @dataclass(frozen=True, slots=True)
+class Inner:
+    """A mux whose output is an input of another, which ranks it at `priority`.
+
+    `numbers` are the priorities of its own inputs in the configuration, each with the one written.
+    """
+
+    span: Span
+    priority: int
+    numbers: tuple[tuple[int, int], ...]
+    inner: "tuple[Inner, ...]" = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Muxed:
-    """The commands for `module` pass a mux of another robot's making."""
+    """The commands for `module` pass a mux of another robot's making, and what it has within.
+
+    `numbers` are as those of an inner one, empty where the configuration has what is written.
+    """
 
     module: str
     engine: Engine
     span: Span
+    numbers: tuple[tuple[int, int], ...] = ()
+    inner: tuple[Inner, ...] = ()
 
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:
@@ -244,7 +262,8 @@ class Configuration:
 
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
-    once extraction has run, those found in sources; `muxes` are those of a file that is not ours;
+    once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
+    `relays` the places of its relays, contracted already;
     `includes` are other configurations that are still to be taken in.
     """
 
@@ -261,6 +280,7 @@ class Configuration:
     conversions: tuple[Conversion, ...] = ()
     stand_ins: tuple[StandIn, ...] = ()
     muxes: tuple[Muxed, ...] = ()
+    relays: tuple[Span, ...] = ()
     includes: tuple[Include, ...] = ()
 
 

@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language import Parsed, parse_text
@@ -39,17 +40,26 @@ def with_includes(parsed: Parsed) -> Parsed:
     """
     if not parsed.configuration.includes:
         return parsed
-    return _expanded(parsed, (_real(parsed.configuration.path),), iter(range(MOST_INCLUDES)))
+    real = _real(parsed.configuration.path)
+    reading = _Reading(iter(range(MOST_INCLUDES)), {real: parsed.configuration.path})
+    return _expanded(parsed, (real,), reading)
 
 
-def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Parsed:
-    """Take in what a configuration includes; one of `left` is used up by each include."""
+class _Reading(NamedTuple):
+    """One of `left` is used up by each include; `shown` is how each file was first named."""
+
+    left: Iterator[int]
+    shown: dict[str, str]
+
+
+def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Parsed:
+    """Take in what a configuration includes, in the files of `chain`."""
     own = parsed.configuration
     problems: list[Diagnostic] = []
     found: list[Parsed] = []
     for include in own.includes:
         try:
-            found.append(_taken_in(include, own, chain, left))
+            found.append(_taken_in(include, own, chain, reading))
         except MarsError as error:
             problems += error.diagnostics
             if len(problems) >= MOST_ERRORS:
@@ -78,10 +88,10 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], left: Iterator[int]) -> Pa
 
 
 def _taken_in(
-    include: Include, own: Configuration, chain: tuple[str, ...], left: Iterator[int]
+    include: Include, own: Configuration, chain: tuple[str, ...], reading: _Reading
 ) -> Parsed:
     """Return what one include stands for, its names behind the include's."""
-    if next(left, None) is None:
+    if next(reading.left, None) is None:
         message = f"more than {MOST_INCLUDES} includes"
         raise _wrong(include.span, message, "include fewer, or write their modules here")
     path = Path(include.span.path).parent / include.path
@@ -96,7 +106,8 @@ def _taken_in(
     if not path.is_file():
         help_text = "paths of `@include` are relative to the file that includes"
         raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
-    parsed = parse_text(read_text(path), str(path))
+    # One file has one name, that its lines count once, however paths lead to it.
+    parsed = parse_text(read_text(path), reading.shown.setdefault(real, _plain(path)))
     inner = parsed.configuration
     if inner.kind != "configuration":
         message = f"`{include.path}` is a specification, and only configurations are included"
@@ -108,7 +119,7 @@ def _taken_in(
         raise MarsError((Diagnostic("include", "error", message, include.span, labels, help_text),))
     # What states nothing takes the architecture of what includes it.
     inner = replace(inner, architecture=own.architecture)
-    expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), left)
+    expanded = _expanded(parsed._replace(configuration=inner), (*chain, real), reading)
     if include.name is None:
         return expanded
     return _behind(include.name, expanded)
@@ -186,6 +197,12 @@ def undescribed(configuration: Configuration, described: Iterable[str]) -> Itera
 
 def _real(path: str) -> str:
     return os.path.realpath(path)
+
+
+def _plain(path: Path) -> str:
+    """Return a path without `..` behind folders, where that leads to the same file."""
+    plain = os.path.normpath(path)
+    return plain if _real(plain) == _real(str(path)) else str(path)
 
 
 def _wrong(span: Span, message: str, help_text: str) -> MarsError:

@@ -13,6 +13,7 @@ from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
 from mars_asp.model.declarations import Configuration, Module, Mount, Name
 from mars_asp.model.described import described_modules
+from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
@@ -125,7 +126,6 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     if found is not None:
         diagnostics += found.diagnostics
         modules = {module.name: module for module in found.modules}
-        diagnostics += tuple(_misspelt(configuration, modules))
     clashes = [
         _annotated_twice(module, modules[module.name])
         for module in configuration.declared
@@ -133,6 +133,8 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
     ]
     described = {**modules, **{module.name: module for module in configuration.declared}}
     configuration = without_idle(configuration, described)
+    if found is not None:
+        diagnostics += tuple(_misspelt(configuration, modules))
     diagnostics += tuple(
         _has_its_own(name)
         for name in configuration.modules
@@ -169,7 +171,7 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
     described = described_modules(configuration, project.modules)
     ends = ends_in(configuration, described)
     named = {
-        f"{name}.{port}": (name, port)
+        end(name, port): (name, port)
         for name, each in described.items()
         if module in (None, name)
         for port in (*outputs(each), *inputs(each))
@@ -223,10 +225,12 @@ def _missing(written: str, place: Span, advice: str) -> Diagnostic:
 
 def _misspelt(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
     """Yield names that are annotated nowhere, but much like one that is and is not used."""
-    spans = {name.text: name.span for name in configuration.modules}
+    # What another module describes is not misspelt, and that one is used.
+    spans = {name.text: name.span for name in configuration.modules if name.described is None}
+    used = {name.described or name.text for name in configuration.modules}
     described = modules.keys() | {module.name for module in configuration.declared}
     unknown = (name for name in spans if name not in described)
-    for name, near in resemblances(unknown, modules.keys() - spans.keys(), 0.8):
+    for name, near in resemblances(unknown, modules.keys() - used, 0.8):
         # `Camera1` and `Camera2` are two modules.
         if _undigited(near) == _undigited(name):
             continue

@@ -132,4 +132,5 @@ class Reasoner:
         return evidence, found
 
     def _analyse(self) -> Analysis:
-        return analyse(self.facts, self.rulebook, self.project.configuration.span)
+        span = self.project.configuration.span
+        return analyse(self.facts, self.rulebook, span, with_labels=True)

@@ -210,3 +210,33 @@ def test_a_rename_that_fails_puts_back_what_was_replaced(
         replace_files([(str(first), b"new", b"1"), (str(second), b"new", b"2")])
     assert (first.read_bytes(), second.read_bytes()) == (b"1", b"2")
     assert {path.name for path in tmp_path.iterdir()} == {"a", "b"}
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        ([], 0),
+        (["--fail-on", "error"], 0),
+        (["--fail-on", "warning"], 1),
+        (["--fail-on", "warning", "--ignore", "ambiguous_priority"], 0),
+        (["--fail-on", "warning", "--baseline", "known.json"], 0),
+    ],
+)
+def test_warnings_fail_where_that_is_asked_for(
+    words: list[str], status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = str(ROOT / "examples/level0/turn-priority-0.mars")
+    run_here(["check", robot, "--write-baseline", "known.json"])
+    assert run_here(["check", robot, *words]) == status
+
+
+def test_what_to_change_by_hand_is_placed_in_each_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setenv("COLUMNS", "400")
+    run_here(["explain", "examples/ros2_workspace", "--repair", "loose_end", "--quiet"])
+    told = capsys.readouterr().out
+    base = "examples/ros2_workspace/src/scout_base/src/base_driver.cpp"
+    assert f"change it by hand, line 15 and line 12 of {base}: " in told

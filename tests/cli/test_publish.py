@@ -79,6 +79,7 @@ def test_findings_are_results(
         "uri": "a%20b.mars",
         "uriBaseId": "%SRCROOT%",
     }
+    assert warning["message"]["text"].endswith("of its own. See [`B` has priority 1, too](1).")
     (other,) = warning["relatedLocations"]
     assert other["physicalLocation"]["region"]["startLine"] == 4
     assert other["message"]["text"] == "`B` has priority 1, too."
@@ -97,6 +98,9 @@ def test_each_finding_of_the_examples_makes_a_log(
     names = [str(path.relative_to(ROOT)) for path in files]
     _, run = sarif(capsys, "check", *names, "docs/how-to/twist_mux.yaml", *names)
     assert len(run["results"]) > 15
+    for rule in run["tool"]["driver"]["rules"]:
+        # GitHub asks for all of these.
+        assert all(rule[key]["text"] for key in ("shortDescription", "fullDescription", "help"))
     for _, uri, line in placed(run):
         assert line <= len((ROOT / uri).read_text(encoding="utf-8").splitlines())
     assert "not-read" in {result["ruleId"] for result in run["results"]}
@@ -115,9 +119,45 @@ def test_wrong_input_is_a_result_too(
     status, run = sarif(capsys, verb, "a b.mars", "--rules", "own.lp")
     assert (status, placed(run)[0][:2]) == (2, ("error", "own.lp"))
     status, run = sarif(capsys, verb, "a b.mars", "--select", "no")
-    (result,) = run["results"]
-    assert (status, result["locations"]) == (2, [])
-    assert result["message"]["text"].startswith("--select: No rule finds `no`.")
+    (told,) = run["invocations"][0]["toolConfigurationNotifications"]
+    assert (status, run["results"], told["level"]) == (2, [], "error")
+    assert told["message"]["text"].startswith("--select: No rule finds `no`.")
+
+
+def edited(text: str, run: dict[str, Any]) -> str:
+    """Return a text as the fixes of a log make it, from the last to the first."""
+    lines = text.split("\n")
+    starts = [sum(len(line) + 1 for line in lines[:number]) for number in range(len(lines))]
+    edits = []
+    for result in run["results"]:
+        for fix in result.get("fixes", []):
+            (change,) = fix["artifactChanges"]
+            for each in change["replacements"]:
+                at = each["deletedRegion"]
+                begin, end = (
+                    starts[at[f"{side}Line"] - 1] + at[f"{side}Column"] - 1
+                    for side in ("start", "end")
+                )
+                edits.append((begin, end, each.get("insertedContent", {}).get("text", "")))
+    for begin, end, new in sorted(set(edits), reverse=True):
+        text = text[:begin] + new + text[end:]
+    return text
+
+
+#: Of these all repairs go together; lines are put otherwise, deleted and inserted.
+FIXABLE = ("conversion", "left-over", "listed", "misspelt", "ports", "twice", "unused")
+
+
+@pytest.mark.parametrize("name", FIXABLE)
+def test_fixes_are_what_fix_writes(
+    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "tests/repair" / name / "config.mars").read_text(encoding="utf-8")
+    (folder / "r.mars").write_text(text)
+    _, run = sarif(capsys, "check", "r.mars")
+    made = edited(text, run)
+    run_here(["check", "r.mars", "--fix"])
+    assert made == (folder / "r.mars").read_text(encoding="utf-8") != text
 
 
 def test_what_is_hidden_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -222,7 +262,8 @@ def test_nothing_that_a_message_holds_ends_a_command(
     assert (status, len(told)) == (1, 5)
     assert told[0][-1].startswith("100% of `A` :: crowded, [no](x) %0A ::error::x\n")
     status, run = sarif(capsys, "analyse", *words)
-    assert "100% of `A` :: crowded" in run["results"][0]["message"]["text"]
+    # What a message holds is no link in the log either.
+    assert r"100% of `A` :: crowded, \[no\](x)" in run["results"][0]["message"]["text"]
 
 
 def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

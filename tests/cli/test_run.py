@@ -63,7 +63,7 @@ def test_dropped_messages_are_shown(capfd: pytest.CaptureFixture[str], tmp_path:
     (tmp_path / "s.toml").write_text(BASE + hands)
     words = ["run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml")]
     assert run_command(words) == 1
-    assert re.search(r"C -> P +10\.33 +0 +31 overtaken", capfd.readouterr().out)
+    assert re.search(r"C -> P +10\.00 +0 +31 overtaken", capfd.readouterr().out)
     assert run_command([*words, "--format", "json"]) == 1
     links = json.loads(capfd.readouterr().out)["links"]
     assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
@@ -95,6 +95,18 @@ def test_what_failed_first_is_printed(tmp_path: Path, capsys: pytest.CaptureFixt
     run_here(["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")])
     told = capsys.readouterr().out
     assert "failed   C -> P  first by ValueError: no\\x1b[31m map\n" in told
+
+
+def test_a_run_cut_short_warns_of_faults_that_it_does_not_come_to(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "s.toml").write_text(f"{BASE}{HAND}[faults.C]\nfrom = 2\n")
+    (tmp_path / "d.mars").write_text(DRIVE)
+    words = ["run", str(tmp_path / "d.mars"), "--scenario", str(tmp_path / "s.toml")]
+    for duration, count in (("1", 1), ("2.5", 0)):
+        assert run_here([*words, "--duration", duration, "--quiet"]) == 0
+        told = " ".join(capsys.readouterr().err.split())
+        assert told.count("warning: the fault of `C` begins at 2 s, after the end of this") == count
 
 
 def _run(*words: str) -> int:
@@ -148,7 +160,7 @@ def test_a_violated_requirement_is_status_1(
     assert trace["rule"]["id"] == "run/run/clearance"
     asked, observed = trace["premises"]
     assert (asked["atom"], asked["kind"]) == ("asked(clearance)", "given")
-    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", None, None)
+    assert (observed["kind"], observed["at_s"], observed["location"]) == ("observed", 0.0, None)
     assert observed["message"].endswith(" mm, and 3 m was asked for")
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from tests.support.configurations import FINDINGS as ROBOT
+from tests.support.documents import ROOT
 from tests.support.processes import mars
 
 ERROR, WARNING, NOTES = "module_conflict", "ambiguous_priority", {"control_convergence"}
@@ -462,3 +463,31 @@ def test_verbs_that_find_something_on_their_way_hide_it_too(
 def test_who_asks_about_a_hidden_finding_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["explain", "a.mars", f"{ERROR}(Arm)", "--ignore", ERROR]) == 0
     assert "mounts form a cycle" in capsys.readouterr().out
+
+
+def test_verbs_agree_on_the_first_place_of_a_finding(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What a baseline lists by the file of its first place is known to all of them."""
+    robot = str(ROOT / "tests/repair/left-over/config.mars")
+    run_here(["check", robot, "--write-baseline", "k"])
+    for words in (["--only", "consequences"], ["--repair"]):
+        capsys.readouterr()
+        assert run_here(["explain", robot, *words, "--baseline", "k", "--quiet"]) == 0
+        assert "loose_end(" not in capsys.readouterr().out
+
+
+def test_comments_at_the_first_place_hide_from_explanations_too(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "tests/repair/left-over/config.mars").read_text(encoding="utf-8")
+    hidden = text.replace("@ControlOut\n", "@ControlOut // mars: ignore[loose_end] later\n")
+    (folder / "r.mars").write_text(hidden)
+    for words in (
+        ["explain", "r.mars", "--only", "consequences"],
+        ["explain", "r.mars", "--repair"],
+    ):
+        assert run_here([*words, "--quiet"]) == 0
+        shown = capsys.readouterr().out
+        assert "unused_module" in shown
+        assert "Track.picture`, and nothing takes" not in shown

@@ -1,5 +1,6 @@
 """Launch files, packages and workspaces: trees with what they say beside them, and hostile ones."""
 
+import json
 import os
 import time
 from collections.abc import Iterator
@@ -356,3 +357,55 @@ def test_launch_files_are_recognised() -> None:
     assert recognised("<?xml version='1.0'?>\n<!-- <robot> -->\n<launch/>") == "ros2"
     assert recognised("launch:\n- node: {}\n") == "ros2"
     assert recognised("# launch: no\n@configuration\n") == "mars"
+
+
+def test_files_that_come_through_pipes_are_one_robot(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    topics = "m: {ros__parameters: {topics: {a: {topic: t, timeout: 0.5, priority: 0}}}}\n"
+    nodes = "Node(package='twist_mux', executable='twist_mux')"
+    texts = PYTHON.format(before="pass", nodes=nodes), topics
+    names = []
+    for number, text in enumerate(texts):
+        reading, writing = os.pipe()
+        os.write(writing, text.encode())
+        os.close(writing)
+        names.append(tmp_path / f"pipe{number}")
+        names[-1].symlink_to(f"/dev/fd/{reading}")
+    run_here(["check", "--format", "json", *map(str, names)])
+    [robot] = json.loads(capsys.readouterr().out)["files"]
+    assert (robot["path"], robot["further"]) == (str(names[0]), [str(names[1])])
+
+
+def test_ackermann_mux_and_opened_files_are_read(tmp_path: Path) -> None:
+    mux = "mux:\n  ros__parameters:\n    topics:\n      a: {topic: t, timeout: 0.5, priority: 7}\n"
+    (tmp_path / "mux.yaml").write_text(mux, encoding="utf-8")
+    opened = "with open('mux.yaml') as f:\n        x = yaml.safe_load(f)['mux']['ros__parameters']"
+    nodes = "Node(package='ackermann_mux', executable='ackermann_mux', name='m', parameters=[x])"
+    launch = tmp_path / "x.launch.py"
+    launch.write_text(PYTHON.format(before=opened, nodes=nodes), encoding="utf-8")
+    found = import_ros2([(launch.read_text(encoding="utf-8"), str(launch))])
+    [line] = found.configuration.relationships
+    assert print_relationship(line) == "ackermann_cmd is_controlled_by a 7 hold 500"
+
+
+PRIVATE = """<launch>
+  <node pkg="nodelet" type="nodelet" name="mux" args="load yocs_cmd_vel_mux/CmdVelMuxNodelet m">
+    <rosparam>
+      subscribers:
+        - {name: nav, topic: input/nav, timeout: 0.5, priority: 3}
+    </rosparam>
+    <remap from="mux/output" to="wheels"/>
+  </node>
+  <node pkg="move_base" type="move_base" name="nav">
+    <remap from="cmd_vel" to="mux/input/nav"/>
+  </node>
+</launch>"""
+
+
+def test_a_nodelet_mux_names_its_topics_privately() -> None:
+    found = launched(PRIVATE, "x.launch")
+    lines = [line for line in found.configuration.relationships if isinstance(line, Control)]
+    assert [print_relationship(line) for line in lines] == [
+        "wheels is_controlled_by /nav 3 hold 500"
+    ]

@@ -305,3 +305,20 @@ def test_real_files_give_their_known_answers(name: str, capsys: pytest.CaptureFi
 )
 def test_a_file_is_recognised_by_what_it_says(text: str, format: str) -> None:
     assert recognised(text) == format
+
+
+LONG = "x" * 20_000
+LONG_WORDS = [f"topics: !{LONG}\n", f"topics: {{a: *{LONG}}}\n"]
+
+
+@pytest.mark.parametrize("text", LONG_WORDS)
+@pytest.mark.parametrize("format", ["text", "json"])
+def test_what_others_wrote_is_quoted_within_reason(
+    text: str, format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "m.yaml"
+    file.write_text(text, encoding="utf-8")
+    run_here(["check", "--from", "twist_mux", "--format", format, str(file)])
+    told = capsys.readouterr().err
+    assert "xxx...xxx" in told
+    assert len(told) < 3000

@@ -95,10 +95,10 @@ def random_case(random: Random) -> Case:
     duration = random.uniform(2, 5)
     scripts: list[list[tuple[float, str, float]]] = [[], []]
     for script in scripts:
-        for begins in sorted(random.uniform(0, duration) for _ in range(random.randint(1, 6))):
+        for begins in sorted(random.sample(range(int(duration * 1000)), random.randint(1, 6))):
             function = random.choice(FUNCTIONS)
             rate = random.uniform(-90, 90) if function == "Rotn_Y" else random.uniform(-280, 280)
-            script.append((round(begins, 3), function, round(rate, 1)))
+            script.append((begins / 1000, function, round(rate, 1)))
     case = Case(
         duration,
         random.uniform(50, 250),

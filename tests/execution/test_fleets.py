@@ -1,6 +1,7 @@
 """Scenarios of several robots: whose a device is, what is asked of whom, and what is refused."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -47,9 +48,9 @@ def test_a_contact_of_two_counts_once_and_is_told_of_who_drove() -> None:
             f"`{one}` came into contact with `{other}` at 2.667 s, while it obeyed `{one}/C` "
             "in Trans_Z"
         ) in told["no_collision"]
-    run = run_json(made, judgement)
+    run: dict[str, Any] = run_json(made, judgement)
     assert run["collisions"] == 1
-    first, second = run["robots"]  # type: ignore[misc]
+    first, second = run["robots"]
     assert [c["with"] for c in (*first["collisions"], *second["collisions"])] == ["right", "left"]
     assert (first["nearest"], second["nearest"]) == ("right", "left")
     assert run["driven_mm"] == pytest.approx(800, abs=1)

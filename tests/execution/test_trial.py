@@ -9,7 +9,7 @@ from tests.support.trials import BASE, DRIVE, HAND, trial
 
 
 def test_a_joystick_drives_a_platform() -> None:
-    made = trial(BASE + "[bindings.C]\nperiod = 100\n" + HAND)
+    made = trial(BASE + HAND)
     assert made.bodies[0].driven == pytest.approx(600)
     assert made.control_time == {"C": pytest.approx(3)}
 

@@ -17,6 +17,7 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Function,
+    Include,
     Mode,
     Module,
     Mount,
@@ -29,6 +30,7 @@ from mars_asp.model.ranges import ANGLE, FREQUENCY, LENGTH, MOST, RATE, Range
 from mars_asp.model.rates import Rate, every
 from tests.support.documents import ROOT
 from tests.support.robots import HERE
+from tests.support.strategies import control, data, mount
 
 FILES = [*ROOT.glob("examples/*/*.mars"), *ROOT.glob("tests/*.mars")]
 
@@ -145,6 +147,7 @@ def services(draw: st.DrawFn) -> Service:
 def modules(draw: st.DrawFn, name: str) -> Module:
     offered = tuple(draw(st.lists(services(), max_size=3)))
     senses = any(service.kind == "Sense" for service in offered)
+    commands = any(service.kind == "ControlOut" for service in offered)
     moves = draw(st.lists(functions, max_size=3, unique_by=lambda f: f.name))
     placed = st.builds(Vertex, st.integers(0, 9) | st.just(MOST), transformations, st.just(HERE))
     return Module(
@@ -154,18 +157,38 @@ def modules(draw: st.DrawFn, name: str) -> Module:
         () if senses else tuple(moves),
         tuple(draw(st.lists(placed, max_size=2, unique_by=lambda vertex: vertex.number))),
         HERE,
+        draw(st.sampled_from([None, HERE])) if commands else None,
     )
+
+
+#: Words of the language, names in quotes and such as need none.
+names = st.sampled_from(
+    ["A", "as", "hold", "every", "/robot1/base", "dora-camera", "a.b", "3", 'b "as" c', "x as y"]
+)
+paths = st.sampled_from(["left.mars", "../arms/left arm.mars", "as.mars", "a as b.mars"])
+includes = st.builds(Include, paths, st.none() | names, st.just(HERE)).filter(
+    # Without a name of its own what is behind `as` would be one.
+    lambda include: include.name is not None or " as " not in include.path
+)
 
 
 @st.composite
 def configurations(draw: st.DrawFn) -> Configuration:
     placements = draw(st.lists(st.none() | transformations, max_size=3))
+    named = draw(st.lists(names, min_size=2, max_size=5, unique=True))
+    described = [Name(name, HERE, draw(st.none() | names)) for name in named]
+    lines = draw(st.lists(data | control | mount, max_size=4))
+    blocks = draw(st.lists(names, max_size=2, unique=True))
     return Configuration(
         "robot.mars",
         HERE,
-        modules=(Name("A", HERE), Name("B", HERE)),
-        relationships=tuple(Mount("A", "B", HERE, transformation=at) for at in placements),
-        declared=(draw(modules("A")), draw(modules("B"))),
+        modules=tuple(described),
+        relationships=(
+            *(Mount("A", "B", HERE, transformation=at) for at in placements),
+            *lines,
+        ),
+        declared=tuple(draw(modules(name)) for name in blocks),
+        includes=tuple(draw(st.lists(includes, max_size=2))),
     )
 
 

@@ -1,6 +1,7 @@
 """Knots are held against all simple cycles, which networkx counts one by one."""
 
 import random
+import time
 
 import networkx
 import pytest
@@ -50,3 +51,12 @@ def test_the_order_of_edges_does_not_matter(seed: int) -> None:
 def test_a_module_that_leads_to_itself_is_a_knot() -> None:
     (knot,) = knots([("A", "A", 4), ("A", "B", 1)])
     assert knot == (("A",), (("A", "A", 4),))
+
+
+def test_a_ring_of_many_nodes_is_walked_in_a_second() -> None:
+    count = 30_000
+    edges = [(f"{n:05}", f"{(n + 1) % count:05}", n) for n in range(count)]
+    begun = time.process_time()
+    [knot] = knots([*edges, ("00002", "00000", count)])
+    assert [start for start, _, _ in knot.walk] == ["00000", "00001", "00002"]
+    assert time.process_time() - begun < 5

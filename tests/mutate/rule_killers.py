@@ -9,7 +9,7 @@ each mutant. A mutant whose message names what nothing binds any more is refused
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TypeAlias
 
@@ -51,7 +51,7 @@ def judge_rules(
     stronger: bool = True,
 ) -> Iterator[Verdict]:
     """Yield what notices each mutant of the files, in no order."""
-    rulebook = load_rulebook(stages=STAGES, strict=True)
+    rulebook = _built_in()
     paths = find_cases([cases])
     by_path = {file.path: file for file in files}
     holes = {
@@ -86,6 +86,11 @@ def judge_rules(
             kills[mutant.before, killer] += 1
             killer = f"{killer.parent.name}/{killer.stem}"
         yield Verdict(mutant, killer)
+
+
+@cache
+def _built_in() -> Rulebook:
+    return load_rulebook(stages=STAGES, strict=True)
 
 
 def _killing_case(paths: Iterable[Path], rulebook: Rulebook) -> Path | None:
@@ -145,7 +150,7 @@ def _useful(
 ) -> Mapping[Mutant, list[Path]]:
     """Return the cases in which each mutant makes a difference, or may make one."""
     by_path = {file.path: file for file in files}
-    circular = _circular(files)
+    circular = _circular(tuple(files))
     useful: dict[Mutant, list[Path]] = {mutant: [] for mutant in mutants}
     probed: dict[str, list[tuple[int, Mutant]]] = {}
     for number, mutant in enumerate(mutants):
@@ -231,7 +236,8 @@ def _different(
     return found
 
 
-def _circular(files: Iterable[RuleFile]) -> set[tuple[str, str]]:
+@cache
+def _circular(files: tuple[RuleFile, ...]) -> set[tuple[str, str]]:
     """Return the rules, as path and text, whose heads and bodies depend on each other."""
     uses: nx.DiGraph[tuple[str, int]] = nx.DiGraph()
     rules = [

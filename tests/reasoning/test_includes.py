@@ -64,6 +64,21 @@ def test_what_two_files_include_counts_once(tmp_path: Path) -> None:
     assert [name.text for name in found.modules] == ["D", "E", "b", "c", "A"]
 
 
+def test_a_file_counts_once_however_paths_lead_to_it(tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "b" / "shared.mars").write_text("@configuration\n@modules D\nD uses_data_from D\n")
+    (tmp_path / "link.mars").symlink_to(tmp_path / "b" / "shared.mars")
+    (tmp_path / "a" / "a.mars").write_text(
+        "@configuration\n@include ../b/shared.mars\n@modules A\n"
+    )
+    robot = tmp_path / "robot.mars"
+    lines = ["@include a/a.mars", "@include b/shared.mars", "@include link.mars", "@modules Z"]
+    robot.write_text("\n".join(["@configuration", *lines, ""]))
+    (line,) = load_project(str(robot)).configuration.relationships
+    assert line.span.path == str(tmp_path / "b" / "shared.mars")
+
+
 def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
     block = "@module_start\n@module_name {}\n@Sense NotifyWhenReady\n{} look();\n@module_end\n"
     robot = tmp_path / "robot.mars"
@@ -74,3 +89,18 @@ def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
     assert (told.code, told.span.line, told.span.column) == ("module-twice", 2, 10)
     assert project.modules["right"].services[0].output == "Image"
     assert "left" not in project.modules
+
+
+def test_a_module_that_another_describes_is_not_taken_for_a_misspelt_one(tmp_path: Path) -> None:
+    source = "// @module_start\n// @module_name Camera\n// @Sense NotifyWhenReady\nImage look();\n"
+    (tmp_path / "robot.hpp").write_text(source + "// @module_end\n")
+    robot = tmp_path / "robot.mars"
+    text = "@configuration\n@sources robot.hpp\n@modules {}\nA uses_data_from {}\n"
+    robot.write_text(text.format("A, /Camera0x: Camera", "/Camera0x"))
+    assert load_project(str(robot)).diagnostics == ()
+    robot.write_text(text.format("A, Camra", "Camra"))
+    (told,) = load_project(str(robot)).diagnostics
+    assert told.help == "did you mean `Camera`?"
+    # One that describes an instance may be meant by no other name.
+    robot.write_text(text.format("A, Camra, left: Camera", "Camra"))
+    assert load_project(str(robot)).diagnostics == ()

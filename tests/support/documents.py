@@ -9,8 +9,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).resolve().parents[2]
+#: The file of a campaign, which a command of a document writes elsewhere.
+RUNS = "runs.jsonl"
 _BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -54,8 +57,12 @@ def run(command: str, folder: Path = ROOT) -> str:
     output = io.StringIO()
     try:
         os.chdir(folder)
-        with redirect_stdout(output), redirect_stderr(output):
-            run_here(words[1:])
+        with (
+            TemporaryDirectory() as away,
+            redirect_stdout(output),
+            redirect_stderr(output),
+        ):
+            run_here([f"{away}/{word}" if word == RUNS else word for word in words[1:]])
     finally:
         os.chdir(here)
     return output.getvalue()

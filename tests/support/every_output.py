@@ -7,8 +7,9 @@ sentence once, then how many outputs were read and how long single answers of `e
 questions about what is not there, every EACH-th is asked.
 
 A `.mars` file is asked about by every verb that takes one, is compared with the next one in its
-folder, and is run in each scenario of its folder. `import` reads `.urdf` files, `rules lint` reads
-`.lp` files, and `extract` what is beside none of these.
+folder, and is run in each scenario of its folder. So is the robot of a file of others, which is
+imported, too, and not laid out. `import` reads `.urdf` files, `rules lint` reads `.lp` files, and
+`extract` what is beside none of these.
 
 Single answers are counted as standard output has them, without the messages beside them.
 
@@ -31,6 +32,8 @@ from typing import NamedTuple
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
 from mars_asp.diagnostic import MarsError
+from mars_asp.exchange.foreign import File, read_foreign
+from mars_asp.exchange.recognise import recognised
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import MOTION_FUNCTIONS, NODE_NAMES
 from mars_asp.reasoning.findings import consequence_kinds
@@ -47,8 +50,10 @@ _MESSAGES_ALONE = ("facts", "fmt", "export", "import", "extract")
 #: A single answer has so many lines at most, but for one of twenty.
 MOST_LINES = 12
 
+#: Files of others that may be a robot, by the ends of their names, as a launch file in Python may.
+_OTHERS = (".yaml", ".yml", ".dot", ".xml", ".launch")
 #: What is asked about of the files in a folder, by the ends of their names.
-_READ = (".mars", ".urdf", ".lp", ".cpp", ".c", ".hpp", ".py", ".go", ".m")
+_READ = (".mars", ".urdf", ".lp", ".cpp", ".c", ".hpp", ".py", ".go", ".m", *_OTHERS)
 
 Command = tuple[Sequence[str], str]
 
@@ -98,15 +103,27 @@ def of_rules() -> Iterator[Command]:
 def of_file(path: Path, each: int) -> Iterator[Command]:
     """Yield commands about a file in its folder: of a `.mars` file with every n-th question."""
     name = path.name
+    format = _foreign(path)
     if path.suffix == ".mars":
+        yield from of_whole_files(name)
+        yield from questions(name, each)
+    elif format != "mars":
+        yield ["import", format, name], ""
         yield from of_whole_files(name)
         yield from questions(name, each)
     elif path.suffix == ".urdf":
         yield ["import", "urdf", name], ""
     elif path.suffix == ".lp":
         yield ["rules", "lint", name], ""
-    else:
+    elif path.suffix not in _OTHERS:
         yield ["extract", name], ""
+
+
+def _foreign(path: Path) -> str:
+    """Return the format of a robot of others, `mars` where a file is none."""
+    if path.suffix not in (*_OTHERS, ".py"):
+        return "mars"
+    return recognised(path.read_text(encoding="utf-8", errors="replace"))
 
 
 def of_whole_files(name: str) -> Iterator[Command]:
@@ -124,7 +141,8 @@ def of_whole_files(name: str) -> Iterator[Command]:
     yield ["facts", name], ""
     yield ["fmt", "--check", name], ""
     yield ["export", "urdf", name], ""
-    for other in [each.name for each in sorted(Path().glob("*.mars")) if each.name > name][:1]:
+    alike = sorted(Path().glob(f"*{Path(name).suffix}"))
+    for other in [each.name for each in alike if each.name > name][:1]:
         yield ["diff", name, other], ""
     specification = printed(["synthesise", name, "--quiet"]).output
     yield ["verify", "-", name], specification
@@ -156,7 +174,10 @@ def questions(name: str, each: int = 1) -> Iterator[Command]:
                 yield ["verify", "--without", subject, name], ""
     try:
         text = Path(name).read_text(encoding="utf-8")
-        modules = [module.text for module in parse_text(text, name).configuration.modules]
+        format = _foreign(Path(name))
+        ours = format == "mars"
+        parsed = parse_text(text, name) if ours else read_foreign([File(name, text, format)])
+        modules = [module.text for module in parsed.configuration.modules]
     except (MarsError, UnicodeDecodeError):
         return
     kinds = [*NODE_NAMES.values(), *sorted(consequence_kinds(load_rulebook()))]

@@ -14,7 +14,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
 
-from mars_asp.model.declarations import Configuration, Control, Data, Hold, Mode, Module, Mount
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Hold,
+    Mode,
+    Module,
+    Mount,
+    Service,
+)
 from tests.support.least_supports import least_supports
 
 #: (nodes, conversion cost, relationships).
@@ -49,13 +58,16 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
     """
     known = {**modules, **{module.name: module for module in configuration.declared}}
     parts: list[Answers | None] = []
-    data: dict[str, list[Data]] = {}
+    # Each output is a source of its own.
+    data: dict[tuple[str, str | None], list[Data]] = {}
     for line in configuration.relationships:
         if isinstance(line, Data):
-            mine = data.setdefault(line.source, [])
-            if all((line.client, line.mode, line.hz) != (o.client, o.mode, o.hz) for o in mine):
+            voice = speaking(line, known)
+            port = line.source_port if voice is None else voice.port or voice.function
+            mine = data.setdefault((line.source, port), [])
+            if all(stated(line, known) != stated(other, known) for other in mine):
                 mine.append(line)
-    parts += [resolve_data(source, lines, known) for source, lines in data.items()]
+    parts += [resolve_data(lines, known) for lines in data.values()]
     hierarchical = configuration.architecture == "hierarchical"
     nodes = inheritance(configuration, known)
     heard = hearing(configuration, nodes)
@@ -66,6 +78,39 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
             return None
         total, count = add(total, part[0]), count * len(part[1])
     return total, count
+
+
+# ---- Ports: section 3 ----------------------------------------------------------------------------
+
+
+def speaking(line: Data, known: Mapping[str, Module]) -> Service | None:
+    """Return what delivers the data of a line: what it names, or the only one."""
+    services = known[line.source].services if line.source in known else ()
+    voices = [each for each in services if each.kind in ("Sense", "DataOut")]
+    if line.source_port is not None:
+        voices = [each for each in voices if line.source_port == (each.port or each.function)]
+    return voices[0] if len(voices) == 1 else None
+
+
+def taking(line: Data, known: Mapping[str, Module]) -> list[tuple[str | None, str | None]]:
+    """Return the inputs that a line may feed, with their representations."""
+    services = known[line.client].services if line.client in known else ()
+    entries = [
+        entry
+        for service in services
+        if service.kind != "Converts"
+        for entry in itertools.zip_longest(service.parameters, service.inputs)
+    ]
+    return [e for e in entries if line.client_port in (None, e[0])]
+
+
+def stated(line: Data, known: Mapping[str, Module]) -> Hashable:
+    """Return what a line states; it may leave out its client's only input of what it carries."""
+    voice = speaking(line, known)
+    delivered = None if voice is None else voice.output
+    same = [port for port, taken in taking(line, known) if taken == delivered is not None]
+    meant = same[0] if line.client_port is None and len(same) == 1 else line.client_port
+    return line.client, meant, line.mode, line.hz
 
 
 # ---- Services: the table of section 6 ------------------------------------------------------------
@@ -104,10 +149,9 @@ class Client:
     orphan: bool
 
 
-def resolve_data(source: str, lines: Sequence[Data], known: Mapping[str, Module]) -> Answers | None:
-    speaker = known.get(source)
-    voices = [s for s in speaker.services if s.kind in ("Sense", "DataOut")] if speaker else []
-    voice = voices[0] if len(voices) == 1 else None
+def resolve_data(lines: Sequence[Data], known: Mapping[str, Module]) -> Answers | None:
+    """Search the lines of one output."""
+    voice = speaking(lines[0], known)
     delivered = voice.output if voice else None
     offers = [(m, voice.hz if m.name == PERIODIC else None) for m in voice.modes] if voice else []
     converters = [
@@ -124,9 +168,7 @@ def resolve_data(source: str, lines: Sequence[Data], known: Mapping[str, Module]
             service = "direct" if carried is None else serve(line, offers[0], carried)
             if service is None:
                 break
-            taker = known.get(line.client)
-            services = [s for s in taker.services if s.kind != "Converts"] if taker else []
-            inputs = [i for s in services for i in s.inputs]
+            inputs = [taken for _, taken in taking(line, known)]
             accepts = None if not inputs or None in inputs else frozenset(map(str, inputs))
             orphan = (
                 delivered is not None

@@ -4,6 +4,9 @@ import re
 from collections.abc import Iterator, Mapping
 
 from mars_asp.cli.layout import cells
+from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.rules import load_rulebook
 
 HEADING = "a heading as a reason"
 _NOUNS = (
@@ -40,8 +43,10 @@ _QUOTED = re.compile(r"^( +\S+:\d+  | *\d+ \| | +[-+] (?:(?:after|before|behind)
 _EDIT = re.compile(r" +[-+] ")
 #: What users write themselves: how modules are mounted.
 _MOUNTED = re.compile(r"\((?:[xyz_]|-?[\d.]+)(?:,(?:[xyz_]|-?[\d.]+)){2,6}\)")
-#: What an answer is about, which may be a module with a small first letter.
-_SUBJECT = re.compile(r"^(?:No )?\w+\([A-Za-z_][\w.]*\)(?=[:,])")
+#: A consequence or node of a module, which may be named as files of others name theirs.
+_SUBJECT = re.compile(
+    rf"\b(?:{'|'.join([*consequence_kinds(load_rulebook()), *NODE_NAMES.values()])})\([\w ./#-]+\)"
+)
 #: A word, and what is written between backticks.
 _WORD = re.compile(r"(?:`[^`]*`|\S)+")
 

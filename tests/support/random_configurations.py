@@ -149,6 +149,52 @@ def _renamed(text: str) -> str:
     return re.sub(r"\b(Eye|C|D|W)(\d)\b", r"Twin\1\2", text)
 
 
+def random_ports(seed: int) -> str:
+    """Return a random configuration of data whose lines name outputs and inputs.
+
+    Where a name may be left out some leave it out.
+    """
+    rng = random.Random(f"ports {seed}")
+    types = REPRESENTATIONS[: rng.randint(2, 4)]
+    blocks: list[str] = []
+    outputs: list[str] = []
+    for name in ("Eye", "Ear")[: rng.choice([1, 1, 2])]:
+        body: list[str] = []
+        many = rng.randint(1, 3)
+        for number in range(many):
+            port = rng.choice([f"o{number}", f"o{number}", f"raw {number}"])
+            body.append(f"@{rng.choice(['Sense', 'DataOut'])} {rng.choice(OFFERS)}")
+            body += [f'@Port "{port}"'] if " " in port else []
+            outputs.append(name if many == 1 and rng.random() < 0.5 else f'{name}."{port}"')
+            body.append(f"{rng.choice(types[:2])} o{number}();")
+        blocks.append(_block(name, *body))
+    entries: list[str] = []
+    clients = [f"C{index}" for index in range(rng.randint(1, 3))]
+    for client in clients:
+        names = [f"in{number}" for number in range(rng.randint(1, 3))]
+        entries += [client, *(f"{client}.{name}" for name in names)]
+        parameters = [f"{rng.choice([*types, *types, 'auto'])} {name}" for name in names]
+        cut = rng.randint(0, len(names))
+        body = []
+        for number, some in enumerate((parameters[:cut], parameters[cut:])):
+            if some:
+                body += ["@DataIn", f"void take{number}({', '.join(some)});"]
+        if rng.random() < 0.9:
+            blocks.append(_block(client, *body))
+    for index in range(rng.randint(0, 4)):
+        given, made = rng.sample(types, 2)
+        blocks.append(
+            _block(f"K{index}", f"@Converts {rng.randint(1, 3)}", f"{made} turn({given} x);")
+        )
+    services = rng.choice([("",), ("", *SERVICES, " NotifyAtFrequency every 70 ms"), CONDITIONS])
+    lines = [
+        f"{rng.choice(entries)} uses_data_from {rng.choice(outputs)}{rng.choice(services)}"
+        for _ in range(rng.randint(1, 6))
+    ]
+    modules = ", ".join([*clients, *("Eye", "Ear")])
+    return "\n".join(["@configuration", f"@modules {modules}", *lines, *blocks])
+
+
 def random_mounts(seed: int) -> str:
     """Return a random configuration in which modules are commanded in inherited functions."""
     rng = random.Random(seed)

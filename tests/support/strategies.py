@@ -12,6 +12,8 @@ from mars_asp.model.rates import Rate, every
 
 HERE = point("config.mars", 1, 1)
 NAMES = ("A", "B", "/robot1/base", "dora-camera", 'the "3 # eyes"', "Wheel")
+#: Instances: modules that another, which is named or not, describes.
+DESCRIBED = {"B": "A", "dora-camera": 'the eye\'s "driver"', "Wheel": "/base"}
 few = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
@@ -64,7 +66,7 @@ configurations = st.builds(
         kind,
         architecture,
         architecture == "hierarchical",
-        modules=tuple(Name(name, HERE) for name in NAMES),
+        modules=tuple(Name(n, HERE, DESCRIBED.get(n)) for n in NAMES),
         relationships=tuple(relationships),
     ),
     st.lists(data | control | mount, max_size=9, unique=True),

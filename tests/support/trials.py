@@ -4,6 +4,7 @@ from pathlib import Path
 
 from mars_asp.execution.judgement import judge
 from mars_asp.execution.scenario.read import read_scenario
+from mars_asp.execution.scenario.vary import UNCHANGED, Changes
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
 
@@ -13,8 +14,13 @@ HAND = '[devices.C]\nkind = "joystick"\nscript = [[0, "Trans_Z", 200]]\n'
 WALL = "\n[world]\nwalls = [[[500, -900], [500, 900], [-900, 900]]]\n"
 
 
-def trial(text: str, specification: str = DRIVE, folder: Path = Path()) -> Trial:
-    scenario = read_scenario(text, folder / "s.toml")
+def trial(
+    text: str,
+    specification: str = DRIVE,
+    folder: Path = Path(),
+    changes: Changes = UNCHANGED,
+) -> Trial:
+    scenario = read_scenario(text, folder / "s.toml", changes)
     made = stage_trial(parse_text(specification, "x.mars").configuration, {}, scenario)
     made.run_until(scenario.duration)
     return made

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Span
+from mars_asp.exchange.yaml_document import Items, Scalar
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +52,23 @@ class Remap:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter that a launch file gives itself."""
+    """A parameter that a launch file gives itself; `span` is where its value stands.
 
-    name: Text
+    `keys` are the steps of its name, each with its place; `items` are the texts of a list;
+    `written` is the value where it is written as YAML.
+    """
+
+    keys: tuple[tuple[Text, Span], ...]
     value: Text
+    span: Span
+    items: tuple[Text, ...] | None = None
+    written: Scalar | Items | None = None
+
+    @property
+    def name(self) -> Text:
+        """The name, its steps joined by dots."""
+        (first, _), *others = self.keys
+        return text_of(first, *(part for step, _ in others for part in (".", step)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ OWN = "mars-catalogue.toml"
 _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "subscribes", "optional")
-_TEXTS = ("plugin", "node")
+#: `read` is where an entry was read, for people.
+_TEXTS = ("plugin", "node", "read")
 
 
 class Entry(NamedTuple):

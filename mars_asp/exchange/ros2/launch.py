@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import MarsError, Span
@@ -26,8 +27,10 @@ from mars_asp.exchange.ros2.actions import (
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.launch_python import read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
+from mars_asp.exchange.ros2.parameters import Given
 from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.yaml_document import Items, Scalar
 
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
@@ -53,9 +56,10 @@ class Started:
     remaps: tuple[Renaming, ...]
     spans: Mapping[Renaming, Span]
     files: tuple[Path, ...]
-    parameters: Mapping[str, str]
+    parameters: Mapping[str, Given]
     span: Span
     conditional: bool
+    arguments: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -66,7 +70,7 @@ class _Scope:
     remaps: list[tuple[Renaming, Span]] = field(default_factory=list)
     arguments: dict[str, str | None] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
-    parameters: dict[str, str] = field(default_factory=dict)
+    parameters: dict[str, Given] = field(default_factory=dict)
     conditional: bool = False
 
     def inner(self) -> "_Scope":
@@ -164,7 +168,8 @@ class Launch:
             return
         within = scope.inner()
         within.conditional = within.conditional or action.conditional
-        within.arguments |= self._parameters(action.arguments, scope, files)
+        passed = self._parameters(action.arguments, scope, files)
+        within.arguments |= {name: each.text for name, each in passed.items()}
         self._walk(actions, within, (*files, found))
 
     def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
@@ -184,12 +189,13 @@ class Launch:
         for _, span in action.unread:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
+        words = self._words(action, scope, files)
         remaps = [
             *scope.remaps,
             *self._remaps(action.remaps, scope, files),
-            *self._argued(action, scope, files),
+            *self._argued(action, words),
         ]
-        given: dict[str, str] = dict(scope.parameters)
+        given = dict(scope.parameters)
         given |= self._parameters(action.parameters, scope, files)
         self.started.append(
             Started(
@@ -204,15 +210,17 @@ class Launch:
                 given,
                 action.span,
                 scope.conditional or action.conditional,
+                tuple(takewhile(lambda word: not word.startswith("--"), words)),
             )
         )
 
-    def _argued(
-        self, action: Start, scope: _Scope, files: tuple[Path, ...]
-    ) -> Iterator[tuple[Renaming, Span]]:
+    def _words(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> list[str]:
+        """Return the words of the arguments of a program, the unknown ones empty."""
+        texts = [self._plain(each, scope, files) or "" for each in action.arguments]
+        return [word for text in texts for word in text.split() or [""]]
+
+    def _argued(self, action: Start, words: Sequence[str]) -> Iterator[tuple[Renaming, Span]]:
         """Yield the remappings among the arguments of a program."""
-        words = [self._plain(each, scope, files) or "" for each in action.arguments]
-        words = [word for text in words for word in text.split()]
         ours = "--ros-args" in words
         for before, word in zip(["", *words], words, strict=False):
             source, sign, target = word.partition(":=")
@@ -234,13 +242,22 @@ class Launch:
 
     def _parameters(
         self, given: Sequence[Parameter], scope: _Scope, files: tuple[Path, ...]
-    ) -> dict[str, str]:
-        found: dict[str, str] = {}
+    ) -> dict[str, Given]:
+        found: dict[str, Given] = {}
         for each in given:
-            name = self._plain(each.name, scope, files)
-            value = self._plain(each.value, scope, files)
-            if name is not None and value is not None:
-                found[name] = value
+            steps = [self._plain(step, scope, files) for step, _ in each.keys]
+            names = [step for step in steps if step is not None]
+            texts = [self._plain(text, scope, files) for text in each.items or (each.value,)]
+            known = [Scalar(text, False, each.span) for text in texts if text is not None]
+            if len(names) < len(steps) or len(known) < len(texts):
+                continue
+            keys = tuple(
+                # Quoted, as a place is of the whole key.
+                Scalar(name, True, span)
+                for name, (_, span) in zip(names, each.keys, strict=True)
+            )
+            value = known[0] if each.items is None else Items(tuple(known), each.span)
+            found[".".join(names)] = Given(keys, each.written or value)
         return found
 
     def _files(

@@ -46,6 +46,7 @@ class _Entity:
     attributes: Mapping[str, str]
     span: Span
     children: "tuple[_Entity, ...]"
+    pieces: Sequence[tuple[int, int, str]] = ()
 
     def named(self, name: str) -> "Iterator[_Entity]":
         """Yield the children of a name."""
@@ -88,7 +89,8 @@ def _of_element(element: Element) -> _Entity:
     path, line, column, _, _ = element.span
     span = Span(path, line, column, line, column + 1 + len(element.name))
     name = element.name.replace("-", "_")
-    return _Entity(name, element.attributes, span, tuple(map(_of_element, element.children)))
+    children = tuple(map(_of_element, element.children))
+    return _Entity(name, element.attributes, span, children, element.pieces)
 
 
 def _listed(value: Node) -> Iterator[_Entity]:
@@ -110,7 +112,7 @@ def _of_pair(key: Scalar, value: Node) -> _Entity:
                 if isinstance(held, Scalar):
                     attributes[inner.text] = held.text
                 elif isinstance(held, Items) and inner.text not in ("children", "actions"):
-                    children += (_of_pair(inner, each) for each in held.nodes)
+                    children += (_of_pair(_at(inner, each), each) for each in held.nodes)
                 elif isinstance(held, Items):
                     children += _listed(held)
                 else:
@@ -120,6 +122,12 @@ def _of_pair(key: Scalar, value: Node) -> _Entity:
         case Scalar(text):
             attributes["value"] = text
     return _Entity(name, attributes, key.span, tuple(children))
+
+
+def _at(key: Scalar, item: Node) -> Scalar:
+    """Return the key of a list as that of one of its items, at the place of this."""
+    first = item.pairs[0][0] if isinstance(item, Pairs) and item.pairs else item
+    return Scalar(key.text, key.quoted, first.span)
 
 
 def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
@@ -196,7 +204,11 @@ def _included(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
     path = entity.text("file") or UNKNOWN
     namespace = entity.text("ns")
     given = tuple(
-        Parameter(each.text("name") or UNKNOWN, each.text("value", "default") or ())
+        Parameter(
+            ((each.text("name") or UNKNOWN, each.span),),
+            each.text("value", "default") or (),
+            each.span,
+        )
         for each in entity.children
         if each.name in ("arg", "let")
     )
@@ -227,20 +239,52 @@ def _given(entities: Sequence[_Entity]) -> tuple[tuple[Text, ...], tuple[Paramet
                 files.append(file)
             else:
                 parameters += _values(entity, ())
+                parameters += _written(entity)
     return tuple(files), tuple(parameters)
 
 
-def _values(entity: _Entity, before: Text) -> Iterator[Parameter]:
+def _values(entity: _Entity, before: tuple[tuple[Text, Span], ...]) -> Iterator[Parameter]:
     """Yield the value of a parameter, or those of the parameters in it."""
     name = entity.text("name")
     if name is None:
         return
-    full = text_of(before, ".", name) if before else name
+    keys = (*before, (name, entity.span))
     value = entity.text("value")
+    listed = tuple(each.text("value") or () for each in entity.named("value"))
+    if listed:
+        yield Parameter(keys, (), entity.span, listed)
     if value is not None:
-        yield Parameter(full, value)
+        apart = entity.attributes.get("value-sep", entity.attributes.get("value_sep"))
+        words = entity.attributes["value"].split(apart) if apart else None
+        items = None if words is None else tuple(map(substituted, words))
+        yield Parameter(keys, value, entity.span, items)
     for inner in entity.named("param"):
-        yield from _values(inner, full)
+        yield from _values(inner, keys)
+
+
+def _written(entity: _Entity) -> Iterator[Parameter]:
+    """Yield the parameters that are written out as YAML within an element of ROS 1.
+
+    Raises:
+        MarsError: it is no YAML.
+    """
+    if entity.name != "rosparam" or not any(text.strip() for _, _, text in entity.pieces):
+        return
+    (line, before, _), *_ = entity.pieces
+    text = "".join(piece for _, _, piece in entity.pieces)
+    document = read_yaml(text, entity.span.path, (line, before + 1))
+    name = entity.text("param")
+    within = () if name is None else ((name, entity.span),)
+    yield from _of_yaml(document, within)
+
+
+def _of_yaml(node: Node, keys: tuple[tuple[Text, Span], ...]) -> Iterator[Parameter]:
+    match node:
+        case Pairs(pairs):
+            for key, value in pairs:
+                yield from _of_yaml(value, (*keys, (substituted(key.text), key.span)))
+        case Items() | Scalar() if keys:
+            yield Parameter(keys, (), node.span, written=node)
 
 
 def substituted(written: str) -> Text:

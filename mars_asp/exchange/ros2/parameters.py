@@ -1,25 +1,60 @@
-"""Values of parameters in YAML files, for one node."""
+"""Values of parameters for one node, in YAML files and in launch files themselves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
+from mars_asp.diagnostic import Span
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 
 _PARAMETERS = "ros__parameters"
 
 
-def values_for(document: Node, name: str) -> dict[str, str]:
+class Given(NamedTuple):
+    """The value of a parameter, and the keys that lead to it."""
+
+    keys: tuple[Scalar, ...]
+    value: Scalar | Items
+
+    @property
+    def text(self) -> str:
+        """The value where it is no list."""
+        return self.value.text if isinstance(self.value, Scalar) else ""
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The value, or those in it where it is a list."""
+        nodes = self.value.nodes if isinstance(self.value, Items) else (self.value,)
+        return tuple(node.text for node in nodes if isinstance(node, Scalar))
+
+
+def document_of(given: Iterable[Given], span: Span) -> Pairs:
+    """Return parameters as the map of maps that they were written as."""
+    found: dict[str, tuple[Scalar, list[Given]]] = {}
+    leaves: dict[str, tuple[Scalar, Node]] = {}
+    for each in given:
+        first, *others = each.keys
+        if others:
+            inner = Given(tuple(others), each.value)
+            found.setdefault(first.text, (first, []))[1].append(inner)
+        else:
+            leaves[first.text] = first, each.value
+    maps = {text: (key, document_of(inner, key.span)) for text, (key, inner) in found.items()}
+    return Pairs(tuple({**leaves, **maps}.values()), span)
+
+
+def values_for(document: Node, name: str) -> dict[str, Given]:
     """Return the parameters that a document gives the node of a full name, dotted where nested.
 
     A later part of the document wins. A file without `ros__parameters` is one of ROS 1, which is
     loaded for the node as a whole.
     """
-    found: dict[str, str] = {}
+    found: dict[str, Given] = {}
     parts = [part for part in name.split("/") if part]
     if not any(_sections(document, ())):
-        return dict(_flat(document, ""))
+        return dict(_flat(document, ()))
     for keys, section in _sections(document, ()):
         if _fits(keys, parts):
-            found |= _flat(section, "")
+            found |= _flat(section, ())
     return found
 
 
@@ -47,13 +82,10 @@ def _fits(keys: tuple[str, ...], parts: list[str]) -> bool:
     return same and "**" not in keys
 
 
-def _flat(node: Node, before: str) -> Iterator[tuple[str, str]]:
-    """Yield the values of a map, the names of nested ones dotted; lists are left out."""
-    match node:
-        case Pairs(pairs):
-            for key, value in pairs:
-                yield from _flat(value, f"{before}.{key.text}" if before else key.text)
-        case Scalar(text) if before:
-            yield before, text
-        case Items():
-            return
+def _flat(node: Node, keys: tuple[Scalar, ...]) -> Iterator[tuple[str, Given]]:
+    """Yield the values of a map, the names of nested ones dotted."""
+    if isinstance(node, Pairs):
+        for key, value in node.pairs:
+            yield from _flat(value, (*keys, key))
+    elif keys:
+        yield ".".join(key.text for key in keys), Given(keys, node)

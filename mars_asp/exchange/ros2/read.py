@@ -1,31 +1,32 @@
 """A ROS workspace, package or launch file as a configuration."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
+from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import Topic
 from mars_asp.exchange.ros2.launch import Launch, Started
+from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
 from mars_asp.exchange.ros2.names import renamed
-from mars_asp.exchange.ros2.parameters import values_for
+from mars_asp.exchange.ros2.parameters import Given, document_of, values_for
 from mars_asp.exchange.ros2.programs import Program, Programs
 from mars_asp.exchange.ros2.workspace import Workspace
-from mars_asp.exchange.topics import (
-    Endpoint,
-    Graph,
-    Mux,
-    MuxInput,
-    Node,
-    configuration_of,
-    joined,
+from mars_asp.exchange.topics import configuration_of
+from mars_asp.exchange.twist_mux.document import (
+    SORTS,
+    Document,
+    read_document,
+    read_parameters,
+    read_parts,
 )
-from mars_asp.exchange.twist_mux.document import OUTPUT, Document, read_document
 from mars_asp.exchange.twist_mux.document import Mux as MuxParameters
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.exchange.yaml_document import Node as YamlNode
@@ -48,8 +49,6 @@ _HELPERS = {
 }
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
-#: Nodes that hand on one of several commands, by their packages.
-_MUXES = frozenset({"twist_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
 _MOST_NAMED = 20
 _NUMBERED = re.compile(r"\d+")
 
@@ -81,8 +80,8 @@ def import_ros2(files: Sequence[tuple[str, str]]) -> Parsed:
         unread += document.unread
         problems += document.warnings
     graph = joined(graphs)
-    unbound = _unbound(muxes, graph)
-    mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *unbound)))
+    loose = _unbound(muxes, graph)
+    mapped = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     told = (*problems, *notes(_once((*unread, *mapped.unread))))
     return Parsed(
         mapped.configuration, told, tuple(map(print_module, mapped.configuration.declared))
@@ -121,7 +120,7 @@ def _unbound(muxes: Sequence[tuple[str, Document]], graph: Graph) -> Iterator[Mu
     for _, document in muxes:
         for mux in document.muxes:
             if mux.span not in known:
-                yield _mux(mux, name_in("/", mux.node or "twist_mux"), "/", ())
+                yield unbound(mux)
 
 
 def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
@@ -162,16 +161,20 @@ class _Robot:
             launch.unread += self._nothing(launch, paths, started)
         nodes: dict[str, tuple[Started, Node]] = {}
         muxes: dict[str, Mux] = {}
+        relays: dict[str, Relay] = {}
         for each in started:
-            node, mux = self._node(each)
-            if mux is not None:
-                muxes.setdefault(mux.name, mux)
-            elif node is not None:
-                self._add(nodes, each, node)
+            match self._node(each):
+                case Mux() as mux:
+                    muxes.setdefault(mux.name, mux)
+                case Relay() as relay:
+                    relays.setdefault(relay.name, relay)
+                case Node() as node:
+                    self._add(nodes, each, node)
         self._note()
         self.unread += (*launch.unread, *self.workspace.unread)
         first = self.workspace.shown(paths[0])
-        return Graph(first, tuple(node for _, node in nodes.values()), tuple(muxes.values()))
+        found = tuple(node for _, node in nodes.values())
+        return Graph(first, found, tuple(muxes.values()), relays=tuple(relays.values()))
 
     def _catalogue(self) -> Catalogue:
         packages = (package.folder for package in self.workspace.packages)
@@ -288,13 +291,13 @@ class _Robot:
         [united] = joined((Graph("", (known, node)),)).nodes
         nodes[node.name] = first, united
 
-    def _node(self, started: Started) -> tuple[Node | None, Mux | None]:
-        """Return the node that is started, or the mux that it is."""
+    def _node(self, started: Started) -> Node | Mux | Relay | None:
+        """Return the node that is started, or the mux or relay that it is."""
         program = Program(started.package, started.executable, started.plugin)
         if started.package in _HELPERS:
             sort, called = _HELPERS[started.package], started.name or started.executable
             self.unread.append(Unread(sort, called, started.span))
-            return None, None
+            return None
         interface, is_catalogued = self.programs.interface(program), False
         if interface is None:
             interface = self.catalogue.interface(*_key(program))
@@ -306,31 +309,54 @@ class _Robot:
         )
         if not _NAME.fullmatch(f"{started.namespace}{name}"):
             self.unread.append(Unread("names made at run time", "?", started.span))
-            return None, None
+            return None
         full = name_in(started.namespace, name)
         if started.conditional:
             self.conditional.setdefault(full, started.span)
-        if program.package in _MUXES or program.executable.startswith("twist_mux"):
-            mux = self._mux(started, name, full)
+        if is_mux(program):
+            given = tuple(self._parameters_of_mux(started, full))
+            mux = mux_of(started, name, full, given)
             if mux is not None:
-                return None, mux
+                return mux
+        values = self._values(started, full)
+        relay = self._relay(program, started, name, values)
+        if relay is not None:
+            return relay
+        interface = interface or steered(program, values)
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
-            return Node(full, started.span), None
+            return Node(full, started.span)
         if is_catalogued:
             self.catalogued.setdefault(full, started.span)
         self.unread += interface.unread
-        values = self._values(started, full)
         published = self._ends(interface.published, started, name, values)
         subscribed = self._ends(interface.subscribed, started, name, values)
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
-        return Node(full, started.span, tuple(published), tuple(subscribed), guard, relays), None
+        return Node(full, started.span, tuple(published), tuple(subscribed), guard, relays)
 
-    def _values(self, started: Started, full: str) -> Mapping[str, str]:
+    def _relay(
+        self, program: Program, started: Started, name: str, values: Mapping[str, Given]
+    ) -> Relay | None:
+        """Return the relay that a node is, if it is one whose topics are known."""
+        # A nodelet has two words before its own.
+        skipped = 2 if started.arguments[:1] in (("load",), ("standalone",)) else 0
+        found = handed_on(program, started.arguments[skipped:], values)
+        if found is None:
+            return None
+        full, source, target = (
+            renamed(topic, started.namespace, name, started.remaps)
+            for topic in ("~/", found.source, found.target)
+        )
+        if not _NAME.fullmatch(source + target):
+            return None
+        self.unread += (Unread(sort, each, started.span) for sort, each in found.left_out)
+        return Relay(full, started.span, source, target, found.hz)
+
+    def _values(self, started: Started, full: str) -> Mapping[str, Given]:
         """Return the values of the parameters of a node."""
-        found: dict[str, str] = {}
+        found: dict[str, Given] = {}
         for file in started.files:
             document = self.document(file)
             if document is not None:
@@ -349,7 +375,7 @@ class _Robot:
             return None
 
     def _ends(
-        self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, str]
+        self, topics: Sequence[Topic], started: Started, name: str, values: Mapping[str, Given]
     ) -> Iterator[Endpoint]:
         """Yield the ends of topics at a node, by their full names."""
         for topic in topics:
@@ -364,7 +390,9 @@ class _Robot:
                 span = topic.span or self._renaming(written, full, started, name) or started.span
                 yield Endpoint(full, topic.type, span, topic.hz, topic.optional)
 
-    def _written(self, topic: Topic, started: Started, values: Mapping[str, str]) -> Iterator[str]:
+    def _written(
+        self, topic: Topic, started: Started, values: Mapping[str, Given]
+    ) -> Iterator[str]:
         """Yield the names that a topic has for its program, by its parameters."""
         if topic.parameter is None:
             yield topic.name
@@ -372,9 +400,10 @@ class _Robot:
             stem = topic.parameter[:-1]
             for key, value in values.items():
                 if key.startswith(stem) and _NUMBERED.fullmatch(key[len(stem) :]):
-                    yield value
+                    yield value.text
         else:
-            yield values.get(topic.parameter, topic.name)
+            given = values.get(topic.parameter)
+            yield topic.name if given is None else given.text
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""
@@ -387,32 +416,30 @@ class _Robot:
                 return started.spans.get(rule)
         return None
 
-    def _mux(self, started: Started, name: str, full: str) -> Mux | None:
-        """Return the mux that a node is, by the parameters that it is given."""
-        own: list[MuxParameters] = []
+    def _parameters_of_mux(self, started: Started, full: str) -> Iterator[MuxParameters]:
+        """Yield what a mux may be given: by its launch file, else by files, else by the user."""
+        found: list[MuxParameters] = []
+        if any(key.partition(".")[0] in SORTS for key in started.parameters):
+            given = document_of(self._values(started, full).values(), started.span)
+            found += self._muxes(lambda: read_parameters(given, full))
         # cmd_vel_mux names its file in a parameter.
-        named = started.parameters.get("yaml_cfg_file", "")
-        file_of_its_own = self.workspace.find(named, self.workspace.root)
-        files = (*started.files, *filter(None, (file_of_its_own,)))
-        for file in files:
+        named = started.parameters.get("yaml_cfg_file")
+        of_its_own = named and self.workspace.find(named.text, self.workspace.root)
+        for file in () if found else (*started.files, *filter(None, (of_its_own,))):
             text, shown = self.workspace.text(file), self.workspace.shown(file)
-            try:
-                document = read_document(text, shown)
-            except MarsError as error:
-                first = error.diagnostics[0]
-                if all(d.code == "mux" and "no mux" in d.message for d in error.diagnostics):
-                    continue
-                self.problems.append(first)
-                continue
-            self.unread += document.unread
-            self.problems += document.warnings
-            own += document.muxes
-        if not own:
-            own = [mux for _, document in self.muxes for mux in document.muxes]
-        if not own:
-            return None
-        chosen = next((mux for mux in own if mux.node.rpartition("/")[2] == name), own[0])
-        return _mux(chosen, full, started.namespace, started.remaps)
+            found += self._muxes(partial(read_parts, text, shown))
+        yield from found or (mux for _, document in self.muxes for mux in document.muxes)
+
+    def _muxes(self, read: Callable[[], Document]) -> Sequence[MuxParameters]:
+        """Return the muxes of parameters, and note what is wrong with these and not read."""
+        try:
+            document = read()
+        except MarsError as error:
+            self.problems += error.diagnostics
+            return ()
+        self.unread += document.unread
+        self.problems += document.warnings
+        return document.muxes
 
     def _note(self) -> None:
         """Note what was decided: conditions, and what the catalogue says."""
@@ -436,23 +463,6 @@ class _Robot:
 
 def _key(program: Program) -> tuple[str, str, bool]:
     return program.package, program.executable, program.plugin
-
-
-def _mux(mux: MuxParameters, name: str, namespace: str, remaps: Sequence[tuple[str, str]]) -> Mux:
-    """Return a mux by the names of its topics in the robot."""
-    node = name.rpartition("/")[2]
-    output = mux.output or OUTPUT
-    inputs = tuple(
-        MuxInput(
-            each.name,
-            renamed(each.topic, namespace, node, remaps),
-            each.span,
-            each.priority,
-            each.hold_ms,
-        )
-        for each in mux.inputs
-    )
-    return Mux(name, mux.engine, mux.span, renamed(output, namespace, node, remaps), inputs)
 
 
 def _counted(number: int, thing: str) -> str:

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.exchange import ports
-from mars_asp.exchange.topics import Endpoint, Graph, Node
+from mars_asp.exchange.graph import Endpoint, Graph, Node
 from mars_asp.exchange.unread import Unread
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.exchange.graph import Graph, Mux, MuxInput, Node, is_command, joined
 from mars_asp.exchange.recognise import dump_of, recognised
 from mars_asp.exchange.rosgraph.caret import read_caret
 from mars_asp.exchange.rosgraph.dot import read_dot
@@ -11,15 +12,7 @@ from mars_asp.exchange.rosgraph.dump import Dump
 from mars_asp.exchange.rosgraph.node_info import read_node_info
 from mars_asp.exchange.rosgraph.rosdiscover import read_rosdiscover
 from mars_asp.exchange.rosgraph.topic_info import read_topic_info
-from mars_asp.exchange.topics import (
-    Graph,
-    Mux,
-    MuxInput,
-    Node,
-    configuration_of,
-    is_command,
-    joined,
-)
+from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import Mux as Parameters
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unread import Unread, notes

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Literal, NamedTuple, TypeAlias
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import (
     DECIMAL,
@@ -29,7 +29,7 @@ Sort: TypeAlias = Literal["topics", "locks", "subscribers"]
 #: What the controlled end is called where nothing says otherwise.
 OUTPUT = "cmd_vel_out"
 PARAMETERS = "ros__parameters"
-_SORTS: tuple[Sort, ...] = ("topics", "locks", "subscribers")
+SORTS: tuple[Sort, ...] = ("topics", "locks", "subscribers")
 _FIELDS = ("topic", "timeout", "priority")
 _ENGINES: Mapping[Sort, Engine] = {
     "topics": "twist_mux",
@@ -93,20 +93,37 @@ def read_document(text: str, path: str) -> Document:
     Raises:
         MarsError: it is no YAML, or all that is wrong with its muxes.
     """
+    document = read_parts(text, path)
+    if not document.muxes:
+        message = "the file has no mux: neither `topics` nor `subscribers` with an input"
+        help_text = "give the parameters of a twist_mux or cmd_vel_mux"
+        place = point(path, 1, 1)
+        raise MarsError((Diagnostic("mux", "error", message, place, help=help_text),))
+    return document
+
+
+def read_parts(text: str, path: str) -> Document:
+    """Return the muxes of a YAML file, which may have none, as one with locks alone.
+
+    Raises:
+        MarsError: it is no YAML, or all that is wrong with its muxes.
+    """
     root = read_yaml(text, path)
     reader = _Reader()
     if isinstance(root, Pairs):
         reader.find(root, ())
-    if not reader.muxes and not reader.problems:
-        reader.wrong(
-            root.span._replace(end_line=root.span.line, end_column=root.span.column),
-            "the file has no mux: neither `topics` nor `subscribers` with an input",
-            "give the parameters of a twist_mux or cmd_vel_mux",
-        )
-    errors = [d for d in reader.problems if d.severity == "error"]
-    if errors:
-        raise MarsError(reader.problems)
-    return Document(tuple(reader.muxes), tuple(reader.unread), tuple(reader.problems))
+    return reader.document()
+
+
+def read_parameters(root: Pairs, node: str) -> Document:
+    """Return the mux that a node is by its parameters, which a launch file gives it.
+
+    Raises:
+        MarsError: all that is wrong with it.
+    """
+    reader = _Reader()
+    reader.mux(root, tuple(filter(None, node.split("/"))), listed=True)
+    return reader.document()
 
 
 class _Reader:
@@ -117,13 +134,23 @@ class _Reader:
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
 
+    def document(self) -> Document:
+        """Return what was collected.
+
+        Raises:
+            MarsError: all that is wrong, if something is.
+        """
+        if any(problem.severity == "error" for problem in self.problems):
+            raise MarsError(self.problems)
+        return Document(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
+
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
         """Note an error."""
         self.problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
 
     def find(self, node: Pairs, names: tuple[str, ...]) -> None:
         """Read the muxes of a map, and of the maps in it, whose nodes have these names."""
-        if any(key.text.partition(".")[0] in _SORTS for key, _ in node.pairs):
+        if any(key.text.partition(".")[0] in SORTS for key, _ in node.pairs):
             self.mux(node, names, listed=True)
             return
         for key, value in node.pairs:
@@ -143,7 +170,7 @@ class _Reader:
                 f"write a map below `{PARAMETERS}`: `topics:`, and below it each input by its name",
             )
         elif isinstance(value, Pairs):
-            if any(k.text.partition(".")[0] in _SORTS for k, _ in value.pairs):
+            if any(k.text.partition(".")[0] in SORTS for k, _ in value.pairs):
                 self.mux(value, names, listed=False)
             else:
                 node = "/".join(names) or PARAMETERS
@@ -153,17 +180,18 @@ class _Reader:
         """Read one mux; its inputs may be `listed` only where they are no ROS 2 parameters."""
         entries: dict[Sort, list[_Entry]] = {}
         leaves: list[_Leaf] = []
-        output, span = OUTPUT, None
+        output = OUTPUT
+        spans: dict[Sort, Span] = {}
         for key, value in node.pairs:
             head = key.text.partition(".")[0]
-            sort = next((sort for sort in _SORTS if sort == head), None)
+            sort = next((sort for sort in SORTS if sort == head), None)
             if sort is None:
                 if key.text == "publisher" and isinstance(value, Scalar):
                     output = value.text
                 else:
                     self.unread.append(Unread("parameters", key.text, key.span))
                 continue
-            span = span or part_of(key, 0, len(head))
+            spans.setdefault(sort, part_of(key, 0, len(head)))
             entries.setdefault(sort, [])
             if isinstance(value, Items) and key.text == head:
                 if listed:
@@ -184,8 +212,6 @@ class _Reader:
                     )
             else:
                 leaves += _leaves(key, value)
-        if span is None:
-            return
         for sort in entries:
             entries[sort] += self.mapped([leaf for leaf in leaves if leaf.parts[0][0] == sort])
         for lock in entries.get("locks", ()):
@@ -195,7 +221,8 @@ class _Reader:
                 found = tuple(self.inputs(entries[listening]))
                 if engine == "twist_mux":
                     self.warn_of_high(found)
-                self.muxes.append(Mux(engine, "/".join(names), span, output, found))
+                at = spans[listening]
+                self.muxes.append(Mux(engine, "/".join(names), at, output, found))
 
     def listed(self, items: Items) -> Iterator[_Entry]:
         """Yield what stands in a list of maps."""

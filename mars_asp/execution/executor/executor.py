@@ -222,12 +222,11 @@ class Executor:
             name, self.schedule, rank, outputs, stops=stops, observe=self.observe
         )
 
-    def _converter(self, name: str) -> Callable[[Any], Any]:
+    def _converter(self, name: str) -> Behaviour:
         for conversion in self.plan.configuration.conversions:
             if conversion.transformer == name:
-                return self.plan.behaviours[conversion.converter or name].call
-        behaviour = self.plan.behaviours.get(name)
-        return behaviour.call if behaviour else lambda value: value
+                return self.plan.behaviours[conversion.converter or name]
+        return self.plan.behaviours.get(name) or Behaviour(lambda value: value)
 
     def _join(self, name: str) -> None:
         plan, element = self.plan, self.elements[name]

@@ -1,17 +1,14 @@
 """Messages, and the links that carry and count them."""
 
-import re
-import sysconfig
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
-from reprlib import Repr
-from traceback import walk_tb
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from mars_asp.behaviour.imports import place_of
+from mars_asp.behaviour.values import shown
 from mars_asp.diagnostic import Span
 from mars_asp.execution.executor.behaviour import AskedError
 from mars_asp.execution.executor.schedule import Schedule
@@ -37,29 +34,6 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
     tuple.__new__, Message
 )
 
-#: Code that is not the user's: ours, Python's own, and what is installed.
-_FOREIGN = tuple(
-    f"{path}/"
-    for path in {
-        Path(__file__).parents[2].as_posix(),
-        *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
-    }
-)
-
-
-class _Short(Repr):
-    """Shortens texts of values, and numbers in them to six digits."""
-
-    def repr_float(self, number: float, _: int) -> str:
-        return f"{number:.6g}"
-
-
-#: Of a class whose text cannot be made, it shows the name.
-_SHORT = _Short()
-_SHORT.maxlist = _SHORT.maxtuple = 4
-_SHORT.maxother = _SHORT.maxstring = _SHORT.maxlong = 60
-
-_ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
 
 #: Told of every delivery, holding and fault: time, what happened, where, and with what.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
@@ -70,9 +44,10 @@ class Failures:
     """How many exceptions were raised that the scenario did not ask for, and the first of them.
 
     `first` is its text, `at` (ns) when it was raised, `raised` its file and line in the code of the
-    user, where it has one, and `inputs` what that was given.
+    user, where it has one, else the `place` of the function, and `inputs` what that was given.
     """
 
+    place: tuple[str, int] | None = None
     count: int = 0
     first: str = ""
     at: int = 0
@@ -85,8 +60,8 @@ class Failures:
             return
         self.count += 1
         if self.count == 1:
-            self.first, self.at, self.raised = _text_of(error), now, _raised(error)
-            self.inputs = tuple(_shown(value) for value in inputs)
+            self.first, self.at, self.raised = _text_of(error), now, place_of(error) or self.place
+            self.inputs = tuple(shown(value) for value in inputs)
 
 
 def _text_of(error: Exception) -> str:
@@ -96,24 +71,6 @@ def _text_of(error: Exception) -> str:
         return f"{name}: {error}"
     except Exception:  # the class of a user's exception may be wrong in any way
         return name
-
-
-def _raised(error: BaseException) -> tuple[str, int] | None:
-    """Return the file and line of the innermost frame in code of the user."""
-    found = None
-    for frame, line in walk_tb(error.__traceback__):
-        path = frame.f_code.co_filename
-        if not path.startswith((*_FOREIGN, "<")):
-            found = path, line
-    if found is None and error.__context__ is not None:
-        # What ended the program in the place of an exception is its context.
-        return _raised(error.__context__)
-    return found
-
-
-def _shown(value: object) -> str:
-    """Return a short text of an input, the same in every run: without its address."""
-    return _ADDRESS.sub("", _SHORT.repr(value))
 
 
 @dataclass(slots=True, eq=False)
@@ -138,6 +95,8 @@ class Link:
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0
+    #: When (ns) the last few were delivered.
+    latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     fault: str = ""
@@ -151,10 +110,15 @@ class Link:
         """Whether an exception dropped a message."""
         return bool(self.fault)
 
+    def before(self, time: Fraction) -> int:
+        """Return how many messages were delivered before a time (ns) of the last few."""
+        return self.delivered - sum(at >= time for at in self.latest)
+
     def send(self, message: Message) -> None:
         """Deliver at once."""
         now = self.schedule.now
         self.delivered += 1
+        self.latest.append(now)
         if message[1] != now:
             self.oldest = max(self.oldest, now - message[1])
         if self.observe is not None:

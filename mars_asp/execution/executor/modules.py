@@ -4,7 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from mars_asp.execution.executor.behaviour import Behaviour, single_command
+from mars_asp.behaviour.command import command_of
+from mars_asp.behaviour.values import copied
+from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Failures, Link, Message, message_of
 from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
@@ -20,7 +22,7 @@ class Sensor:
         self.call, self.delay = behaviour.call, behaviour.delay
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
-        self.failures = Failures()
+        self.failures = Failures(place=behaviour.place)
         if hz is None and behaviour.period is not None:
             hz = Fraction(SECOND, behaviour.period)
         self.clocked = hz is not None
@@ -30,7 +32,7 @@ class Sensor:
     def sample(self) -> None:
         """Read the device and offer what it says to every output."""
         try:
-            reading = self.call()
+            reading = copied(self.call())
         except Exception as error:  # a device's fault must not end the run
             fail(self.failures, self.outputs, error, self.schedule.now)
             return
@@ -71,7 +73,7 @@ class Algorithm:
         self.queue = schedule.queue(self.rank)
         self.offers: list[Offer] = []
         self.outputs: list[Link] = []
-        self.failures = Failures()
+        self.failures = Failures(place=behaviour.place)
         self.run = self.ask if pulls else self.compute
         self.latest: list[Any] = []
         self.unheard: set[int] = set()
@@ -130,9 +132,12 @@ class Algorithm:
             return
         self.unread.clear()
         try:
-            result = self.call(*self.latest)
+            result = self.call(*map(copied, self.latest))
             if result is not None and self.commands:
-                result = single_command(result)
+                command = command_of(result)
+                result = {command.function: command.rate}
+            else:
+                result = copied(result)
         except Exception as error:  # a module's fault must not end the run
             fail(self.failures, self.outputs, error, self.schedule.now, self.latest)
             return
@@ -168,7 +173,7 @@ class Effector:
         self.timeout, self.queue = timeout, schedule.queue(schedule.effectors)
         self.message: Message | None = None
         self.awaited: Link | None = None
-        self.failures = Failures()
+        self.failures = Failures(place=behaviour.place)
         self.applied: list[tuple[int, str, dict[str, float]]] = []
         self.ways: dict[str, float] = {}
         self.rates: dict[str, float] = {}
@@ -209,7 +214,7 @@ class Effector:
         self.position()
         self.rates = message.value
         try:
-            self.behaviour.call(message.value)
+            self.behaviour.call(message.value.copy())
         except Exception as error:  # a device's fault must not end the run
             links, given = [link] if link else [], [message.value]
             fail(self.failures, links, error, self.schedule.now, given)

@@ -1,8 +1,10 @@
 """Nodes that carry data and control on: splitters, transformers, inheritance."""
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
+from mars_asp.behaviour.values import copied
+from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Failures, Link, Message
 from mars_asp.execution.executor.schedule import Schedule
@@ -27,17 +29,15 @@ class DataSplitter:
 class DataTransformer:
     """Applies its converter; an exception drops the message and marks the output faulty."""
 
-    def __init__(
-        self, convert: Callable[[Any], Any], outputs: list[Link], schedule: Schedule
-    ) -> None:
-        self.convert, self.outputs, self.schedule = convert, outputs, schedule
-        self.failures = Failures()
+    def __init__(self, converter: Behaviour, outputs: list[Link], schedule: Schedule) -> None:
+        self.convert, self.outputs, self.schedule = converter.call, outputs, schedule
+        self.failures = Failures(place=converter.place)
         self.offers: list[Offer] = []
 
     def receive(self, message: Message) -> None:
         """Convert a message and hand it on."""
         try:
-            value = self.convert(message.value)
+            value = copied(self.convert(copied(message.value)))
         except Exception as error:  # a converter's fault must not end the run
             self.failures.note(error, self.schedule.now, (message.value,))
             for link in self.outputs:

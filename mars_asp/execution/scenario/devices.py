@@ -31,14 +31,15 @@ _JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
 
 def make_joints(scenario: Scenario) -> dict[str, Joint]:
     """Return the joints and grippers of a scenario by their module."""
-    return {
-        name: Joint(
-            table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y"),
-            *(float(table.get(key, default)) for key, default in _JOINT),
-        )
-        for name, table in scenario.devices.items()
-        if table.get("kind") in ("joint", "gripper")
-    }
+    found = {}
+    for name, table in scenario.devices.items():
+        if table.get("kind") in ("joint", "gripper"):
+            function = table.get("function", "Grasp" if table["kind"] == "gripper" else "Rotn_Y")
+            numbers = [float(table.get(key, default)) for key, default in _JOINT]
+            # A width stays as it is until another is commanded.
+            found[name] = Joint(function, *numbers)
+            found[name].wanted = numbers[-1] if function == "Grasp" else 0.0
+    return found
 
 
 def bind_devices(
@@ -125,8 +126,13 @@ def _sensor(
     if kind == "odometry":
         return odometry(body, noise, **stated("sigma"))
     if kind == "joystick":
-        return joystick([(float(at), function, float(rate)) for at, function, rate in script])
+        return joystick([(float(at), _held(*held)) for at, *held in script])
     return bumper(body)
+
+
+def _held(function: str, rate: float | None = None) -> tuple[str, float] | None:
+    """Return what an entry of a script commands; nothing where it lets go."""
+    return None if rate is None else (function, float(rate))
 
 
 def _way(

@@ -1,107 +1,214 @@
-"""Modules bound to what runs them: Python functions, simulated devices, and injected faults."""
+"""Modules bound to what runs them: Python functions and classes of files, and injected faults."""
 
-import importlib.util
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+import ast
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from os.path import normpath
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from mars_asp.behaviour.calls import Made, UnfitError, made, method_of, prepared
+from mars_asp.behaviour.context import Context
+from mars_asp.behaviour.imports import Folder, folder_of, place_of
+from mars_asp.behaviour.values import copied
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.execution.executor import Behaviour
 from mars_asp.execution.executor.behaviour import AskedError
+from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.scenario.read import Scenario
-from mars_asp.model.declarations import Module
+from mars_asp.model.declarations import Module, Service
+from mars_asp.spelling import nearest
 
 Clock = Callable[[], float]
 
 
+@dataclass
 class Functions:
-    """The Python functions of one run; each file is imported once, afresh for every run.
+    """The Python functions and classes of one run.
 
-    Module-level state of a behaviour therefore never leaks from one run into the next. Of several
-    robots, the modules of each include have their own.
+    Each file is imported once, afresh for every run, so that its state never leaks from one run
+    into the next. Each module has an object of its own of a class; the parts of a module share one.
+    Of several robots, the modules of each include have imports of their own.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.scenario = scenario
-        self.loaded: dict[tuple[str, Path], ModuleType] = {}
-        self.problems: list[Diagnostic] = []
+    plan: Plan
+    scenario: Scenario
+    clock: Clock
+    folders: dict[tuple[str, Path], Folder] = field(default_factory=dict)
+    made: dict[tuple[str, type], Made] = field(default_factory=dict)
+    contexts: dict[str, Context] = field(default_factory=dict)
+    problems: list[Diagnostic] = field(default_factory=list)
 
-    def function(self, path: Path, name: str, module: str) -> Callable[..., Any] | None:
-        """Return a function of a file; note what is wrong with it."""
-        several = len(self.scenario.robots) > 1
-        key = module.partition("/")[0] if several and "/" in module else "", path
+    def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
+        """Return what a module does by a function or a class of a file; note what is wrong."""
+        stated = self.scenario.bindings.get(name, {})
+        shown = f"{normpath(path)}:{called}"
         try:
-            if key not in self.loaded:
-                self.loaded[key] = self._load(path)
-        except (Exception, SystemExit) as error:  # a user's file may fail in any way
-            self._note(module, f"`{path}:{name}` cannot be used: {type(error).__name__}: {error}")
-            return None
-        found = getattr(self.loaded[key], name, None)
-        if found is None:
-            self._note(module, f"`{path}` defines no function `{name}`")
-            return None
-        if not callable(found):
-            self._note(module, f"`{path}:{name}` is not a function")
-            return None
-        return _staying(found)
-
-    def _load(self, path: Path) -> ModuleType:
-        specification = importlib.util.spec_from_file_location(f"_behaviour_{path.stem}", path)
-        if specification is None or specification.loader is None:
-            raise ImportError("it is not a Python file")
-        module = importlib.util.module_from_spec(specification)
-        # A behaviour that draws random numbers finds the run's seed here.
-        module.__dict__["SEED"] = self.scenario.seed
-        specification.loader.exec_module(module)
-        return module
-
-    def _note(self, module: str, message: str) -> None:
+            folder = self._folder(path, name)
+            call, place = self._found(name, folder, path.resolve(), called)
+        except UnfitError as error:
+            message, help_text = error.args[0], error.help.replace("NAME", name)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # a user's file may fail in any way
+            told = f"{type(error).__name__}: {error}"
+            raised = place_of(error)
+            if raised is not None:
+                told = f"{_seen_from_here(raised[0])}:{raised[1]}: {told}"
+            message, help_text = f"`{shown}` cannot be used: {told}", None
+        else:
+            period, delay = (_nanoseconds(stated.get(key)) for key in ("period", "delay"))
+            return Behaviour(_staying(call, folder), period, delay or 0, place=place)
         self.problems.append(
-            Diagnostic("binding", "error", f"`{module}`: {message}", self._place(module))
+            Diagnostic("binding", "error", f"`{name}`: {message}", self._span(name), (), help_text)
         )
+        return None
 
-    def _place(self, module: str) -> Span:
-        """Return where the scenario binds a module; one that it does not is bound by its source."""
-        return self.scenario.places.get(f"bindings.{module}", self.scenario.span)
+    def _folder(self, path: Path, name: str) -> Folder:
+        several = len(self.scenario.robots) > 1 and "/" in name
+        key = name.partition("/")[0] if several else "", folder_of(path.resolve())
+        if key not in self.folders:
+            self.folders[key] = Folder(key[1])
+        return self.folders[key]
+
+    def _found(
+        self, name: str, folder: Folder, path: Path, called: str
+    ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
+        """Return what to call for a module, and where it is defined."""
+        if not path.is_file():
+            told = f"`{_seen_from_here(str(path))}` is not a file"
+            raise UnfitError(told, "name a file, relative to the scenario")
+        # A behaviour that draws random numbers finds the run's seed there.
+        target: Any = folder.load(path, SEED=self.scenario.seed)
+        context, knows = self._context(name), False
+        with folder:
+            for part in called.split("."):
+                target, knows = self._part(target, part, name, context, knows)
+            if isinstance(target, type):
+                target, knows = self._made(target, name, context)
+                target = method_of(target, self._annotated(name, target))
+            if not callable(target):
+                raise UnfitError(f"`{called}` is not a function", "name a function or a class")
+            inputs = _inputs(self.plan, name)
+            return prepared(target, context, self.clock, inputs, knows=knows), _place_of(target)
+
+    def _part(
+        self, target: Any, part: str, name: str, context: Context, knows: bool
+    ) -> tuple[Any, bool]:
+        """Return what a file, a class or an object has by a name."""
+        if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
+            made, knows = self._made(target, name, context)
+            return method_of(made, part), knows
+        if not hasattr(target, part):
+            near = nearest(part, [n for n in dir(target) if callable(getattr(target, n, None))])
+            what = Path(str(target.__file__)).name if isinstance(target, ModuleType) else "it"
+            help_text = f"did you mean `{near}`?" if near else "name a function or a class of it"
+            raise UnfitError(f"`{what}` defines no function `{part}`", help_text)
+        return getattr(target, part), knows
+
+    def _made(self, kind: type, name: str, context: Context) -> Made:
+        if (context.module, kind) not in self.made:
+            self.made[context.module, kind] = made(kind, context)
+        return self.made[context.module, kind]
+
+    def _context(self, name: str) -> Context:
+        """Return the context of a module; parts of one share it, unless they have parameters."""
+        stated = self.scenario.bindings.get(name, {})
+        owner = name if "parameters" in stated else name.partition(".")[0]
+        if owner not in self.contexts:
+            given = self.scenario.bindings.get(owner, {}).get("parameters", {})
+            self.contexts[owner] = Context(owner, self.scenario.seed, copied(given))
+        return self.contexts[owner]
+
+    def _annotated(self, name: str, instance: object) -> str | None:
+        """Return the method of an object that the annotations of a module name, if they do."""
+        module = self.plan.modules.get(name)
+        named = [service.function for service in module.services] if module else []
+        return next((each for each in named if each and hasattr(instance, each)), None)
+
+    def _span(self, name: str) -> Span:
+        """Return where the scenario binds a module, or where its function is annotated."""
+        module = self.plan.modules.get(name)
+        annotated = module.services[0].span if module and module.services else self.scenario.span
+        return self.scenario.places.get(f"bindings.{name}", annotated)
 
 
-def _staying(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that fails where the given one would end the program."""
+def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
+    """Return a function that runs among the files beside it, and fails where it would end all."""
 
-    def call(*inputs: Any) -> Any:
+    def run(*inputs: Any) -> Any:
         try:
-            return function(*inputs)
+            with folder:
+                return call(*inputs)
+        except (Exception, KeyboardInterrupt):
+            raise
         except SystemExit as error:
             raise RuntimeError(f"it called `exit({error.code})`") from None
+        except BaseException as error:
+            raise RuntimeError(f"it raised {type(error).__name__}") from None
 
-    return call
+    return run
 
 
-def bind_functions(
-    modules: Mapping[str, Module], scenario: Scenario, names: tuple[str, ...], clock: Clock
-) -> dict[str, Behaviour]:
-    """Return behaviours of the modules that Python functions run.
+def _seen_from_here(file: str) -> str:
+    """Return a path within the current folder without that folder, of another its last part."""
+    path, here = Path(file), Path.cwd()
+    return path.relative_to(here).as_posix() if path.is_relative_to(here) else path.name
 
-    A binding of the scenario names `FILE.py:FUNCTION`, relative to the scenario; without one an
-    annotated Python function is its own implementation.
+
+def _inputs(plan: Plan, name: str) -> tuple[str, ...] | None:
+    """Return where the inputs of a module come from; `None` where that is not known."""
+    if name not in plan.names:
+        return ("what it converts",)
+    kind = plan.kind(name)
+    if kind == "effector":
+        return ("a command",)
+    if kind == "data_transformer":
+        return ("what it converts",)
+    lines = [*plan.data_in[name], *plan.control_in[name]]
+    if not (lines or plan.data_out[name] or plan.control_out[name]):
+        return None  # it does not run
+    return tuple(link.source for link in lines) if kind != "sensor" else ()
+
+
+def _place_of(target: Any) -> tuple[str, int] | None:
+    """Return the file and line of a function, or of what an object does when it is called."""
+    routine: Any = target if inspect.isroutine(target) else getattr(target, "__call__", None)  # noqa: B004
+    code = getattr(inspect.unwrap(getattr(routine, "__func__", routine)), "__code__", None)
+    return None if code is None else (code.co_filename, code.co_firstlineno)
+
+
+def bind_functions(plan: Plan, scenario: Scenario, clock: Clock) -> dict[str, Behaviour]:
+    """Return behaviours of the modules that Python functions and classes run.
+
+    A binding of the scenario names `FILE.py:FUNCTION`, `FILE.py:CLASS` or `FILE.py:CLASS.METHOD`,
+    relative to the scenario; without one an annotated Python function is its own implementation.
 
     Raises:
         MarsError: files or functions that cannot be used; all of them.
     """
-    functions, bound = Functions(scenario), {}
-    for name, place in bound_functions(modules, scenario, names):
-        call = functions.function(*place, name)
-        if call is not None:
-            stated = scenario.bindings.get(name, {})
-            bound[name] = Behaviour(
-                call, _nanoseconds(stated.get("period")), _nanoseconds(stated.get("delay")) or 0
-            )
+    functions = Functions(plan, scenario, clock)
+    known = {*plan.names, *converting(plan)}
+    bound = {
+        name: functions.behaviour(name, *place)
+        for name, place in bound_functions(plan.modules, scenario, plan.names)
+        if name in known
+    }
     if functions.problems:
         raise MarsError(functions.problems)
-    return {name: faulty(behaviour, scenario, name, clock) for name, behaviour in bound.items()}
+    return {n: faulty(each, scenario, n, clock) for n, each in bound.items() if each is not None}
+
+
+def converting(plan: Plan) -> Iterator[str]:
+    """Yield what converts messages: modules, and nodes to which a function is bound instead."""
+    yield from (name for name in plan.names if plan.kind(name) == "data_transformer")
+    yield from (each.converter for each in plan.configuration.conversions if each.converter)
+    for module in plan.modules.values():
+        if any(service.kind == "Converts" for service in module.services):
+            yield module.name
 
 
 def bound_functions(
@@ -126,8 +233,33 @@ def _place(
         return scenario.path.parent / file, function
     for service in module.services if module else ():
         if service.function and service.span.path.endswith(".py"):
-            return Path(service.span.path), service.function.rpartition(".")[2]
+            return Path(service.span.path), _qualified(service)
     return None
+
+
+def _qualified(service: Service) -> str:
+    """Return the name of an annotated function, after those of the classes that it is in."""
+    name = (service.function or "").rpartition(".")[2]
+    try:
+        tree = ast.parse(Path(service.span.path).read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return name  # what is wrong is reported when it is imported
+    found = [
+        (node.lineno, qualified)
+        for node, qualified in _definitions(tree.body, "")
+        if node.name == name and node.lineno > service.span.line
+    ]
+    return min(found, default=(0, name))[1]
+
+
+def _definitions(
+    body: Sequence[ast.stmt], within: str
+) -> Iterator[tuple[ast.FunctionDef | ast.AsyncFunctionDef, str]]:
+    for node in body:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node, within + node.name
+        elif isinstance(node, ast.ClassDef):
+            yield from _definitions(node.body, f"{within}{node.name}.")
 
 
 def _nanoseconds(milliseconds: float | None) -> int | None:
@@ -153,7 +285,7 @@ def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) ->
 
     def call(*inputs: Any) -> Any:
         if not start <= clock() < end:
-            last[0] = behaviour.call(*inputs)
+            last[0] = copied(behaviour.call(*inputs))
             return last[0]
         if kind == "throwing":
             raise AskedError(f"`{name}` raises an exception, as the scenario demands")

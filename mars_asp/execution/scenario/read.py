@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
 from mars_asp.execution.scenario.toml_tables import read_tables
+from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
 
@@ -63,29 +65,32 @@ class Scenario:
         return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
 
-def load_scenario(path: Path) -> Scenario:
-    """Read and check a scenario file.
+def load_scenario(path: Path, changes: Changes = UNCHANGED) -> Scenario:
+    """Read and check a scenario file, some keys of which may have other values.
 
     Raises:
         MarsError: it cannot be read, is no TOML, or has wrong keys or values; all of them.
     """
-    return read_scenario(decode(read_bytes(path), str(path)), path)
+    return read_scenario(decode(read_bytes(path), str(path)), path, changes)
 
 
-def read_scenario(text: str, path: Path) -> Scenario:
+def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenario:
     """Check the text of a scenario; `path` is what places show and bindings are relative to.
+
+    `changes` are the values of keys that have others than in the text.
 
     Raises:
         MarsError: it is no TOML, or has wrong keys or values; all of them.
     """
     tables = read_tables(text, str(path), "scenario")
     where = Places(text, str(path))
-    problems = [
-        _problem(where.of(*wrong.path), wrong.message, wrong.help)
-        for wrong in islice(mistakes(tables), _MOST_PROBLEMS)
-    ]
+    wrong = list(islice(mistakes(tables), _MOST_PROBLEMS))
+    if len(wrong) < _MOST_PROBLEMS:
+        wrong += islice(contradictions(tables, wrong), _MOST_PROBLEMS - len(wrong))
+    problems = [_problem(where.of(*each.path), each.message, each.help) for each in wrong]
     if problems:
         raise MarsError(problems)
+    tables = changed(tables, changes)
     places = {key: where.of("requirements", key) for key in tables.get("requirements", ())}
     for table in ("devices", "bindings", "faults"):
         named = tables.get(table, ())
@@ -101,6 +106,7 @@ def read_scenario(text: str, path: Path) -> Scenario:
     problems = [*_unclear(robots, reach is not None, places), *_unmoved(robots, up)]
     if problems:
         raise MarsError(problems)
+    places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}
     return Scenario(path, point(str(path), 1, 1), **tables, robots=robots, places=places)
 
 

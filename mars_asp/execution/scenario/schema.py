@@ -1,7 +1,7 @@
 """What may stand in a scenario, as a JSON Schema; `docs/scenarios.md` says what it means."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 from jsonschema_rs import Draft4Validator, ValidationError
@@ -48,11 +48,30 @@ def _list(entry: _Schema) -> _Schema:
     return {"type": "array", "items": entry}
 
 
+def _one_of(kinds: Mapping[str, str], *required: str) -> _Schema:
+    """Return tables that differ by their `kind`; without one, where it may be left out, the first.
+
+    Each kind has the names of its keys.
+    """
+    first = next(iter(kinds))
+    return {
+        "oneOf": [
+            _table(
+                {"kind": {"enum": [kind]}} | {key: _KEYS[key] for key in keys.split()},
+                *(required if kind == first else ["kind"]),
+            )
+            for kind, keys in kinds.items()
+        ]
+    }
+
+
 def _told(words: str, schema: _Schema) -> _Schema:
     """Return a schema with the words that tell what a value should be which is something else."""
     return {"description": words} | schema
 
 
+#: In the place of a function and its rate, where a joystick is let go.
+RELEASE = "release"
 _ANY = _number(None, None)
 _POSITIVE = _number(0)
 _WORD = {"type": "string"}
@@ -60,14 +79,15 @@ _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 _FUNCTION = {"enum": list(_FUNCTIONS)}
 _PAIR = _row(_number(), _number())
 _POINT = _told("a point `[forward, side]`", _PAIR)
-_LINE = _told("a list of points `[forward, side]`", _list(_PAIR) | {"minItems": 1})
+_WALL = _told("a list of 2 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 2})
+_POLYGON = _told("a list of 3 or more points `[forward, side]`", _list(_PAIR) | {"minItems": 3})
 _CIRCLE = _told(
     "`[forward, side, radius]`, the radius above 0",
     _row(_number(), _number(), _number(0) | {"exclusiveMinimum": True}),
 )
 _ENTRY = _told(
-    f"`[second, function, rate]` of {', '.join(_FUNCTIONS)}",
-    _row(_number(), _FUNCTION, _number()),
+    f'`[second, function, rate]` of {", ".join(_FUNCTIONS)}, or `[second, "{RELEASE}"]`',
+    {"anyOf": [_row(_number(0), _FUNCTION, _number()), _row(_number(0), {"enum": [RELEASE]})]},
 )
 _MOVING = _told(
     "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
@@ -99,8 +119,8 @@ _SCATTER = _table(
 )
 _WORLD = _table(
     {
-        "walls": _list(_LINE),
-        "polygons": _list(_LINE),
+        "walls": _list(_WALL),
+        "polygons": _list(_POLYGON),
         "circles": _list(_CIRCLE),
         "moving": _list(_MOVING),
         "marks": _list(_MARK),
@@ -122,35 +142,58 @@ _ROBOT = _table(
     },
     "module",
 )
-_DEVICE = _table(
+_KEYS: Mapping[str, _Schema] = {
+    "period": _number(0.001),
+    "beams": _whole(1, 100_000),
+    "cone": _number(),
+    "rays": _whole(1, 100_000),
+    "reach": _POSITIVE,
+    "view": _number(),
+    "sigma": _POSITIVE,
+    "script": _list(_ENTRY),
+    "function": _FUNCTION,
+    "low": _ANY,
+    "high": _ANY,
+    "rate": _number(0, None),
+    "value": _number(),
+    "from": _number(),
+    "until": _number(0, None),
+    "by": _number(0.001),
+}
+_MOVED = "function low high rate value"
+_DEVICE = _one_of(
     {
-        "kind": {
-            "enum": "sonar lidar bumper odometry marks joystick platform joint gripper".split()
-        },
-        "period": _number(0.001),
-        "beams": _whole(1, 100_000),
-        "cone": _number(),
-        "rays": _whole(1, 100_000),
-        "reach": _POSITIVE,
-        "view": _number(),
-        "sigma": _POSITIVE,
-        "script": _list(_ENTRY),
-        "function": _FUNCTION,
-        "low": _ANY,
-        "high": _ANY,
-        "rate": _number(0, None),
-        "value": _number(),
+        "sonar": "period beams cone rays reach sigma",
+        "lidar": "period beams view reach sigma",
+        "bumper": "period",
+        "odometry": "period sigma",
+        "marks": "period view reach",
+        "joystick": "period script",
+        "platform": "",
+        "joint": _MOVED,
+        "gripper": _MOVED,
     },
     "kind",
 )
-_BINDING = _table({"python": _WORD, "period": _number(0.001), "delay": _POSITIVE})
-_FAULT = _table(
+_BINDING = _table(
     {
-        "kind": {"enum": ["silent", "late", "stuck", "throwing", "babbling"]},
-        "from": _number(),
-        "until": _number(0, None),
-        "by": _number(0.001),
+        "python": _told(
+            '`"FILE.py:FUNCTION"`, `"FILE.py:CLASS"` or `"FILE.py:CLASS.METHOD"`',
+            {"type": "string", "pattern": r"^[^\n]+\.py:[^:.\s]+(\.[^:.\s]+)*$"},
+        ),
+        "period": _number(0.001),
+        "delay": _POSITIVE,
+        "parameters": {"type": "object"},
     }
+)
+_FAULT = _one_of(
+    {
+        "silent": "from until",
+        "stuck": "from until",
+        "throwing": "from until",
+        "late": "by",
+        "babbling": "by",
+    },
 )
 _REQUIREMENTS = _table(
     {
@@ -201,11 +244,6 @@ _TYPES = {
 _ENDLESS = 1.7e308
 #: No list or table of ours is in so many others.
 _DEEPEST = 10
-#: Keys of one table of which the first is at most as great as the second.
-_ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
-    "devices": (("low", "high"), ("low", "value"), ("value", "high")),
-    "faults": (("from", "until"),),
-}
 
 
 class Mistake(NamedTuple):
@@ -217,14 +255,14 @@ class Mistake(NamedTuple):
 
 
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield all that is wrong with a scenario, each once."""
+    """Yield all that the schema finds wrong with a scenario, each once."""
     told: set[Mistake] = set()
     for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
-        for mistake in _mistakes(error, tables):
+        path = tuple(error.instance_path)
+        for mistake in _mistakes(error, path, tables):
             if mistake not in told:  # of one form several parts can be wrong
                 told.add(mistake)
                 yield mistake
-    yield from _disordered(tables)
 
 
 def _as_json(value: Any, depth: int = 0) -> Any:
@@ -238,16 +276,18 @@ def _as_json(value: Any, depth: int = 0) -> Any:
     return value if isinstance(value, str | int | float) and not _is_nan(value) else None
 
 
-def _mistakes(error: ValidationError, tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield what an error means to the author of a scenario."""
-    path, kind = tuple(error.instance_path), error.kind
+def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield what an error at a path means to the author of a scenario."""
+    kind = error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
     schema, value = _schema(path, tables), _value(path, tables)
     form = _form(path, tables)
-    if isinstance(kind, Kind.AdditionalProperties):
-        known = schema["properties"]
+    if isinstance(kind, Kind.OneOfNotValid):
+        for inner in Draft4Validator(schema).iter_errors(_as_json(value)):
+            yield from _mistakes(inner, (*path, *inner.instance_path), tables)
+    elif isinstance(kind, Kind.AdditionalProperties):
         for unknown in kind.unexpected:
-            yield Mistake((*path, unknown), f"unknown key `{unknown}`", _hint(unknown, known))
+            yield _unknown((*path, unknown), unknown, schema["properties"], tables)
     elif isinstance(kind, Kind.Required):
         missing, owner = kind.property, f"`{key}`" if path else "the scenario"
         choices = schema["properties"][missing].get("enum")
@@ -276,16 +316,52 @@ def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
     return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
 
 
+def _unknown(
+    path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
+) -> Mistake:
+    """Return what is wrong with a key: it is of another kind of table, or of none."""
+    table = path[:-1]
+    kinds = _plain_schema(table, tables).get("oneOf", ())
+    others = [each["properties"]["kind"]["enum"][0] for each in kinds if key in each["properties"]]
+    own = known.get("kind", {}).get("enum", ())
+    if others and len(own) == 1:
+        message = f"`{key}` is not a key of the kind `{own[0]}`"
+        return Mistake(path, message, f"it belongs to {', '.join(others)}")
+    return Mistake(path, f"unknown key `{key}`", _hint(key, known))
+
+
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return what the schema says of a place in a scenario."""
+    """Return what the schema says of a place in a scenario, of several kinds the one stated."""
+    schema = _plain_schema(path, tables)
+    return _of_kind(schema, _value(path, tables)) if "oneOf" in schema else schema
+
+
+def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
+    """Return what the schema says of a place, before it is known which of several kinds it has."""
     schema = _whole_schema(tables)
-    for part in path:
+    for count, part in enumerate(path, 1):
+        if "oneOf" in schema:
+            schema = _of_kind(schema, _value(path[: count - 1], tables))
         if isinstance(part, str):
             schema = schema.get("properties", {}).get(part) or schema["additionalProperties"]
         else:
             items = schema["items"]
             schema = items[part] if isinstance(items, list) else items
     return schema
+
+
+def _of_kind(schema: _Schema, value: Any) -> _Schema:
+    """Return the kind of table that is stated, else one with all kinds and all keys."""
+    first, *_ = kinds = schema["oneOf"]
+    stated = value.get("kind") if isinstance(value, dict) else None
+    if stated is None and "required" not in first and isinstance(value, dict):
+        return dict(first)
+    for each in kinds:
+        if each["properties"]["kind"]["enum"] == [stated]:
+            return dict(each)
+    named = [each["properties"]["kind"]["enum"][0] for each in kinds]
+    keys = {key: inner for each in kinds for key, inner in each["properties"].items()}
+    return _table(keys | {"kind": {"enum": named}}, *first.get("required", ()))
 
 
 def _value(path: _Path, value: Any) -> Any:
@@ -310,18 +386,6 @@ def _hint(word: str, choices: Iterable[str]) -> str:
     return f"did you mean `{near}`?" if near else f"one of {', '.join(choices)}"
 
 
-def _disordered(tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield the keys of a table whose numbers are in the wrong order, which no schema says."""
-    for name, pairs in _ORDERED.items():
-        named = tables.get(name)
-        for module, table in named.items() if isinstance(named, dict) else ():
-            for first, second in pairs if isinstance(table, dict) else ():
-                low, high = table.get(first), table.get(second)
-                if _is_number(low) and _is_number(high) and low > high:
-                    message = f"`{first}` is {low}, above `{second}`, which is {high}"
-                    yield Mistake((name, module, first), message, "swap or change them")
-
-
 def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:
     """Whether a number is the wrong one, rather than of the wrong type."""
     if isinstance(kind, Kind.Minimum | Kind.Maximum):
@@ -331,10 +395,6 @@ def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:
 
 def _is_nan(value: object) -> bool:
     return isinstance(value, float) and math.isnan(value)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _plainly(bound: float) -> str:

@@ -44,8 +44,8 @@ class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
     `limits` are the greatest rates by function, `ramps` those that change gradually. What happened
-    is kept: the motion, the least clearance (mm) on all of it and to whom, contacts (s) and with
-    whom, and seconds of turning and driving at once.
+    is kept: the motion, the least clearance (mm) on all of it, to whom and when it was noted (s),
+    contacts (s) and with whom, and seconds of turning and driving at once.
     """
 
     world: World
@@ -60,6 +60,7 @@ class Body:
     clearance: float = inf
     #: The robot that was nearest; `THING` for what is none.
     beside: str = THING
+    nearest_at: float = 0.0
     driven: float = 0.0
     both: float = 0.0
     motion: list[Stretch] = field(default_factory=list)
@@ -203,7 +204,7 @@ class Body:
     def note(self, gap: float, other: str) -> None:
         """Take a gap (mm) into account that there is now, or was a moment ago."""
         if max(gap, 0.0) < self.clearance:
-            self.clearance, self.beside = max(gap, 0.0), other
+            self.clearance, self.beside, self.nearest_at = max(gap, 0.0), other, self.seconds
         if gap <= TOUCH and other not in self.on:
             self.on.add(other)
             if self.seconds - self.touched.get(other, -inf) > _AGAIN:

@@ -49,7 +49,8 @@ class Joint:
         self.value = max(self.low, min(self.high, before + rate * step))
         if self.value != before:
             began = seconds - step
-            ended = min(seconds, began + abs((self.value - before) / rate))
+            pace = self.rate if self.function == "Grasp" else abs(rate)
+            ended = min(seconds, began + abs(self.value - before) / pace)
             if self.moved and self.moved[-1][1] == began:
                 began, _ = self.moved.pop()
             self.moved.append((began, ended))
@@ -177,13 +178,15 @@ def marks(
 
 
 def joystick(
-    script: Sequence[tuple[float, str, float]],
+    script: Sequence[tuple[float, tuple[str, float] | None]],
 ) -> Callable[[float], tuple[str, float] | None]:
-    """Return a scripted hand: from each time (s) on a function and its rate; none before."""
+    """Return a scripted hand: from each time (s) on a function and its rate, or none: it lets go.
+
+    Before the first it commands nothing either.
+    """
 
     def read(seconds: float) -> tuple[str, float] | None:
-        past = [(function, rate) for at, function, rate in script if at <= seconds]
-        return past[-1] if past else None
+        return next((command for at, command in reversed(script) if at <= seconds), None)
 
     return read
 

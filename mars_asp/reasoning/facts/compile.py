@@ -1,14 +1,13 @@
 """Configurations and annotations as facts; with `rules/vocabulary.lp` all that knows the given."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple, TypeAlias, get_args
+from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span
-from mars_asp.model.cycles import Knot, knots
 from mars_asp.model.declarations import (
     FOREVER,
     NODE_NAMES,
@@ -29,8 +28,8 @@ from mars_asp.model.declarations import (
     node_kind,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
-from mars_asp.model.ports import inputs, outputs
 from mars_asp.model.rates import as_written
+from mars_asp.reasoning.facts.closed_walks import KNOTS, closed_walks
 from mars_asp.reasoning.facts.ends import Ends, ends_in
 from mars_asp.reasoning.facts.identifiers import (
     ANY,
@@ -41,10 +40,15 @@ from mars_asp.reasoning.facts.identifiers import (
     numbered,
     numbered_annotations,
 )
-from mars_asp.reasoning.facts.loose_ends import Port, nearest
-from mars_asp.reasoning.facts.rates import Rates, rates_in
-from mars_asp.spelling import nearest as nearest_name
-from mars_asp.spelling import resemblances
+from mars_asp.reasoning.facts.ports import (
+    input_facts,
+    loose_ends,
+    named_inputs,
+    output_facts,
+    unknown_ports,
+)
+from mars_asp.reasoning.facts.rates import Rates, rates_in, rounded_rates
+from mars_asp.spelling import nearest, resemblances
 
 
 class TellsAs(NamedTuple):
@@ -99,18 +103,11 @@ FRAMES = frozenset(
 )
 
 
-_KNOTS = ("data", "control", "mount")
-#: Of a longer walk some modules in the middle are left out where it is written.
-_MOST_SPELT = 20
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
-    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *_KNOTS}
+    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
     | {*get_args(Engine), FOREVER, ANY.name, NONE.name, "zero", "generic"}
 )
-
-
-#: Yields the ports of a module: name, number of the service, place there, and representation.
-_PortsOf: TypeAlias = Callable[[Module], Iterable[tuple[str, int, int, str | None]]]
 
 
 class Compiler:
@@ -252,6 +249,11 @@ class Compiler:
         if self.wanted is None or name in self.wanted:
             self.facts.append(Fact(Atom(name, arguments), span))
 
+    def take(self, facts: Iterable[Fact]) -> None:
+        """Note those of some facts that are wanted."""
+        wanted = self.wanted
+        self.facts += (fact for fact in facts if wanted is None or fact.atom.name in wanted)
+
     def place(self, identifier: Term, span: Span) -> None:
         """Add the place of a statement or annotation."""
         self.add(span, "place", identifier, span.path, span.line, span.column)
@@ -355,95 +357,23 @@ class Compiler:
 
     def ports(self) -> None:
         """Add which outputs modules with several have, and which inputs lines name."""
-        ends = self.ends
-        places = {name.text: name.span for name in self.configuration.modules}
-        for text, output in ends.outputs.items():
-            place = places.get(output.module, self.configuration.span)
-            span = place if output.service is None else output.service.span
-            self.add(span, "output_of", text, output.module)
-        for number, relationship in self.numbered:
-            if isinstance(relationship, Data):
-                named = ends.entry(relationship)
-                if named is not None:
-                    self.add(relationship.span, "into", number, named)
-        if not ends.entries or self._told_as is not None:
-            return
-        for text, entry in ends.entries.items():
-            place = places.get(entry.module, self.configuration.span)
-            if entry.found is None:
-                self.add(place, "input_of", text, entry.module)
-                continue
-            service = self.described[entry.module].services[entry.found.service]
-            self.add(service.span, "input_of", text, entry.module)
-            number, _ = self._numbers[entry.module, id(service)]
-            self.add(service.span, "takes_in", text, number, entry.found.place)
-
-    @cached_property
-    def _numbers(self) -> Mapping[tuple[str, int], tuple[int, Span]]:
-        """Return the identifier and the place of each annotation, by its module and itself."""
-        annotations = numbered_annotations(self.configuration, self.described)
-        return {
-            (module.name, id(annotation)): (number, annotation.span)
-            for number, module, annotation in annotations
-        }
+        self.take(output_facts(self.configuration, self.ends))
+        self.take(named_inputs(self.ends, self.numbered))
+        # Of a specification's configuration these are told already.
+        if self._told_as is None:
+            self.take(input_facts(self.configuration, self.described, self.ends))
 
     def loose_ends(self) -> None:
         """Add what no line takes, and which inputs each of these outputs may be meant for."""
-        lines = [line for _, line in self.numbered if isinstance(line, Data)]
-        taken = {self.ends.source(line) for line in lines}
-        free = [
-            port
-            for port in self._ports(_outputs_of)
-            if self.ends.output(port.module, port.port) not in taken
-        ]
-        for port in free:
-            self.add(port.span, "port_name", port.annotation, f"{port.module}.{port.port}")
-        if not free:
-            return
-        entered = {(line.client, line.client_port) for line in lines}
-        open_ = (p for p in self._ports(_inputs_of) if (p.module, p.port) not in entered)
-        for entry, output, rank in nearest(open_, free):
-            called = f"{entry.module}.{entry.port}"
-            place = entry.annotation, entry.place
-            self.add(entry.span, "near", *place, called, output.annotation, rank)
-
-    def _ports(self, of: _PortsOf) -> Iterator[Port]:
-        """Yield ports of described modules."""
         canonical = self.names.canonical
-        for name, module in self.described.items():
-            for called, service, place, representation in of(module):
-                number, span = self._numbers[name, id(module.services[service])]
-                known = canonical.get(representation) if representation is not None else None
-                yield Port(number, place, span, name, called, known)
+        self.take(
+            loose_ends(self.configuration, self.described, self.ends, self.numbered, canonical)
+        )
 
     def exact_rates(self) -> None:
         """Add which rates are told rounded, and what only exact ones show."""
-        span = self.configuration.span
-        for rate in self.rates.rounded:
-            self.add(span, "rounded", rate)
-        if not self.rates.rounded:
-            return
-        offered = {
-            text: output.service.hz
-            for text, output in self.ends.outputs.items()
-            if output.service is not None
-        }
-        told: set[tuple[int, int]] = set()
-        for _, relationship in self.numbered:
-            if not isinstance(relationship, Data) or relationship.hz is None:
-                continue
-            source = self.ends.source(relationship)
-            if source not in offered:
-                module = self.described.get(source)
-                services = () if module is None else module.services
-                offered[source] = next((s.hz for s in services if s.hz is not None), None)
-            hz = offered[source]
-            if hz is None or (hz / relationship.hz).denominator != 1:
-                continue
-            pair = self.rates.millihertz(hz), self.rates.millihertz(relationship.hz)
-            if pair not in told:
-                told.add(pair)
-                self.add(relationship.span, "multiple", *pair)
+        services = self.ends.services(self.described)
+        self.take(rounded_rates(self.configuration, self.ends, services, self.rates))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
         """Add what an ambiguous representation could mean."""
@@ -459,8 +389,8 @@ class Compiler:
             unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}
-        for written, known in self._unknown_ports().items():
-            near = nearest_name(written, known)
+        for written, known in unknown_ports(self.described, self.ends).items():
+            near = nearest(written, known)
             if near is not None:
                 self.add(self.configuration.span, "resembles", written, near)
         for strangers, candidates in pools:
@@ -468,62 +398,9 @@ class Compiler:
                 span = places.get(stranger, self.configuration.span)
                 self.add(span, "resembles", stranger, near)
 
-    def _unknown_ports(self) -> Mapping[str, Iterable[str]]:
-        """Return the ports that lines name and modules lack, with those that they have."""
-        found: dict[str, Iterable[str]] = {}
-        for text, output in self.ends.outputs.items():
-            if output.service is None and output.module in self.described:
-                known = outputs(self.described[output.module])
-                found[text] = [f"{output.module}.{port}" for port in known]
-        for text, entry in self.ends.entries.items():
-            if entry.found is None and entry.module in self.described:
-                into = inputs(self.described[entry.module])
-                found[text] = [f"{entry.module}.{port}" for port in into]
-        return found
-
     def knots(self) -> None:
         """Add what relationships of one kind lead back to itself, and the shortest way round."""
-        data, control, mounts = [], [], []
-        spans = {}
-        for number, relationship in self.numbered:
-            spans[number] = relationship.span
-            match relationship:
-                case Data(client, source):
-                    data.append((source, client, number))
-                case Control(controlled, controller):
-                    control.append((controlled, controller, number))
-                case Mount(mounting, mounted):
-                    mounts.append((mounting, mounted, number))
-        for kind, edges in zip(_KNOTS, (data, control, mounts), strict=True):
-            for index, knot in enumerate(knots(edges)):
-                for step, (start, end, number) in enumerate(knot.walk):
-                    self.add(
-                        spans[number], "closed_walk", Atom(kind), index, step, start, end, number
-                    )
-                span = spans[knot.walk[0][2]]
-                for name in knot.nodes:
-                    self.add(span, "entangled", Atom(kind), index, name)
-                self.add(span, "spelt", Atom(kind), index, _spelt(kind, knot))
-
-
-def _outputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
-    for name, service in outputs(module).items():
-        yield name, service, 0, module.services[service].output
-
-
-def _inputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
-    for name, (_, service, place) in inputs(module).items():
-        yield name, service, place, module.services[service].inputs[place]
-
-
-def _spelt(kind: str, knot: Knot) -> str:
-    """Return the modules of a closed walk as people write it; commands go against its steps."""
-    first, *others = (start for start, _, _ in knot.walk)
-    if kind == "control":
-        others.reverse()
-    if len(others) > _MOST_SPELT:
-        others[_MOST_SPELT // 2 : -(_MOST_SPELT // 2)] = ["..."]
-    return " -> ".join([first, *others, first])
+        self.take(closed_walks(self.numbered))
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

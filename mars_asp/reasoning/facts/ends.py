@@ -1,8 +1,8 @@
 """Outputs and inputs as rules are told of them: by one name each.
 
-An output is called like its module, and where this has several, `MODULE.PORT`. What lines name of a
-module that nothing describes is taken at its word; of any other it has to be there, which rules
-see.
+An output is called like its module, and where this has several, `MODULE.PORT`, as a line writes it.
+What lines name of a module that nothing describes is taken at its word; of any other it has to be
+there, which rules see.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -48,7 +48,7 @@ class Ends:
     def source(self, data: Data) -> str:
         """Return the name of the output that a line uses."""
         port = data.source_port
-        unknown = data.source if port is None else f"{data.source}.{port}"
+        unknown = data.source if port is None else end(data.source, port)
         return self._sources.get((data.source, port), unknown)
 
     def entry(self, data: Data) -> str | None:
@@ -56,11 +56,18 @@ class Ends:
         port = data.client_port
         if port is None:
             return None
-        return self._clients.get((data.client, port), f"{data.client}.{port}")
+        return self._clients.get((data.client, port), end(data.client, port))
 
     def output(self, module: str, port: str) -> str:
         """Return the name of an output of a module."""
         return self._sources.get((module, port), module)
+
+    def services(self, described: Mapping[str, Module]) -> dict[str, Service]:
+        """Return what delivers at each output, where that is described and the only one there."""
+        delivering = ((name, _delivering(module)) for name, module in described.items())
+        found = {name: services[0] for name, services in delivering if len(services) == 1}
+        several = ((name, output.service) for name, output in self.outputs.items())
+        return found | {name: service for name, service in several if service is not None}
 
     def written(self, name: str) -> tuple[str, str | None]:
         """Return the module and the port that a line states for an output."""
@@ -82,7 +89,7 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     every: dict[str, Output] = {}
     sources: dict[tuple[str, str | None], str] = {}
     stated: dict[str, str] = {}
-    several = {name for name, module in described.items() if _delivers_several(module)}
+    several = {name for name, module in described.items() if len(_delivering(module)) > 1}
     for name in sorted(several | named.keys()):
         found = _outputs(name, described.get(name), named.get(name, ()))
         own = [output for output in found if name not in described or output.service is not None]
@@ -104,10 +111,8 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     return Ends(every, entries, sources, clients, stated)
 
 
-def _delivers_several(module: Module) -> bool:
-    if len(module.services) < 2:
-        return False
-    return sum(service.kind in DELIVERING for service in module.services) > 1
+def _delivering(module: Module) -> list[Service]:
+    return [service for service in module.services if service.kind in DELIVERING]
 
 
 def _outputs(name: str, module: Module | None, named: Iterable[str]) -> Sequence[Output]:
@@ -130,9 +135,7 @@ def _free(taken: set[str], module: str, port: str) -> str:
 
 
 def _spellings(module: str, port: str) -> Iterator[str]:
-    text = f"{module}.{port}"
-    yield text
-    yield end(module, port)
+    text = end(module, port)
     while True:
-        text += "'"
         yield text
+        text += "'"

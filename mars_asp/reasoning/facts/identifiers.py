@@ -9,6 +9,7 @@ from operator import attrgetter
 from clingo import Symbol, SymbolType
 
 from mars_asp.asp.solve.atoms import Atom
+from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import (
     FOREVER,
     Configuration,
@@ -38,6 +39,16 @@ def numbered_annotations(
         for annotation in annotations_of(module):
             number += 1
             yield number, module, annotation
+
+
+def annotation_numbers(
+    configuration: Configuration, described: Mapping[str, Module]
+) -> Mapping[tuple[str, int], tuple[int, Span]]:
+    """Return the identifier and the place of each annotation, by its module and its `id`."""
+    return {
+        (module.name, id(annotation)): (number, annotation.span)
+        for number, module, annotation in numbered_annotations(configuration, described)
+    }
 
 
 def annotations_of(module: Module) -> tuple[Service | Function, ...]:

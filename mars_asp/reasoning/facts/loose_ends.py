@@ -7,6 +7,7 @@ in common and the share of letters in order (Ratcliff and Metzener, 1988, as `di
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
@@ -50,13 +51,17 @@ class _Pool:
         self.outputs = outputs
         self.words = [_words(output.port) for output in outputs]
         self.by_word: dict[str, list[int]] = {}
+        self.compared: dict[frozenset[str], Sequence[int]] = {}
         for number, words in enumerate(self.words):
             for word in words:
                 self.by_word.setdefault(word, []).append(number)
 
     def nearest(self, entry: Port) -> list[Port]:
         words = _words(entry.port)
-        numbers = self._alike(words)
+        # In large configurations most inputs are called like others.
+        numbers = self.compared.get(words)
+        if numbers is None:
+            numbers = self.compared[words] = self._alike(words)
         ranked = sorted(
             (-self._likeness(entry, words, number), self.outputs[number])
             for number in numbers
@@ -82,12 +87,18 @@ class _Pool:
         other = self.words[number]
         either = words | other
         shared = len(words & other) / len(either) if either else 0.0
-        # Few configurations have loose ends of one type.
-        from difflib import SequenceMatcher  # noqa: PLC0415
-
-        letters = SequenceMatcher(None, entry.port, self.outputs[number].port, autojunk=False)
-        return shared + letters.ratio()
+        return shared + _letters(entry.port, self.outputs[number].port)
 
 
+@lru_cache(maxsize=100_000)
+def _letters(name: str, other: str) -> float:
+    """Return the share of letters in order, 0 to 1."""
+    # Few configurations have loose ends of one type.
+    from difflib import SequenceMatcher  # noqa: PLC0415
+
+    return SequenceMatcher(None, name, other, autojunk=False).ratio()
+
+
+@lru_cache(maxsize=100_000)
 def _words(name: str) -> frozenset[str]:
     return frozenset(word.lower() for word in _WORD.findall(name))

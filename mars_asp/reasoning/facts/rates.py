@@ -10,9 +10,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
-from mars_asp.model.declarations import Configuration, Data, Module
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate
+from mars_asp.reasoning.facts.ends import Ends
 
 
 @dataclass(frozen=True)
@@ -82,3 +84,28 @@ def _stated(configuration: Configuration, described: Mapping[str, Module]) -> It
         for service in module.services:
             if service.hz is not None:
                 yield service.hz
+
+
+def rounded_rates(
+    configuration: Configuration, ends: Ends, services: Mapping[str, Service], rates: Rates
+) -> Iterator[Fact]:
+    """Yield which rates are told rounded, and what only exact ones show.
+
+    `services` are what delivers at outputs, by their names.
+    """
+    for rate in rates.rounded:
+        yield Fact(Atom("rounded", (rate,)), configuration.span)
+    if not rates.rounded:
+        return
+    told: set[tuple[int, int]] = set()
+    for line in configuration.relationships:
+        if not isinstance(line, Data) or line.hz is None:
+            continue
+        service = services.get(ends.source(line))
+        hz = None if service is None else service.hz
+        if hz is None or (hz / line.hz).denominator != 1:
+            continue
+        pair = rates.millihertz(hz), rates.millihertz(line.hz)
+        if pair not in told:
+            told.add(pair)
+            yield Fact(Atom("multiple", pair), line.span)

@@ -18,7 +18,7 @@ from mars_asp.reasoning.analysis import read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.explain import Sort
-from mars_asp.reasoning.questions.vicinity import vicinity
+from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.questions.why_not import (
     AT_MODULE,
     RESOLVES,
@@ -62,17 +62,20 @@ def absences(
 ) -> Iterator[Absence]:
     """Yield for modules why there is no node, and why no consequence, of each kind, or `only` one.
 
-    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs, and all of
-    more than `MOST_MODULES`. For consequences alone nothing is resolved.
+    Left out is what no rule of `rules/absence` speaks of, such as kinds of rule packs; of some
+    modules, what only the whole configuration decides; and all of more than `MOST_MODULES`.
+    For consequences alone nothing is resolved.
 
     Raises:
         MarsError: clingo refuses the rules.
         TimeoutError: no specification was found in time.
     """
     names = frozenset(modules)
+    unknown: frozenset[str] = frozenset()
     if len(names) < len(reasoner.project.configuration.modules) and not reasoner.rulebook.packs:
         part, _ = vicinity(reasoner.project, names, True)
         reasoner = Reasoner(part, reasoner.rulebook, reasoner.budget)
+        unknown = BY_TYPE
     if not names or len(reasoner.project.configuration.modules) > MOST_MODULES:
         return
     resolving = only != "consequences"
@@ -81,7 +84,7 @@ def absences(
     kinds: list[str] = [*NODE_NAMES] if resolving else []
     there: dict[tuple[str, str], Absence] = {}
     if only != "nodes":
-        kinds += sorted(consequence_kinds(reasoner.rulebook))
+        kinds += sorted(consequence_kinds(reasoner.rulebook) - unknown)
         there.update(_consequences(evidence))
     if synthesis is not None:
         there.update(_nodes(evidence, synthesis, modules))

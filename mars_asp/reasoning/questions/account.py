@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
+from pathlib import Path
 from typing import TypeAlias
 
 import clingo
@@ -21,8 +22,10 @@ from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Span
 from mars_asp.model.described import described_modules
+from mars_asp.model.rates import as_written
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
+from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
@@ -76,13 +79,15 @@ class Names:
     """What terms in sentences stand for: the places of things, and the names of nodes.
 
     Things are relationships and annotations by their numbers, modules by their names; nodes are
-    known by the texts of their terms. `modules` are in the order of the configuration.
+    known by the texts of their terms. `modules` are in the order of the configuration. `rates` are
+    how numbers stand for rates.
     """
 
     places: Mapping[int | str, Span]
     configuration: Span
     nodes: Mapping[str, str]
     modules: Mapping[str, int]
+    rates: Rates
     #: What was found out of terms, of which few stand in very many accounts.
     _orders: dict[TermId, "_Order"] = field(default_factory=dict)
     _written: dict[TermId, str] = field(default_factory=dict)
@@ -131,16 +136,27 @@ class Names:
         return self.where(self._place(thing))
 
     def where(self, span: Span) -> str:
-        """Return a line as `config.mars:3`, its path seen from the folder of the configuration."""
+        """Return a line as `config.mars:3`, its path seen from the folder of the configuration.
+
+        A folder that was read as one robot has no lines: `workspace/`.
+        """
         folder = self.configuration.path.rpartition("/")[0]
         path = span.path.removeprefix(f"{folder}/") if folder else span.path
-        return f"{path}:{span.line}"
+        return f"{path.rstrip('/')}/" if Path(span.path).is_dir() else f"{path}:{span.line}"
 
     def _splitters_for(self, controllers: clingo.Symbol) -> str:
         if controllers == clingo.Number(0):
             return ""
         several = not (controllers.match("and", 2) and controllers.arguments[1] == clingo.Number(0))
         return f"; splitter{'s' * several} for {self.word(controllers)}"
+
+    def _hz(self, number: clingo.Symbol) -> str:
+        """Return a rate in Hertz; what is stated as a period in both ways."""
+        rate = self.rates.hertz(number.number)
+        words = as_written(rate)
+        if words[0].isdigit():
+            return f"{words} Hz"
+        return f"{plain(Decimal(round(rate * 1000)) / 1000)} Hz ({words})"
 
     def _node(self, node: clingo.Symbol) -> str:
         name = self.nodes.get(str(node))
@@ -153,7 +169,7 @@ class Names:
 _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "at": Names._at,
     "node": Names._node,
-    "hz": lambda _, rate: f"{plain(Decimal(rate.number) / 1000)} Hz",
+    "hz": Names._hz,
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
@@ -412,4 +428,5 @@ def names_of(project: Project, nodes: Iterable[Node]) -> Names:
         for number, _, annotation in numbered_annotations(configuration, described)
     }
     order = {name.text: place for place, name in enumerate(configuration.modules)}
-    return Names(places, configuration.span, {node.term: node.name for node in nodes}, order)
+    rates = rates_in(configuration, described)
+    return Names(places, configuration.span, {node.term: node.name for node in nodes}, order, rates)

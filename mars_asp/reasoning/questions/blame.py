@@ -18,11 +18,14 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol
 from mars_asp.diagnostic import MarsError, Span
+from mars_asp.model.described import described_modules
 from mars_asp.model.names import written
+from mars_asp.model.ports import inputs
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.findings import ABSENT
-from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.project import Project, port_names, project_facts
 from mars_asp.reasoning.questions.changes import changed
 from mars_asp.reasoning.rules import load_rulebook
 
@@ -108,6 +111,23 @@ def _sought_everywhere(kind: str) -> Atom:
     return Atom("sought_everywhere", (Atom(kind),))
 
 
+def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]:
+    """Yield where the inputs and outputs are described that are asked for."""
+    asked = {str(name) for question in questions for name in question.arguments[1:]}
+    ports = {name: port for name, port in port_names(project).items() if name in asked}
+    if not ports:
+        return
+    described = described_modules(project.configuration, project.modules)
+    numbers = annotation_numbers(project.configuration, described)
+    for name, (module, port) in ports.items():
+        yield Atom("sought_port", (name, module))
+        entry = inputs(described[module]).get(port) if module in described else None
+        if entry is not None:
+            service = described[module].services[entry.service]
+            number, _ = numbers[module, id(service)]
+            yield Atom("sought_input", (name, number, entry.place))
+
+
 def _that_give(told: "_Told", project: Project, gives: Callable[[Project], bool]) -> Iterator[Said]:
     """Yield the changes after which there is one, the least first."""
     proposed = sorted(
@@ -137,7 +157,7 @@ class _Told:
         self,
         project: Project,
         rulebook: Rulebook,
-        questions: Iterable[Atom],
+        questions: Sequence[Atom],
         only: Sequence[Signature] = (ABSENT, _CHANGE, _BESIDE),
     ) -> None:
         rules = load_rulebook(stages=(_STAGE,))
@@ -149,7 +169,9 @@ class _Told:
         ]
         facts = project_facts(project)
         analysis = analyse(facts, rulebook, project.configuration.span)
-        asked = facts_text([Fact(each, project.configuration.span) for each in questions])
+        self._ports = port_names(project)
+        atoms = [*questions, *_sought_ports(project, questions)]
+        asked = facts_text([Fact(each, project.configuration.span) for each in atoms])
         self._grounding = analysis.grounding
         self._grounding.derive(
             f"{rules.text(_STAGE)}\n{asked}\n{joined(saying(_STAGE, self._speakers))}"
@@ -172,7 +194,9 @@ class _Told:
         values = dict(zip(told.rule.holes, map(as_symbol, arguments(told.values)), strict=True))
         parts = (told.rule.because or "").split("`")
         return "`".join(
-            fill(part, values, _in_line if at % 2 and not HOLE.fullmatch(part) else self._shown)
+            fill(
+                part, values, self._in_line if at % 2 and not HOLE.fullmatch(part) else self._shown
+            )
             or ""
             for at, part in enumerate(parts)
         )
@@ -202,7 +226,8 @@ class _Told:
             return f"{span.path}:{span.line}"
         return shown(value)
 
-
-def _in_line(value: clingo.Symbol) -> str:
-    """Return a term as a line of a configuration writes it."""
-    return written(value.string) if value.type == clingo.SymbolType.String else shown(value)
+    def _in_line(self, value: clingo.Symbol) -> str:
+        """Return a term as a line of a configuration writes it; ports are called so already."""
+        if value.type != clingo.SymbolType.String or value.string in self._ports:
+            return shown(value)
+        return written(value.string)

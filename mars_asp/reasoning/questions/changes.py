@@ -7,6 +7,7 @@ see what follows: nobody writes them into a file, as they leave open which modul
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 
 from clingo import Symbol, SymbolType
 
@@ -28,7 +29,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import PERIODIC, hold_of, mode_of, numbered
 from mars_asp.reasoning.facts.rates import rates_in
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, port_names
 
 _READY = Mode("NotifyWhenReady", text="NotifyWhenReady")
 _PERIODIC = Mode(PERIODIC, text=PERIODIC)
@@ -100,6 +101,18 @@ class _Changed:
             return self.ends.written(term.string)
         return self.module(term), None
 
+    def entry(self, term: Symbol) -> tuple[str, str | None]:
+        """Return the module and the port of an input, or a new module."""
+        if term.type == SymbolType.String and term.string not in self.names:
+            port = self.ports.get(term.string)
+            if port is not None:
+                return port
+        return self.module(term), None
+
+    @cached_property
+    def ports(self) -> Mapping[str, tuple[str, str]]:
+        return port_names(self.project)
+
     def add(self, relationship: Relationship) -> None:
         self.relationships[max(self.relationships, default=0) + 1] = relationship
 
@@ -128,7 +141,8 @@ def _data(made: _Changed, terms: list[Symbol]) -> None:
     client, source, *required = terms
     mode, hz = (mode_of(required[0]), _hertz(made, required[1])) if required else (None, None)
     output, port = made.output(source)
-    made.add(Data(made.module(client), output, made.span, mode, hz, source_port=port))
+    entry, into = made.entry(client)
+    made.add(Data(entry, output, made.span, mode, hz, into, port))
 
 
 def _control(made: _Changed, terms: list[Symbol]) -> None:
@@ -199,6 +213,10 @@ def _annotate(made: _Changed, terms: list[Symbol]) -> None:
         made.annotate(module, _service(made, kind))
 
 
+def _guard(made: _Changed, terms: list[Symbol]) -> None:
+    made.renew(replace(made.description(terms[0]), guard=made.span))
+
+
 def _commands(made: _Changed, terms: list[Symbol]) -> None:
     controller, function = terms
     made.annotate(controller, replace(_service(made, "ControlOut"), commands=(function.string,)))
@@ -254,6 +272,7 @@ _CHANGES: Mapping[str, Callable[[_Changed, list[Symbol]], None]] = {
     "architecture": _architecture,
     "unname": _unname,
     "annotate": _annotate,
+    "guard": _guard,
     "commands": _commands,
     "sends": _sends,
     "outputs": _outputs,

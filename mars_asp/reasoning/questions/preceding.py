@@ -97,7 +97,7 @@ def _own_stretch(
     analysis = analyse(own, rulebook, project.configuration.span)
     if is_unresolvable(analysis):
         return None
-    grounding = Divided(cut, analysis.grounding).ground(number, apart.whole)
+    grounding = Divided(cut, analysis.grounding).ground([number], apart.whole)
     with costs_of(facts):
         resolution = grounding.resolve(rulebook.text("resolve"), deadline, known=known)
     derived = Derived(rulebook, resolution.answer)
@@ -129,15 +129,22 @@ def _passed_over(
     if is_unresolvable(every):
         return None
     before = Divided(cut, every.grounding)
-    for number in range(len(cut.relationships) - 1):
-        grounding = before.ground(number, counting)
+    # The next ones stand last.
+    waiting = [*cut.before_last()][::-1]
+    while waiting:
+        together = waiting.pop()
+        grounding = before.ground(together, counting)
         with costs_of(facts):
             resolution = grounding.resolve(counting.text, deadline, known=known)
         if resolution.count is None:
             return None
         counts = {each: resolution.answer.count(decides) for each, decides in counted.items()}
-        if not draft.pass_over(counts, name):
-            return number
+        if draft.pass_over(counts, name):
+            continue
+        if len(together) == 1:
+            return together[0]
+        half = len(together) // 2
+        waiting += [together[half:], together[:half]]
     return len(cut.relationships) - 1
 
 

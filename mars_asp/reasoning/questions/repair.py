@@ -129,7 +129,7 @@ def repairs(
     began = time.monotonic()
     deadline = None if seconds is None else began + seconds
     facts = project_facts(project)
-    analysis = analyse(facts, rulebook, project.configuration.span)
+    analysis = analyse(facts, rulebook, project.configuration.span, with_labels=True)
     findings = _asked(analysis.consequences, subject, with_warnings)
     if not findings:
         if subject is not None:

@@ -1,8 +1,9 @@
 """The part of a configuration that one question about a module needs.
 
-Rules of the base relate modules through relationships alone, and each component of a configuration
-is resolved by itself; so what follows for a module follows from what it is connected with. Of a
-large component, most questions need no more than what stands near the module.
+Rules of the base relate modules through relationships, all but those of kinds `BY_TYPE`, and each
+component of a configuration is resolved by itself; so what follows for a module follows from what
+it is connected with. Of a large component, most questions need no more than what stands near the
+module.
 """
 
 from collections.abc import Iterator, Mapping, Sequence, Set
@@ -11,6 +12,8 @@ from dataclasses import replace
 from mars_asp.model.declarations import Control, Module, Mount, Relationship, ends_of
 from mars_asp.reasoning.project import Project
 
+#: Kinds of consequences that bring together modules which no relationship connects.
+BY_TYPE = frozenset({"loose_end"})
 #: A component of so many modules is taken whole.
 MOST_WHOLE = 200
 #: Of a larger one, what so many relationships lead to; mounts do not count, as motions add up.

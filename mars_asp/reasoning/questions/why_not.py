@@ -31,7 +31,7 @@ from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
 from mars_asp.reasoning.questions.subject import wrong_question
-from mars_asp.reasoning.questions.vicinity import vicinity
+from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.synthesise import (
     UNRESOLVABLE,
@@ -162,6 +162,10 @@ def _near(reasoner: Reasoner, question: _Question) -> tuple[Reasoner, bool]:
     numbered = question.kind is None and any(map(_has_numbers, question.patterns))
     if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
         return reasoner, True
+    if question.kind in BY_TYPE:
+        return reasoner, True
+    ports = port_names(reasoner.project)
+    names = frozenset(ports[name][0] if name in ports else name for name in names)
     rulebook, budget = reasoner.rulebook, reasoner.budget
     part, is_whole = vicinity(
         reasoner.project, names, question.kind is None or question.kind in _FAR
@@ -654,6 +658,11 @@ class _Vocabulary:
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
         known = {known.name for known in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        if name in known:
+            about = "the node" if name in NODE_NAMES.values() else "the finding"
+            return self._wrong(
+                f"`{name}` takes one name", f"write `{name}(NAME)`; NAME is what {about} is about"
+            )
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:

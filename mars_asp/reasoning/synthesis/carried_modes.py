@@ -4,8 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.model.declarations import Configuration, Data, Module, Service, node_kind
+from mars_asp.model.declarations import Configuration, Data, Module, node_kind
+from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.project import Project, project_facts
 
 _NODES = ("data_splitter", "data_transformer")
@@ -22,27 +24,33 @@ def state_modes(
     Raises:
         MarsError: clingo refuses the rules.
     """
-    known = {**modules, **{module.name: module for module in specification.declared}}
-    offered = {name: service for name in known if (service := _offering(known[name])) is not None}
+    known = described_modules(specification, modules)
+    ends = ends_in(specification, known)
     lines = [line for line in specification.relationships if isinstance(line, Data)]
-    if not any(line.mode is None and line.source in offered for line in lines):
+    offered = {
+        name: service.modes
+        for name, service in ends.services(known).items()
+        if len(service.modes) > 1
+    }
+    if not any(line.mode is None and ends.source(line) in offered for line in lines):
         return specification
-    ends = replace(
+    apart = replace(
         specification,
         kind="configuration",
         modules=tuple(n for n in specification.modules if not _is_node(n.text, known)),
         relationships=tuple(_end_to_end(lines, known)),
     )
-    analysis = analyse(project_facts(Project(ends, modules, ())), rulebook, ends.span)
+    analysis = analyse(project_facts(Project(apart, modules, ())), rulebook, apart.span)
     carried = {
         symbol.arguments[0].string: symbol.arguments[1].number
         for symbol in analysis.grounding.symbols("favoured", 2)
     }
 
     def stated(line: Data) -> Data:
-        if line.mode is not None or line.source not in carried or line.source not in offered:
+        source = ends.source(line)
+        if line.mode is not None or source not in carried or source not in offered:
             return line
-        return replace(line, mode=offered[line.source].modes[carried[line.source]])
+        return replace(line, mode=offered[source][carried[source]])
 
     return replace(
         specification,
@@ -50,12 +58,6 @@ def state_modes(
             stated(line) if isinstance(line, Data) else line for line in specification.relationships
         ),
     )
-
-
-def _offering(module: Module) -> Service | None:
-    """Return the service by which a module delivers data in several modes."""
-    found = [s for s in module.services if s.kind in ("Sense", "DataOut") and len(s.modes) > 1]
-    return found[0] if found else None
 
 
 def _is_node(name: str, known: Mapping[str, Module]) -> bool:
@@ -73,5 +75,6 @@ def _end_to_end(lines: list[Data], known: Mapping[str, Module]) -> Iterator[Data
             seen.add(first.source)
             above = feeds[first.source]
             states = above if first.mode is None else first
-            first = replace(first, source=above.source, mode=states.mode, hz=states.hz)
+            source, port = above.source, above.source_port
+            first = replace(first, source=source, source_port=port, mode=states.mode, hz=states.hz)
         yield first

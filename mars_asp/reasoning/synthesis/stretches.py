@@ -19,7 +19,9 @@ from mars_asp.model.declarations import Relationship, ends_of
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 #: A stretch has at least this share of all relationships, for each takes time of its own.
-_MOST = 16
+_MOST = 64
+#: So many stretches are passed over together.
+_TOGETHER = 8
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,13 @@ class Stretches:
             elif self._number_of[part] == number:
                 yield fact
 
+    def before_last(self) -> Iterator[range]:
+        """Yield the stretches but the last one, in their order: the first alone, then several."""
+        begin, last = 0, len(self.relationships) - 1
+        while begin < last:
+            yield range(begin, min(begin + min(begin + 1, _TOGETHER), last))
+            begin += min(begin + 1, _TOGETHER)
+
     @cached_property
     def by_term(self) -> Mapping[TermId, int]:
         """Return the numbers of stretches by the terms of what is in them."""
@@ -60,13 +69,13 @@ class Divided:
     grounding: Grounding
     _found: dict[Signature, tuple[list[TermId], ...]] = field(default_factory=dict)
 
-    def ground(self, number: int, portion: Portion) -> Grounding:
-        """Return a grounding of what a portion of the resolution reads about one stretch."""
+    def ground(self, numbers: Iterable[int], portion: Portion) -> Grounding:
+        """Return a grounding of what a portion of the resolution reads about some stretches."""
         stated: dict[Signature, Sequence[TermId]] = {}
         for signature, at in portion.of_parts.items():
             if signature not in self._found:
                 self._found[signature] = self._apart(signature, at)
-            stated[signature] = self._found[signature][number]
+            stated[signature] = [atom for n in numbers for atom in self._found[signature][n]]
         for signature in portion.of_all:
             stated[signature] = atoms(self.grounding.control, *signature)
         return Grounding((), stated)

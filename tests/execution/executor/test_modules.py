@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
+from mars_asp.behaviour.command import command_of
 from mars_asp.diagnostic import MarsError
 from mars_asp.execution.executor import Behaviour, Executor
-from mars_asp.execution.executor.behaviour import single_command
 from tests.support.execute_builders import (
     Inbox,
     control_out,
@@ -161,7 +161,7 @@ def test_a_controller_without_inputs_computes_at_its_period_and_may_send_nothing
 )
 def test_a_command_names_one_function(result: Any) -> None:
     with pytest.raises((TypeError, ValueError)):
-        single_command(result)
+        command_of(result)
     inbox, executor = commanded([result], 0.0)
     assert (inbox.got, executor.links[0].dropped["failed"]) == ([], 1)
 

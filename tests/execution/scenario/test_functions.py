@@ -36,16 +36,16 @@ def test_a_behaviour_cannot_end_the_program(body: str, failed: int | None, tmp_p
     ("binding", "place"),
     [
         ('[bindings.C]\nperiod = 9\npython = "b.py:go"\n', (6, 11)),
-        ('[bindings]\nD = { period = 9 }\nC = { python = "b.py:go" }\n', (8, 1)),
+        ('[bindings]\nP = { period = 9 }\nC = { python = "b.py:go" }\n', (8, 1)),
         ('[bindings]\nC.python = "b.py:go"\n', (7, 1)),
-        ('[devices.C]\nkind = "sonar"\n[bindings."C"]\npython = "b.py:go"\n', (8, 11)),
+        ('[devices.P]\nkind = "platform"\n[bindings."C"]\npython = "b.py:go"\n', (8, 11)),
     ],
 )
 def test_a_binding_to_what_is_not_there_is_reported_at_its_line(
     binding: str, place: tuple[int, int], tmp_path: Path
 ) -> None:
     (tmp_path / "b.py").write_text("")
-    text = f"seed = 0\n\n{BASE}{binding}".replace("[devices.C]", "[devices.D]")
+    text = f"seed = 0\n\n{BASE}{binding}"
     with pytest.raises(MarsError) as raised:
         trial(text, folder=tmp_path)
     found = raised.value.diagnostics[0]

@@ -31,7 +31,7 @@ walls = [
   ^[], ^[0, 1],
   ^"a], [",
 ]
-polygons = [[[0, 0]], ^[[0, "b"]], ^3]
+polygons = [[[0, 0], [1, 0], [0, 1]], ^[[0, 0], [1, 0]], ^[[0, "b"]], ^3]
 circles = [[0, 0, 10], ^[0, 0], ^[0, 0, -5], ^{ x = 1 }]
 marks = [{ at = [1, 2], colour = "red" }, { ^at = [1], ^colour = 4 }, ^{ at = [3, 4] }]
 scatter = { count = 3, ^radius = 4 }
@@ -46,7 +46,7 @@ radius = 10
 speed = 5
 [devices.D]
 kind = "joystick"
-script = [[0, "Trans_Z", 100], ^[1, "Trans_Q", 100], ^[2, "Trans_Z"], ^[[]]]
+script = [[0, "Trans_Z", 100], ^[1, "Trans_Q", 100], ^[2, "Trans_Z"], [0.5, "release"], ^[[]]]
 [requirements]
 ^reach = { radius = 3 }
 exclusive = [["Trans_Z", "Rotn_Y"], ^["Trans_Z"], ^["Trans_Z", "Turn"]]
@@ -67,7 +67,7 @@ def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
     assert sorted({(d.span.line, d.span.column) for d in found}) == marked
     told = {d.span.line: d.message for d in found}
     assert told[4] == "`start` must be `[forward, side, heading]`"
-    assert told[8] == "an entry of `walls` must be a list of points `[forward, side]`"
+    assert told[8] == "an entry of `walls` must be a list of 2 or more points `[forward, side]`"
     form = "`{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points"
     assert told[20] == f"an entry of `moving` must be a table {form}"
     assert told[28] == "`reach` has no `at`"

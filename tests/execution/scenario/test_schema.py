@@ -52,7 +52,11 @@ def keys(schema: dict[str, Any]) -> list[str]:
     found: list[str] = []
     for key, value in schema.get("properties", {}).items():
         found += [key, *keys(value)]
-    for inner in (schema.get("items"), schema.get("additionalProperties")):
+    for inner in (
+        schema.get("items"),
+        schema.get("additionalProperties"),
+        *schema.get("oneOf", ()),
+    ):
         found += keys(inner) if isinstance(inner, dict) else []
     return found
 
@@ -86,7 +90,7 @@ def keys(schema: dict[str, Any]) -> list[str]:
         ("devices.D = {}", "`D` has no `kind`", "one of sonar, lidar"),
         ("devices.D = [1]", "`D` must be a table", None),
         ("devices = 3", "`devices` must be a table", None),
-        ("faults.C = { kind = 'late', until = -1 }", "`-1` is out of range", "from 0 to inf"),
+        ("faults.C = { kind = 'stuck', until = -1 }", "`-1` is out of range", "from 0 to inf"),
     ],
 )
 def test_what_is_wrong_is_told(wrong: str, told: str, help_text: str | None) -> None:

@@ -61,6 +61,7 @@ def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
     body = alone(world, Pose(0, 0, 0), 200)
     body.advance(6.9)
     assert [body.collisions, body.clearance] == pytest.approx([0, 10], abs=0.1)
+    assert body.nearest_at == pytest.approx(6.9, abs=0.01)
     body.advance(7.1)
     assert body.collisions == 1
 
@@ -128,8 +129,8 @@ def test_joints_turn_what_is_mounted_on_them_within_their_bounds() -> None:
 
 
 def test_a_scripted_hand() -> None:
-    read = joystick([(1, "Trans_Z", 5), (2, "Rotn_Y", 3)])
-    assert [read(t) for t in (0.5, 1, 3)] == [None, ("Trans_Z", 5), ("Rotn_Y", 3)]
+    read = joystick([(1, ("Trans_Z", 5)), (2, ("Rotn_Y", 3)), (4, None)])
+    assert [read(t) for t in (0.5, 1, 3, 4)] == [None, ("Trans_Z", 5), ("Rotn_Y", 3), None]
 
 
 @given(st.integers(0, 10**6))

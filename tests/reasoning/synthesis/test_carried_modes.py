@@ -45,6 +45,52 @@ def test_the_mode_that_serves_the_clients_is_stated(lines: list[str], mode: int)
     assert line.mode.name == ("NotifyAtFrequency", "RequestWhenReady")[mode]
 
 
+SCANNER = """
+@module_start
+@module_name Scanner
+@Sense NotifyWhenReady
+Echo ping();
+@Sense NotifyAtFrequency, RequestWhenReady 30
+Cloud scan();
+@Sense RequestWhenReady, NotifyAtFrequency 5
+Image grab();
+@module_end
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "modes"),
+    [
+        (
+            ["S1 uses Scanner.scan", "A uses S1 NotifyAtFrequency 40", "B uses S1"],
+            {"scan": "RequestWhenReady"},
+        ),
+        (
+            ["S1 uses Scanner.scan", "A uses S1", "C uses Scanner.grab"],
+            {"scan": "NotifyAtFrequency", "grab": "RequestWhenReady"},
+        ),
+        (
+            ["T1 uses Scanner.scan", "A uses T1 NotifyAtFrequency 90", "C uses Scanner.ping"],
+            {"scan": "RequestWhenReady", "ping": None},
+        ),
+        # Of a line that names no output nothing is known.
+        (["A uses Scanner"], {None: None}),
+    ],
+)
+def test_each_output_carries_the_mode_that_serves_its_clients(
+    lines: list[str], modes: dict[str | None, str | None]
+) -> None:
+    long = {"uses": "uses_data_from", "S1": "DataSplitter1", "T1": "DataTransformer1"}
+    body = "\n".join(" ".join(long.get(word, word) for word in line.split()) for line in lines)
+    text = f"@specification\n@modules A, B, C, Scanner\n{body}\n{SCANNER}"
+    found = state_modes(parse_text(text, "s.mars").configuration, {}, RULEBOOK)
+    assert modes == {
+        line.source_port: None if line.mode is None else line.mode.name
+        for line in found.relationships
+        if isinstance(line, Data) and line.source == "Scanner"
+    }
+
+
 def test_what_leaves_no_choice_stays_as_it_is() -> None:
     text = f"@specification\n@modules A, Camera\nA uses_data_from Camera RequestWhenReady\n{CAMERA}"
     specification = parse_text(text, "s.mars").configuration

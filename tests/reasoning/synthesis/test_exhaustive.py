@@ -2,9 +2,10 @@
 
     python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY [FIRST_SEED [PART ...]]
 
-does the same for as many random configurations of each part as wanted: `wiring`, `mounts`, `twins`,
-`run` (who wins at each module when a specification runs), `verify` (a judge written from the text
-accepts and refuses the same: specifications and random mutants of them).
+does the same for as many random configurations of each part as wanted: `wiring`, `ports` (several
+outputs, named inputs), `mounts`, `twins`, `run` (who wins at each module when a specification
+runs), `verify` (a judge written from the text accepts and refuses the same: specifications and
+random mutants of them).
 """
 
 import sys
@@ -21,7 +22,12 @@ from tests.execution.executor.test_priorities import compare_run
 from tests.reasoning.test_realises import compare_judged
 from tests.support.exhaustive import Cost, add, inheritance, minimal
 from tests.support.least_supports import UnclearError
-from tests.support.random_configurations import random_configuration, random_mounts, random_twins
+from tests.support.random_configurations import (
+    random_configuration,
+    random_mounts,
+    random_ports,
+    random_twins,
+)
 from tests.support.subjects import RULEBOOK, read, synthesised
 
 
@@ -83,6 +89,10 @@ def compare_wiring(seed: int) -> str | None:
     return compare(random_configuration(seed))
 
 
+def compare_ports(seed: int) -> str | None:
+    return compare(random_ports(seed))
+
+
 def compare_mounts(seed: int) -> str | None:
     return compare(random_mounts(seed))
 
@@ -111,6 +121,11 @@ def test_the_cost_is_that_of_an_exhaustive_search(seed: int) -> None:
     assert compare_wiring(seed) is None
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_each_output_costs_what_an_exhaustive_search_finds(seed: int) -> None:
+    assert compare_ports(seed) is None
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_inheritance_nodes_feed_least_supports_at_the_least_cost(seed: int) -> None:
     assert compare_mounts(seed) is None
@@ -123,6 +138,7 @@ def test_twins_cost_twice_what_one_of_them_costs(seed: int) -> None:
 
 PARTS: dict[str, Callable[[int], str | None]] = {
     "wiring": compare_wiring,
+    "ports": compare_ports,
     "mounts": compare_mounts,
     "twins": compare_twins,
     "run": compare_run,

@@ -16,7 +16,7 @@ from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.questions.preceding import preceding_evidence
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.stretches import stretches
+from mars_asp.reasoning.synthesis.stretches import Stretches, stretches
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()
@@ -77,6 +77,31 @@ def test_a_node_is_explained_as_among_all_others(first: int) -> None:
         assert [topic.title for topic in part.topics] == [titles[number]]
         assert trace_json(part.topics[0].trace) == traces[number]
         assert part.topics[0].account == told[number].account
+
+
+def test_each_of_many_nodes_is_found_whatever_is_passed_over_together() -> None:
+    rng = random.Random(1)
+    fed = [rng.choice((1, 2, 3)) for _ in range(40)]
+    names = [f"{word}{at}" for at, most in enumerate(fed) for word in ("S", *"ABC"[:most])]
+    lines = [
+        f"{word}{at} uses_data_from S{at}" for at, most in enumerate(fed) for word in "ABC"[:most]
+    ]
+    project = read("\n".join(("@configuration flat", f"@modules {', '.join(names)}", *lines)))
+    several = [at for at, most in enumerate(fed) if most > 1]
+    for number in (1, 2, 3, 8, 13, 16, 23, 24):
+        part = preceding_evidence(Reasoner(project, RULEBOOK), f"DataSplitter{number}")
+        assert part is not None
+        assert part.introduced is not None
+        told = part.introduced.resolves[f"DataSplitter{number}"]
+        assert [*told] == [f"data_divergence(S{several[number - 1]})"]
+    assert preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter25") is None
+
+
+def test_stretches_are_passed_over_in_their_order_each_once() -> None:
+    for count in (1, 2, 3, 4, 9, 17, 64):
+        together = [*Stretches(((),) * count, {}, {}).before_last()]
+        assert [number for numbers in together for number in numbers] == [*range(count - 1)]
+        assert not together or len(together[0]) == 1
 
 
 def test_nodes_before_are_counted_with_the_names_that_modules_have() -> None:

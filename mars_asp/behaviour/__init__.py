@@ -1,0 +1,11 @@
+"""What a module does when it runs, as a Python function or a class; `docs/how-to/behaviours.md`.
+
+>>> from mars_asp.behaviour import Command, Context
+>>> def cruise(ranges: list[float], ctx: Context) -> Command:
+...     return Command("Trans_Z", 200 if ctx.now < 10 else 100)
+"""
+
+from mars_asp.behaviour.command import Command
+from mars_asp.behaviour.context import Context
+
+__all__ = ["Command", "Context"]

@@ -1,0 +1,221 @@
+"""A function or a class of a user as what a run calls: what it takes, and what it may not be."""
+
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from functools import partial
+from inspect import Parameter, Signature
+from typing import Any, NamedTuple, get_args
+
+from mars_asp.behaviour.context import Context
+from mars_asp.spelling import nearest
+
+_POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+_VARIABLE = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
+_CONTEXT = re.compile(rf"\b{Context.__name__}\b")
+_TABLE = "`[bindings.NAME.parameters]`"
+
+
+class UnfitError(Exception):
+    """Why something cannot be a behaviour, and what to do."""
+
+    def __init__(self, message: str, help_text: str) -> None:
+        super().__init__(message)
+        self.help = help_text
+
+    def __str__(self) -> str:
+        return f"{self.args[0]}: {self.help}"
+
+
+class Made(NamedTuple):
+    """An object of a user's class, and whether its constructor was given context or parameters."""
+
+    instance: Any
+    knows: bool
+
+
+def made(kind: type, context: Context) -> Made:
+    """Return an object of a class for one module.
+
+    Its constructor is given the context, where it takes that, and the parameters of the scenario
+    by their names.
+
+    Raises:
+        UnfitError: the constructor needs what is not given, or does not take what is.
+        Exception: whatever the constructor raises.
+    """
+    signature = _signature(kind)
+    if signature is None:
+        return Made(kind(), knows=False)
+    shown, left = f"{kind.__name__}{_shown(signature)}", dict(context.parameters)
+    given, first, named = _context_of(signature), [], {}
+    for name, parameter in signature.parameters.items():
+        if parameter.kind in _VARIABLE or (name not in left and parameter is not given):
+            if parameter.kind not in _VARIABLE and parameter.default is Parameter.empty:
+                near = nearest(name, left)
+                hint = f"set it in {_TABLE}, or give it a default"
+                help_text = f"{_TABLE} has `{near}`: change one of them" if near else hint
+                raise UnfitError(f"`{shown}` needs the parameter `{name}`", help_text)
+            continue
+        value = context if parameter is given else left.pop(name)
+        if parameter.kind is Parameter.POSITIONAL_ONLY:
+            first.append(value)
+        else:
+            named[name] = value
+    if any(p.kind is Parameter.VAR_KEYWORD for p in signature.parameters.values()):
+        named, left = {**left, **named}, {}
+    if left and given is None:
+        wrong = next(iter(left))
+        known = [name for name, parameter in signature.parameters.items()]
+        near = nearest(wrong, known)
+        hint = f"did you mean `{near}`?" if near else f"take it from {_TABLE}"
+        raise UnfitError(f"`{shown}` takes no parameter `{wrong}`", hint)
+    return Made(kind(*first, **named), knows=bool(first or named))
+
+
+def method_of(instance: object, name: str | None) -> Callable[..., Any]:
+    """Return a method of an object, without a name what calling the object itself does.
+
+    Raises:
+        UnfitError: it has no such method.
+    """
+    kind = type(instance).__name__
+    methods = [each for each in dir(instance) if not each.startswith("_")]
+    methods = [each for each in methods if callable(getattr(instance, each, None))]
+    found: Any = instance if name is None else getattr(instance, name, None)
+    if callable(found):
+        return found  # type: ignore[no-any-return]
+    near = nearest(name, methods) if name else None
+    some = f"name one, as in `FILE.py:{kind}.{methods[0] if methods else 'step'}`"
+    if not methods and callable(instance):
+        some = f"leave out `.{name}`: an object of the class is called"
+    help_text = f"did you mean `{near}`?" if near else some
+    what = f"method `{name}`" if name else "`__call__`"
+    raise UnfitError(f"the class `{kind}` has no {what}", help_text)
+
+
+def prepared(
+    target: Callable[..., Any],
+    context: Context,
+    clock: Callable[[], float],
+    inputs: Sequence[str] | None = None,
+    *,
+    knows: bool = False,
+) -> Callable[..., Any]:
+    """Return what takes the inputs of one computation and returns its result.
+
+    `inputs` are where they come from, `None` where that is not known; `knows` is whether the object
+    that the target is a method of has the context or the parameters already. The context is kept
+    at the time (s) of `clock`.
+
+    Raises:
+        UnfitError: it cannot be called with so many inputs, or gives no single result.
+    """
+    shown = getattr(target, "__qualname__", type(target).__name__)
+    _refuse_stretched(target, shown)
+    signature = _signature(target)
+    given = None if signature is None else _context_of(signature)
+    if context.parameters and given is None and not knows:
+        told = ", ".join(f"`{name}`" for name in context.parameters)
+        help_text = "add a parameter `ctx`, and read `ctx.parameters`"
+        raise UnfitError(f"`{shown}` takes no `ctx`, so it cannot read {told}", help_text)
+    if signature is not None and inputs is not None:
+        _refuse_inputs(signature, given, inputs, shown)
+    if given is not None and signature is not None:
+        target = _handing(target, signature, given, context)
+    elif not knows:
+        return target
+
+    def call(*values: Any) -> Any:
+        context.advance(clock())
+        return target(*values)
+
+    return call
+
+
+def _handing(
+    target: Callable[..., Any], signature: Signature, given: Parameter, context: Context
+) -> Callable[..., Any]:
+    """Return what hands the context on beside the inputs."""
+    named = partial(target, **{given.name: context})
+    if given.kind is Parameter.KEYWORD_ONLY:
+        return named
+    index = _positional(signature).index(given)
+
+    def call(*values: Any) -> Any:
+        if len(values) < index:  # parameters with defaults come before it
+            return named(*values)
+        return target(*values[:index], context, *values[index:])
+
+    return call
+
+
+def _signature(target: Callable[..., Any]) -> Signature | None:
+    """Return what an object takes; `None` where Python does not know it."""
+    try:
+        return inspect.signature(target, eval_str=True)
+    except Exception:  # an annotation that Python cannot read may raise anything
+        pass
+    try:
+        return inspect.signature(target)
+    except (TypeError, ValueError):
+        return None
+
+
+def _context_of(signature: Signature) -> Parameter | None:
+    """Return the parameter that takes the context: one called `ctx`, or annotated so."""
+    for parameter in signature.parameters.values():
+        written = parameter.annotation
+        if isinstance(written, str):
+            annotated = bool(_CONTEXT.search(written))
+        else:
+            annotated = Context in (written, *get_args(written))
+        if parameter.kind not in _VARIABLE and (parameter.name == "ctx" or annotated):
+            return parameter
+    return None
+
+
+def _positional(signature: Signature) -> list[Parameter]:
+    return [each for each in signature.parameters.values() if each.kind in _POSITIONAL]
+
+
+def _refuse_stretched(target: Callable[..., Any], shown: str) -> None:
+    """Refuse what gives its results bit by bit, or later."""
+    own = target if inspect.isroutine(target) else getattr(target, "__call__", target)  # noqa: B004
+    for each in (target, own):
+        if inspect.isgeneratorfunction(each) or inspect.isasyncgenfunction(each):
+            help_text = "return one result for each call; a class keeps state between calls"
+            raise UnfitError(f"`{shown}` is a generator (it has `yield`)", help_text)
+        if inspect.iscoroutinefunction(each):
+            help_text = "write `def`: it is called when its inputs are there, and returns at once"
+            raise UnfitError(f"`{shown}` is asynchronous (`async def`)", help_text)
+
+
+def _refuse_inputs(
+    signature: Signature, given: Parameter | None, inputs: Sequence[str], shown: str
+) -> None:
+    """Refuse a function that cannot be called with so many inputs."""
+    taken = [each for each in _positional(signature) if each is not given]
+    least = sum(each.default is Parameter.empty for each in taken)
+    kinds = {each.kind for each in signature.parameters.values()}
+    most = float("inf") if Parameter.VAR_POSITIONAL in kinds else len(taken)
+    for each in signature.parameters.values():
+        needed = each.kind is Parameter.KEYWORD_ONLY and each.default is Parameter.empty
+        if needed and each is not given:
+            help_text = "only `ctx` is given by name: put it before the `*`, or give it a default"
+            raise UnfitError(f"`{shown}` takes `{each.name}` by name", help_text)
+    if least <= len(inputs) <= most:
+        return
+    bound, number = ("", most) if least == most else ("at most ", most)
+    if len(inputs) < least:
+        bound, number = ("", least) if least == most else ("at least ", least)
+    wants = f"{bound}{number} input{'s' * (number != 1)}" if number else "no inputs"
+    come = f"{len(inputs)} ({', '.join(inputs)})" if inputs else "none"
+    message = f"`{shown}{_shown(signature)}` takes {wants}, and the module gets {come}"
+    raise UnfitError(message, "give it one parameter for each input, in the order of the lines")
+
+
+def _shown(signature: Signature) -> str:
+    """Return the parameters of a function without their types."""
+    bare = [each.replace(annotation=Parameter.empty) for each in signature.parameters.values()]
+    return str(Signature(bare))

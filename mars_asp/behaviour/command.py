@@ -1,0 +1,58 @@
+"""What a controller asks of an effector: one of its functions, and how fast."""
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Literal, TypeAlias
+
+from mars_asp.behaviour.values import shown
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from mars_asp.spelling import nearest
+
+#: What an effector can do: turn about an axis, move along one, or open its gripper.
+FunctionName: TypeAlias = Literal[
+    "Rotn_X", "Rotn_Y", "Rotn_Z", "Trans_X", "Trans_Y", "Trans_Z", "Grasp"
+]
+_FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One function and its rate: degrees/s of `Rotn_`, mm/s of `Trans_`; of `Grasp` a width in mm.
+
+    Raises:
+        ValueError: the function is unknown, or the rate is nan or infinite.
+        TypeError: the rate is not a number.
+    """
+
+    function: FunctionName
+    rate: float
+
+    def __post_init__(self) -> None:
+        if self.function not in _FUNCTIONS:
+            near = nearest(self.function, _FUNCTIONS) if isinstance(self.function, str) else None
+            hint = f"did you mean `{near}`?" if near else f"one of {', '.join(_FUNCTIONS)}"
+            raise ValueError(f"{shown(self.function)} is not a function of an effector: {hint}")
+        if isinstance(self.rate, bool) or not hasattr(self.rate, "__float__"):
+            raise TypeError(
+                f"the rate of `{self.function}` must be a number, not {shown(self.rate)}"
+            )
+        if not isfinite(rate := float(self.rate)):
+            raise ValueError(f"the rate of `{self.function}` must be finite, not {rate}")
+        object.__setattr__(self, "rate", rate)
+
+
+def command_of(result: object) -> Command:
+    """Return what a controller returned as a command.
+
+    A pair (function, rate), or a mapping with one entry, is one as well.
+
+    Raises:
+        ValueError, TypeError: it names several functions, or is not a command.
+    """
+    if isinstance(result, Command):
+        return result
+    pairs = list(result.items()) if isinstance(result, dict) else [result]
+    if len(pairs) != 1 or not isinstance(pairs[0], tuple) or len(pairs[0]) != 2:
+        told = "a controller returns one `Command(function, rate)`, or None"
+        raise ValueError(f"{told}, not {shown(result)}")
+    return Command(*pairs[0])

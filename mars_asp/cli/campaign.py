@@ -1,0 +1,336 @@
+"""Run a specification in many worlds, and show what holds in how many of them."""
+
+import argparse
+import pickle
+import shlex
+import sys
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mars_asp import __version__
+from mars_asp.cli.arguments import positive
+from mars_asp.cli.deliver import add_line, grow_file, write_file
+from mars_asp.cli.live import live_line
+from mars_asp.cli.outputs import ending
+from mars_asp.cli.perform import scenario_text, specified
+from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_project
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal
+from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from mars_asp.cli.campaign_runner import Outcome
+    from mars_asp.execution.campaign.grid import Grid, Run
+    from mars_asp.execution.campaign.journal import Ended, Journal
+    from mars_asp.execution.campaign.summary import Share
+
+#: So often a runner that ends is started again for one run.
+_TRIES = 3
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    add = parser.add_argument
+    add_file(parser)
+    add("--scenario", metavar="S.toml", required=True, help="world and robot")
+    add("--seeds", metavar="SEEDS", type=_seeds, required=True, help="such as 1-200 or 1,5,9-12")
+    add(
+        "--vary",
+        metavar="KEY=VALUE,...",
+        action="append",
+        default=[],
+        help="a key of the scenario and its values, as in `robot.radius=150,200`; "
+        "`modules.NAME=off` has a module send nothing; several make a grid",
+    )
+    add(
+        "-o",
+        "--output",
+        metavar="OUT.jsonl",
+        default=STANDARD_INPUT,
+        help="write a line for each run as it ends; what the file has already is not run again",
+    )
+    add("--fresh", action="store_true", help="begin OUT.jsonl anew")
+    add(
+        "--workers",
+        metavar="N",
+        type=_count,
+        default=1,
+        help="carry out N runs at a time; needs `mars-asp[campaign]`",
+    )
+    add(
+        "--cluster",
+        metavar="ADDRESS",
+        help="carry out runs on the workers of a Dask scheduler; needs `mars-asp[campaign]`",
+    )
+    add(
+        "--run-limit",
+        metavar="SECONDS",
+        type=positive,
+        help="end a run that takes longer (default: 60 s and ten times its simulated time)",
+    )
+    add(
+        "--plot",
+        metavar="OUT.svg",
+        type=ending(".svg"),
+        help="draw how many runs passed over a key with several values",
+    )
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    from mars_asp.execution.campaign.grid import read_seeds
+
+    try:
+        return read_seeds(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdecimal() and 0 < int(text) <= 1024):
+        raise argparse.ArgumentTypeError(f"`{text}` must be a whole number from 1 to 1024")
+    return int(text)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Carry out the runs that are missing; 1 where one did not pass."""
+    from mars_asp.cli.campaign_job import code_of, hashes, job_of
+    from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
+
+    _check_engine(arguments)
+    check_inputs(*arguments.files, arguments.scenario)
+    project = read_project(arguments)
+    text, path = scenario_text(arguments)
+    grid = _grid(arguments, text, path)
+    found = specified(project, arguments)
+    if found is None:
+        return 1
+    code = code_of(*found, grid, text, path)
+    job = job_of(*found, text, path, code, arguments)
+    header = header_of(*hashes(project, text, code, arguments), __version__)
+    journal = _journal(header, arguments)
+    ended = dict(journal.ended)
+    missing = [each for each in grid.runs() if each.name not in ended]
+    if arguments.output != STANDARD_INPUT:
+        grow_file(arguments.output, journal.kept, journal.size)
+        if not journal.kept:
+            add_line(header)
+    outcomes = _outcomes(pickle.dumps(job), missing, arguments)
+    progress = Progress(grid, ended, len(missing))
+    with closing(outcomes), live_line(arguments, Progress.line) as show:
+        show(progress)
+        for each, outcome in outcomes:
+            if outcome.result is None:
+                raise MarsError(_of_run(each, outcome.problems))
+            ended[each.name] = ended_run(each, outcome.result)
+            if arguments.output != STANDARD_INPUT:
+                add_line(ended[each.name].line)
+            progress.take(ended[each.name])
+            show(progress)
+    return _finish(header, in_order(grid.runs(), ended), grid, arguments)
+
+
+def _check_engine(arguments: argparse.Namespace) -> None:
+    """Refuse several workers where nothing can start them.
+
+    Raises:
+        MarsError: Dask is not installed, or two engines are asked for.
+    """
+    from mars_asp.cli.campaign_dask import has_dask
+
+    option = "--cluster" if arguments.cluster else "--workers"
+    if arguments.cluster and arguments.workers > 1:
+        raise refusal(
+            "campaign",
+            "a cluster has workers of its own",
+            option,
+            "leave out --workers or --cluster",
+        )
+    if (arguments.cluster or arguments.workers > 1) and not has_dask():
+        message = f"`{option}` needs Dask, which is not installed"
+        help_text = "`pip install 'mars-asp[campaign]'`, or leave the option out: one run at a time"
+        raise refusal("campaign", message, option, help_text)
+    if arguments.fresh and arguments.output == STANDARD_INPUT:
+        raise refusal(
+            "campaign", "there is no file to begin anew", "--fresh", "name it: -o OUT.jsonl"
+        )
+
+
+def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
+    """Return the runs that are asked for.
+
+    Raises:
+        MarsError: the scenario, or what is varied in it, is wrong; all of it.
+    """
+    from mars_asp.execution.campaign.grid import MOST_RUNS, Grid
+    from mars_asp.execution.scenario.read import read_scenario
+    from mars_asp.execution.scenario.vary import read_axes
+
+    read_scenario(text, path)
+    grid = Grid(arguments.seeds, read_axes(arguments.vary))
+    if len(grid) > MOST_RUNS:
+        message = f"these are {len(grid)} runs; a campaign has at most {MOST_RUNS}"
+        raise refusal("campaign", message, "--vary", "take fewer seeds or values")
+    if arguments.plot and all(len(axis.values) == 1 for axis in grid.axes):
+        raise refusal(
+            "campaign", "there is no key with several values", "--plot", "--vary KEY=VALUE,VALUE"
+        )
+    problems: dict[Diagnostic, None] = {}
+    for cell in grid.cells():
+        try:
+            read_scenario(text, path, cell)
+        except MarsError as error:
+            problems |= dict.fromkeys(error.diagnostics)
+    if problems:
+        raise MarsError(problems)
+    return grid
+
+
+def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
+    """Return what the output holds already.
+
+    Raises:
+        MarsError: it is of another campaign.
+        OSError: it cannot be read.
+    """
+    from mars_asp.execution.campaign.journal import Journal, read_journal
+
+    path = arguments.output
+    if path == STANDARD_INPUT or not Path(path).exists():
+        return Journal()
+    if not Path(path).is_file():
+        raise refusal(
+            "campaign", "this is not a regular file, so runs cannot be added to it", path, None
+        )
+    raw = Path(path).read_bytes()
+    return Journal(size=len(raw)) if arguments.fresh else read_journal(raw, header, path)
+
+
+def _outcomes(
+    job: bytes, runs: "Sequence[Run]", arguments: argparse.Namespace
+) -> "Generator[tuple[Run, Outcome]]":
+    if not runs:
+        return
+    if arguments.cluster or arguments.workers > 1:
+        from mars_asp.cli.campaign_dask import on_cluster
+
+        yield from on_cluster(job, runs, min(arguments.workers, len(runs)), arguments.cluster)
+        return
+    from mars_asp.cli.campaign_runner import Runner, RunnerLostError
+
+    runner = Runner(job)
+    try:
+        for each in runs:
+            for _ in range(_TRIES):
+                try:
+                    outcome = runner.run(each)
+                except RunnerLostError:
+                    runner = Runner(job)
+                    continue
+                if outcome is not None:
+                    yield each, outcome
+                break
+            else:
+                told = "the process that carries out runs ended again and again"
+                raise refusal("campaign", told, "--scenario", "is there enough memory?")
+    finally:
+        runner.end()
+
+
+def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Yield problems with the run that they kept from beginning."""
+    from mars_asp.execution.scenario.vary import written_change
+
+    changes = [written_change(key, value) for key, value in run.changes.items()]
+    told = ", ".join((f"seed {run.seed}", *changes))
+    for each in problems:
+        effect = f"The run with {told} cannot begin."
+        yield Diagnostic(each.code, "error", each.message, each.span, help=each.help, effect=effect)
+
+
+class Progress:
+    """How far a campaign is."""
+
+    def __init__(self, grid: "Grid", ended: "Mapping[str, Ended]", missing: int) -> None:
+        from mars_asp.execution.campaign.summary import share_passed
+
+        before = [ended[each.name].result for each in grid.runs() if each.name in ended]
+        self.passed: Share = share_passed(before)
+        self.now, self.missing = 0, missing
+        #: How many runs there were when one was first seen, and after how many seconds.
+        self.first: tuple[int, float] | None = None
+
+    def take(self, ended: "Ended") -> None:
+        """Count a run that has ended."""
+        from mars_asp.execution.campaign.summary import Share, share_passed
+
+        more = share_passed([ended.result])
+        self.passed = Share(self.passed.held + more.held, self.passed.of + more.of)
+        self.now += 1
+
+    def line(self, wall: float) -> str:
+        """Return the line that shows it after so many seconds."""
+        left = self.missing - self.now
+        total = self.passed.of + left
+        # Until a first run has ended, workers were being started.
+        if self.first is None and self.now:
+            self.first = self.now, wall
+        ran, began = self.first or (0, wall)
+        about = ""
+        if self.now > ran:
+            about = f"  {_duration((wall - began) / (self.now - ran) * left)} left"
+        return f"{self.passed.of} of {total} runs  passed {self.passed.text}{about}"
+
+
+def _duration(seconds: float) -> str:
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    minutes, rest = divmod(whole, 60)
+    return f"{minutes} min {rest:02} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def _finish(
+    header: bytes, ended: "Sequence[Ended]", grid: "Grid", arguments: argparse.Namespace
+) -> int:
+    """Write what a campaign has come to; 1 where a run did not pass."""
+    import json
+
+    from mars_asp.cli.campaign_table import print_table
+    from mars_asp.execution.campaign.journal import whole_text
+    from mars_asp.execution.campaign.picture import campaign_picture
+    from mars_asp.execution.campaign.summary import cells, share_passed, summary_json
+
+    results = [each.result for each in ended]
+    summary = summary_json(results, lambda result: _command(result, arguments))
+    whole = whole_text(header, ended, summary)
+    streamed = arguments.output == STANDARD_INPUT
+    if streamed:
+        sys.stdout.write(whole.decode())
+    else:
+        write_file(arguments.output, whole)
+    if arguments.plot:
+        title = f"{Path(arguments.files[0]).name} in {Path(arguments.scenario).name}"
+        write_file(arguments.plot, campaign_picture(cells(results), grid.axes, title))
+    if arguments.format == "json":
+        if not streamed:
+            print(json.dumps(summary))
+    elif not streamed or not arguments.quiet:
+        print_table(results, summary["worst"], sys.stderr if streamed else sys.stdout)
+    passed = share_passed(results)
+    return int(passed.held < passed.of)
+
+
+def _command(result: Mapping[str, Any], arguments: argparse.Namespace) -> str:
+    """Return the command that repeats a run."""
+    from mars_asp.execution.scenario.vary import written_change
+
+    words = ["mars-asp", "run", *arguments.files, "--scenario", arguments.scenario]
+    words += ["--seed", str(result["seed"])]
+    for key, value in result["vary"].items():
+        words += ["--vary", written_change(key, value)]
+    for option, values in (("--sources", arguments.sources), ("--rules", arguments.rules)):
+        words += [word for value in values for word in (option, value)]
+    if arguments.from_format:
+        words += ["--from", arguments.from_format]
+    return visible(shlex.join(words))

@@ -1,0 +1,205 @@
+"""Runs of a campaign on Dask: a local cluster, or one that others have started.
+
+What travels are the pickled job and the runs; a worker needs mars-asp, the scheduler does not.
+Each thread of a worker has a runner of its own, which carries out one run after another.
+"""
+
+import hashlib
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+from mars_asp import __version__
+from mars_asp.cli.campaign_runner import Outcome, Runner, RunnerLostError
+from mars_asp.diagnostic import MarsError, refusal
+from mars_asp.execution.campaign.grid import Run
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+#: So many runs are handed to the scheduler at a time.
+_AT_A_TIME = 1000
+#: Seconds between two looks at a cluster that delivers nothing.
+_GLANCE = 1.0
+#: Seconds within which a scheduler answers, and for which none of its workers may be there.
+_ANSWER, _PATIENCE = 10.0, 60.0
+#: A run whose workers are lost so often is not tried again.
+_TRIES = 5
+
+
+def has_dask() -> bool:
+    """Whether the extra `campaign` is installed."""
+    return find_spec("distributed") is not None
+
+
+def on_cluster(
+    job: bytes, runs: Sequence[Run], workers: int, address: str | None
+) -> Iterator[tuple[Run, Outcome]]:
+    """Yield runs with what became of them, as they end.
+
+    Without the address of a scheduler a local cluster of so many workers is started.
+
+    Raises:
+        MarsError: the cluster cannot be reached, is lost, or has no workers.
+    """
+    # Its logs are about its own machinery; what concerns a run comes as its outcome.
+    logging.disable(logging.CRITICAL)
+    try:
+        with _client(workers, address) as client:
+            yield from _outcomes(client, job, runs, address or "the local cluster")
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+@contextmanager
+def _client(workers: int, address: str | None) -> "Iterator[Client]":
+    from distributed import Client, LocalCluster
+
+    with ExitStack() as stack:
+        try:
+            cluster = address or stack.enter_context(
+                LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    # Pages about it are for this machine alone, on ports that are free.
+                    dashboard_address="127.0.0.1:0",
+                    worker_dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
+                    memory_limit=0,  # each run has a limit of its own
+                )
+            )
+            client = stack.enter_context(Client(cluster, timeout=_ANSWER, set_as_default=False))
+        except (OSError, ValueError, RuntimeError) as error:
+            told = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+            raise _wrong(
+                f"no scheduler answers at `{address}`: {told}"
+                if address
+                else f"the local cluster cannot be started: {told}"
+            ) from None
+        yield client
+
+
+def _outcomes(
+    client: "Client", job: bytes, runs: Sequence[Run], shown: str
+) -> Iterator[tuple[Run, Outcome]]:
+    name = hashlib.sha256(job).hexdigest()[:16]
+    # A task, so that the cluster makes it again where the worker that holds it is lost.
+    shared = client.submit(bytes, job, key=f"mars-asp-job-{name}", pure=False)
+    task, ended = _task(), SimpleQueue[Any]()
+    pending: dict[str, tuple[Run, int, Future[Any]]] = {}
+    waiting = iter(enumerate(runs))
+    seen = time.monotonic()
+
+    def submit(number: int, run: Run, tries: int) -> None:
+        key = f"mars-asp-{name}-{number}-{tries}"
+        future = client.submit(task, __version__, shared, tuple(run), key=key, pure=False)
+        pending[key] = run, tries, future
+        future.add_done_callback(ended.put)
+
+    while True:
+        for number, run in waiting:
+            submit(number, run, 0)
+            if len(pending) >= _AT_A_TIME:
+                break
+        if not pending:
+            return
+        try:
+            future = ended.get(timeout=_GLANCE)
+        except Empty:
+            if client.status != "running":
+                raise _wrong(f"the scheduler of {shown} is gone") from None
+            if client.scheduler_info()["workers"]:
+                seen = time.monotonic()
+            elif time.monotonic() - seen > _PATIENCE:
+                raise _wrong(f"{shown} has had no worker for {_PATIENCE:g} s") from None
+            continue
+        seen = time.monotonic()
+        run, tries, _ = pending.pop(future.key)
+        outcome = _outcome(future, shown)
+        if outcome is not None:
+            yield run, outcome
+        elif tries + 1 < _TRIES:
+            submit(int(future.key.split("-")[-2]), run, tries + 1)
+        else:
+            raise _wrong(f"the workers of {shown} were lost {_TRIES} times with one run")
+
+
+def _outcome(future: "Future[Any]", shown: str) -> Outcome | None:
+    """Return what became of a run; nothing where its workers were lost."""
+    from distributed import KilledWorker
+
+    if future.status in ("cancelled", "lost"):
+        raise _wrong(f"the scheduler of {shown} is gone")
+    error = future.exception()
+    if error is None:
+        found: Outcome | None = future.result()
+        return found
+    if isinstance(error, KilledWorker | RunnerLostError):
+        return None
+    if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("mars_asp"):
+        raise _wrong(f"a worker of {shown} cannot import mars-asp: install it there") from None
+    told = f"{type(error).__name__}: {error}"[:300]
+    raise _wrong(f"a worker of {shown} cannot carry out runs: {told}") from None
+
+
+def _task() -> Callable[[str, bytes, tuple[Any, ...]], Outcome | None]:
+    """Return what a worker does; only there it needs mars-asp, and not in the scheduler."""
+
+    def carry_out(version: str, job: bytes, run: tuple[Any, ...]) -> Outcome | None:
+        from mars_asp.cli.campaign_dask import carry_out_here
+
+        return carry_out_here(version, job, run)
+
+    return carry_out
+
+
+# ---- In a worker of Dask -------------------------------------------------------------------------
+
+#: The runner of each thread, and the job that it has.
+_here = threading.local()
+
+
+def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> Outcome | None:
+    """Carry out a run in the runner of this thread; nothing where nobody wants it any more."""
+    from distributed import get_worker
+
+    if version != __version__:
+        raise RuntimeError(f"it has mars-asp {__version__}, and the command {version}")
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def wanted() -> bool:
+        task = worker.state.tasks.get(key)
+        return task is not None and task.state in ("executing", "long-running")
+
+    outcome: Outcome | None
+    for again in (True, False):
+        if getattr(_here, "job", None) != job:
+            if hasattr(_here, "runner"):
+                _here.runner.end()
+            _here.job, _here.runner = job, Runner(job)
+        outcome = None
+        try:
+            outcome = _here.runner.run(Run(*run), wanted)
+        except RunnerLostError:
+            # It may have waited for too long, and ended.
+            if not again:
+                raise
+        if outcome is not None:
+            return outcome
+        _here.job = None
+        if not wanted():
+            break
+    return None
+
+
+def _wrong(message: str) -> MarsError:
+    help_text = "start the command again with the same -o to go on"
+    return refusal("campaign", message, "--cluster", help_text)

@@ -1,0 +1,84 @@
+"""What the runs of a campaign have in common, and what their results depend on."""
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+
+from mars_asp.asp.rules.read import pack_files
+from mars_asp.cli.campaign_runner import Job
+from mars_asp.cli.limits import memory_limit
+from mars_asp.diagnostic import refusal
+from mars_asp.execution.campaign.code import hash_of, imported_code
+from mars_asp.execution.campaign.grid import Grid
+from mars_asp.execution.scenario.functions import bound_functions
+from mars_asp.execution.scenario.read import read_scenario
+from mars_asp.execution.scenario.vary import CHANGED, switched_off
+from mars_asp.model.declarations import Configuration, Module
+from mars_asp.reasoning.project import Project
+from mars_asp.spelling import nearest
+
+
+def code_of(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    grid: Grid,
+    text: str,
+    path: Path,
+) -> dict[str, bytes]:
+    """Return the Python files that runs import, by their absolute paths.
+
+    Raises:
+        MarsError: a file is missing, or what is switched off is not there to be.
+    """
+    names = [name.text for name in specification.modules]
+    files: dict[Path, None] = {}
+    for cell in grid.cells():
+        scenario = read_scenario(text, path, cell)
+        bound = dict(bound_functions(modules, scenario, names))
+        files |= dict.fromkeys(file for file, _ in bound.values())
+        able = {*bound, *scenario.devices} - {robot.module for robot in scenario.robots}
+        for name in switched_off(cell):
+            if name not in able:
+                near = nearest(name, able)
+                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
+                message = f"`{name}` is not run by a Python function or a sensing device"
+                raise refusal("campaign", message, CHANGED.path, hint)
+    missing = [file for file in files if not file.is_file()]
+    if missing:
+        told = "this file, which runs import, is not there"
+        raise refusal("campaign", told, str(missing[0]))
+    return imported_code(files)
+
+
+def job_of(
+    specification: Configuration,
+    modules: Mapping[str, Module],
+    text: str,
+    path: Path,
+    code: Mapping[str, bytes],
+    arguments: argparse.Namespace,
+) -> Job:
+    """Return what all runs have in common."""
+    most = memory_limit(arguments)
+    if most is not None and arguments.memory_limit is None:
+        # What there is has to do for all of them.
+        most /= arguments.workers
+    files = code if arguments.cluster else None
+    seconds = arguments.run_limit
+    return Job(specification, modules, text, str(path), str(Path.cwd()), files, seconds, most)
+
+
+def hashes(
+    project: Project, text: str, code: Mapping[str, bytes], arguments: argparse.Namespace
+) -> tuple[str, str]:
+    """Return what identifies a configuration, with its sources and rules, and a scenario."""
+    configuration = project.configuration
+    spans = [
+        *(name.span for name in configuration.modules),
+        *(line.span for line in configuration.relationships),
+        *(module.span for module in project.modules.values()),
+    ]
+    packs = map(str, pack_files(map(Path, arguments.rules), []))
+    paths = {*arguments.files, *(span.path for span in spans), *packs}
+    files = {each: Path(each).read_bytes() for each in paths if Path(each).is_file()}
+    return hash_of(project.text, files), hash_of(text, code)

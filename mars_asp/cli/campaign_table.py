@@ -1,0 +1,114 @@
+"""What a campaign shows at its end: shares with intervals, and the worst runs."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TextIO
+
+from mars_asp.cli.layout import cells as width_of
+from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.execution.campaign.summary import (
+    MOST_WORST,
+    Cell,
+    Share,
+    cells,
+    requirement_shares,
+    share_passed,
+    worst,
+)
+from mars_asp.execution.scenario.vary import written_change
+from mars_asp.output import visible
+
+_Result = Mapping[str, Any]
+
+
+def print_table(
+    results: Sequence[_Result], commands: Sequence[Mapping[str, Any]], stream: TextIO
+) -> None:
+    """Print what runs show together; `commands` repeat the worst of them."""
+    for line in _table(results, columns(stream)):
+        print(line, file=stream)
+    shown = worst(results)
+    if not shown:
+        return
+    failed = len(results) - share_passed(results).held
+    among = f" of {failed}" if failed > MOST_WORST else ""
+    print(f"the worst{among} that did not pass, each with its command:", file=stream)
+    for result, command in zip(shown, commands, strict=True):
+        told = wrapped(visible(_told(result)), columns(stream), "  ", "    ")
+        print("\n".join(told), file=stream)
+        print(f"    {command['command']}", file=stream)
+
+
+def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
+    """Yield what passed in each cell, and what held; requirements that always held are one line."""
+    passed, shares = share_passed(results), requirement_shares(results)
+    groups = cells(results)
+    labels = [_label(cell, _fixed(groups)) for cell in groups]
+    rows = [("", "passed", passed)]
+    rows += [(label, "passed", cell.passed) for label, cell in zip(labels, groups, strict=True)]
+    always = []
+    for name, share in shares.items():
+        if share.held == share.of == passed.of:
+            always.append(name)
+            continue
+        rows.append(("", name, share))
+        rows += [
+            (label, name, cell.requirements[name])
+            for label, cell in zip(labels, groups, strict=True)
+            if name in cell.requirements
+        ]
+    fixed = ", ".join(written_change(*each) for each in _fixed(groups).items())
+    head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
+    yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
+    # One cell has what all have.
+    yield from _aligned(rows if len(groups) > 1 else [row for row in rows if not row[0]])
+    if always:
+        text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
+        yield from map(visible, wrapped(text, width, "held in all, ", "  "))
+
+
+def _fixed(groups: Sequence[Cell]) -> dict[str, Any]:
+    """Return the values that all cells have."""
+    first = groups[0].vary if groups else {}
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
+    }
+
+
+def _aligned(rows: Sequence[tuple[str, str, Share]]) -> Iterator[str]:
+    """Yield the lines of a table; where several follow of one requirement, it is named once."""
+    names = max((width_of(visible(name)) for _, name, _ in rows), default=0)
+    labels = max((width_of(visible(label)) for label, _, _ in rows), default=0)
+    before = None
+    for label, name, share in rows:
+        shown = visible(name if name != before else "")
+        before = name
+        place = f"  {_filled(visible(label), labels)}" if labels else ""
+        yield f"{_filled(shown, names)}{place}  {share.text}"
+
+
+def _filled(text: str, width: int) -> str:
+    return text + " " * (width - width_of(text))
+
+
+def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
+    """Return what a cell has and others have not; a cell of the scenario as it is has a dash."""
+    stated = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
+    return ", ".join(stated) or "-"
+
+
+def _told(result: _Result) -> str:
+    """Return which run it was, and what became of it."""
+    named = [f"seed {result['seed']}", *(written_change(*each) for each in result["vary"].items())]
+    violated = [r["name"] for r in result["requirements"] if r["holds"] is False]
+    undecided = [r["name"] for r in result["requirements"] if r["holds"] is None]
+    if result.get("error"):
+        told = result["error"]
+    elif violated:
+        told = f"violated: {', '.join(violated)}"
+    else:
+        told = f"not decided: {', '.join(undecided)}"
+    if result.get("collisions"):
+        told += f"; {counted(result['collisions'], 'collision')}"
+    return f"{', '.join(named)}: {told}"

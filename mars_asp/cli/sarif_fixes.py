@@ -1,0 +1,67 @@
+"""The one repair of a finding as the fixes of a SARIF result (3.55 of that standard)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import takewhile
+from typing import TYPE_CHECKING
+
+from mars_asp.cli.lines import lines_of
+from mars_asp.cli.report import Suggestion
+from mars_asp.cli.results import plain_text
+
+if TYPE_CHECKING:
+    from mars_asp.language.text_edits import LineEdit
+
+
+def sarif_fixes(
+    suggestion: Suggestion, artifact: Callable[[str], Mapping[str, str]]
+) -> dict[str, object]:
+    """Return the property `fixes` of a result; `artifact` gives where the file of a path is.
+
+    There is none where a line cannot be read any more.
+    """
+    changes: dict[str, list[dict[str, object]]] = {}
+    for edit in suggestion.edits:
+        lines = lines_of(edit.path)
+        if edit.line > len(lines):
+            return {}
+        changes.setdefault(edit.path, []).append(_replacement(edit, lines))
+    warnings = (f"then warns: {warning}" for warning in suggestion.warnings)
+    fix = {
+        "description": {"text": plain_text(suggestion.message, *warnings)},
+        "artifactChanges": [
+            {"artifactLocation": artifact(path), "replacements": of} for path, of in changes.items()
+        ],
+    }
+    return {"fixes": [fix]}
+
+
+def _replacement(edit: "LineEdit", lines: Sequence[str]) -> dict[str, object]:
+    """Return the region that goes, which is empty where nothing does, and what comes (3.57)."""
+    number, old = edit.line, lines[edit.line - 1]
+    if edit.old is None:
+        column = 1 if edit.where == "before" else len(old) + 1
+        text = f"{edit.new}\n" if edit.where == "before" else f"\n{edit.new}"
+        return _put((number, column), (number, column), text)
+    if edit.new is not None:
+        # No more than what changes, so that two fixes of a line go together.
+        before = _alike(old, edit.new)
+        after = _alike(old[before:][::-1], edit.new[before:][::-1])
+        new = edit.new[before : len(edit.new) - after]
+        return _put((number, before + 1), (number, len(old) - after + 1), new)
+    # With a line goes its end; with the last one, the end of the line before.
+    if number < len(lines):
+        return _put((number, 1), (number + 1, 1), None)
+    begin = (number - 1, len(lines[number - 2]) + 1) if number > 1 else (1, 1)
+    return _put(begin, (number, len(old) + 1), None)
+
+
+def _alike(one: str, other: str) -> int:
+    """Return with how many characters two texts begin alike."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
+
+
+def _put(begin: tuple[int, int], end: tuple[int, int], text: str | None) -> dict[str, object]:
+    names = ("startLine", "startColumn", "endLine", "endColumn")
+    region = dict(zip(names, (*begin, *end), strict=True))
+    inserted = {} if text is None else {"insertedContent": {"text": text}}
+    return {"deletedRegion": region, **inserted}

@@ -1,0 +1,77 @@
+"""Muxes that feed muxes: of each cascade one mux, whose order is that of the whole.
+
+An input of the outer mux that is the output of an inner one gives place to the inputs of that, in
+their order. Where the outer numbers leave no room for them, those above are lifted.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from mars_asp.exchange.graph import Mux, MuxInput
+from mars_asp.model.declarations import FOREVER, Inner
+from mars_asp.model.ranges import MOST
+
+
+def is_plain(mux: Mux) -> bool:
+    """Whether each input of a mux can win, and lets go, so that its order is all of it."""
+    return all(each.priority > 0 and each.hold_ms != FOREVER for each in mux.inputs)
+
+
+def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
+    """Return a mux with the inputs of another in the place of one; `None` where that cannot be.
+
+    So it is where they decide differently, or another input ties with that one.
+    """
+    ties = sum(each.priority == slot.priority for each in outer.inputs) > 1
+    ranks = sorted({each.priority for each in inner.inputs}) or [slot.priority]
+    if ties or outer.engine != inner.engine or not is_plain(inner):
+        return None
+    higher = [each.priority for each in outer.inputs if each.priority > slot.priority]
+    lower = [each.priority for each in outer.inputs if each.priority < slot.priority]
+    ceiling = min(higher, default=MOST + 1)
+    # Numbers stay as they are written where that is the order, too.
+    fits = max(lower, default=-1) < ranks[0] and ranks[-1] < ceiling
+    lift = 0 if fits else max(0, len(ranks) - (ceiling - slot.priority))
+    if max(higher, default=0) + lift > MOST or slot.priority + len(ranks) - 1 > MOST:
+        return None
+
+    def lifted(number: int) -> int:
+        return number + lift * (number > slot.priority)
+
+    def placed(number: int) -> int:
+        return number if fits else slot.priority + ranks.index(number)
+
+    raised, taken = _numbered(outer, lifted), _numbered(inner, placed)
+    numbers = tuple(pair for pair in raised.numbers if pair[0] != slot.priority)
+    written = dict(raised.numbers)[slot.priority]
+    within = Inner(inner.span, written, taken.numbers, taken.inner)
+    inputs = [each for each in raised.inputs if each.priority != slot.priority]
+    at = [each.priority for each in outer.inputs].index(slot.priority)
+    return replace(
+        outer,
+        inputs=(*inputs[:at], *taken.inputs, *inputs[at:]),
+        numbers=numbers,
+        inner=(*raised.inner, within),
+    )
+
+
+def _numbered(mux: Mux, number: Callable[[int], int]) -> Mux:
+    """Return a mux with other numbers, which knows those that are written."""
+    own = mux.numbers or tuple({each.priority: each.priority for each in mux.inputs}.items())
+    return replace(
+        mux,
+        inputs=tuple(replace(each, priority=number(each.priority)) for each in mux.inputs),
+        numbers=tuple((number(now), before) for now, before in own),
+        inner=_inner(mux.inner, number),
+    )
+
+
+def _inner(found: Sequence[Inner], number: Callable[[int], int]) -> tuple[Inner, ...]:
+    return tuple(
+        replace(
+            each,
+            numbers=tuple((number(now), before) for now, before in each.numbers),
+            inner=_inner(each.inner, number),
+        )
+        for each in found
+    )

@@ -1,0 +1,96 @@
+"""Relays between topics, contracted: who hears what they hand on hears where it came from.
+
+A relay that hears nothing, or that nothing hears, stays a node, so that its loose end is found.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
+from dataclasses import replace
+from fractions import Fraction
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange import ports
+from mars_asp.exchange.graph import Endpoint, Graph, Node, Relay, is_command
+
+
+class Passage(NamedTuple):
+    """A way from a topic over relays to another: the last one's place, and the lowest rate."""
+
+    source: str
+    target: str
+    span: Span
+    hz: Fraction | None
+
+
+class Contracted(NamedTuple):
+    """A graph whose relays are idle ones as nodes, the passages of the others, and these."""
+
+    graph: Graph
+    passages: tuple[Passage, ...]
+    relays: tuple[Relay, ...]
+
+
+def contracted(graph: Graph) -> Contracted:
+    """Return a graph without its relays, of which those with a loose end become nodes.
+
+    Raises:
+        MarsError: the relays make more passages than a robot has topics.
+    """
+    sent = {end.topic for node in graph.nodes for end in node.published}
+    sent |= {mux.output for mux in graph.muxes}
+    heard = {end.topic for node in graph.nodes for end in node.subscribed}
+    heard |= {each.topic for mux in graph.muxes for each in mux.inputs}
+    # What obeys commands need not be a node.
+    ends = (end for node in graph.nodes for end in (*node.published, *node.subscribed))
+    obeyed = {end.topic for end in ends if is_command(end.type)}
+    obeyed |= {mux.output for mux in graph.muxes}
+    forth, back = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
+    for relay in graph.relays:
+        forth[relay.source].append(relay.target)
+        back[relay.target].append(relay.source)
+    fed = reached(sent, forth)
+    taken = reached(heard | obeyed, back) | reached(obeyed, forth)
+    used = tuple(each for each in graph.relays if each.source in fed and each.target in taken)
+    idle = (_node(each) for each in graph.relays if each not in used)
+    plain = replace(graph, nodes=(*graph.nodes, *idle), relays=())
+    return Contracted(plain, tuple(_passages(used, sent)), used)
+
+
+def reached(topics: Set[str], ways: Mapping[str, Iterable[str]]) -> set[str]:
+    """Return topics with all to which ways lead from them."""
+    found, waiting = set(topics), list(topics)
+    while waiting:
+        further = set(ways.get(waiting.pop(), ())) - found
+        found |= further
+        waiting += further
+    return found
+
+
+def _node(relay: Relay) -> Node:
+    published = (Endpoint(relay.target, None, relay.span),)
+    subscribed = (Endpoint(relay.source, None, relay.span),)
+    return Node(relay.name, relay.span, published, subscribed, relays=True)
+
+
+def _passages(relays: Iterable[Relay], sent: Collection[str]) -> Iterator[Passage]:
+    """Yield the ways from each topic that somebody sends."""
+    behind = defaultdict[str, list[Relay]](list)
+    for relay in relays:
+        behind[relay.source].append(relay)
+    made = 0
+    for source in [topic for topic in behind if topic in sent]:
+        seen = {source}
+        waiting: list[tuple[str, Fraction | None]] = [(source, None)]
+        while waiting:
+            topic, hz = waiting.pop()
+            for relay in behind.get(topic, ()):
+                if relay.target in seen:
+                    continue
+                seen.add(relay.target)
+                made += 1
+                if made > ports.MOST:
+                    raise ports.too_many(relay.span)
+                lowest = min((rate for rate in (hz, relay.hz) if rate is not None), default=None)
+                yield Passage(source, relay.target, relay.span, lowest)
+                waiting.append((relay.target, lowest))

@@ -1,0 +1,123 @@
+"""Glue that launch files start: what nodes of topic_tools and joy_teleop do, by their parameters.
+
+How they are called and what they default to: https://github.com/ros-tooling/topic_tools,
+https://github.com/ros/ros_comm (topic_tools), https://github.com/ros-teleop/teleop_tools,
+https://github.com/ros-teleop/twist_mux (joystick_relay).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from mars_asp.exchange.ros2.interface import Interface, Topic
+from mars_asp.exchange.ros2.parameters import Given
+from mars_asp.exchange.ros2.programs import Program
+from mars_asp.model.ranges import NumberProblem
+from mars_asp.model.rates import Rate, read_frequency
+
+#: What a joystick steers, and by what it says so.
+_JOYSTICK = Topic("joy", "sensor_msgs/msg/Joy")
+_TYPES = ("interface_type", "message_type")
+#: What these add to a topic's name where nothing else is given.
+_ENDINGS = {"relay": "_relay", "throttle": "_throttle", "drop": "_drop", "delay": "_delay"}
+_COMPONENTS = {
+    f"topic_tools::{name.capitalize()}Node": name for name in (*_ENDINGS, "mux", "demux")
+}
+_NOT_SELECTED = "topics that a mux of topic_tools can select later"
+_NONE = "__none"
+
+
+@dataclass(frozen=True, slots=True)
+class Handed:
+    """What a node hands on, both topics as its program names them, and at most how often.
+
+    `left_out` is what else it does: its sort, and what it is called.
+    """
+
+    source: str
+    target: str
+    hz: Rate | None = None
+    left_out: tuple[tuple[str, str], ...] = ()
+
+
+def handed_on(program: Program, words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+    """Return what a program hands on, if it is a relay; `words` are its arguments."""
+    if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
+        left_out = (("locks", "joy_priority"), ("topics of markers", "text_marker"))
+        return Handed("joy_vel_in", "joy_vel_out", None, left_out)
+    if program.package != "topic_tools":
+        return None
+    kind = _COMPONENTS.get(program.executable) if program.plugin else program.executable
+    match kind:
+        case "mux":
+            return _mux(words, values)
+        case "demux":
+            return _demux(words, values)
+        case str() if kind in _ENDINGS:
+            return _copied(kind, words, values)
+        case _:
+            return None
+
+
+def _copied(kind: str, words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+    """Return what one topic is handed on as."""
+    sort, *words = words if kind == "throttle" and words else ("", *words)
+    named = _one(values, "throttle_type") or sort or "messages"
+    # How many words say how much is handed on.
+    size = {"relay": 0, "throttle": 1 if named == "messages" else 2, "drop": 2, "delay": 1}[kind]
+    source, *amounts = words[: 1 + size] or ("",)
+    given = words[1 + size] if len(words) > 1 + size else ""
+    source = _one(values, "input_topic") or source
+    if not source:
+        return None
+    target = _one(values, "output_topic") or given or source + _ENDINGS[kind]
+    hz, left_out = None, list[tuple[str, str]]()
+    if kind == "throttle" and named == "messages":
+        rate = read_frequency(_one(values, "msgs_per_sec") or next(iter(amounts), ""))
+        if isinstance(rate, NumberProblem):
+            left_out.append(("rates of throttles", target))
+        else:
+            hz = rate
+    elif kind != "relay":
+        left_out.append(("amounts that are delayed, dropped or limited in bytes", target))
+    return Handed(source, target, hz, tuple(left_out))
+
+
+def _mux(words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+    """Return what a mux hands on at first; a service may select another topic."""
+    sources = _several(values, "input_topics") or tuple(words[1:])
+    target = _one(values, "output_topic") or next(iter(words), "~/selected")
+    first = _one(values, "initial_topic") or next(iter(sources), "")
+    others = tuple((_NOT_SELECTED, each) for each in sources if each != first)
+    return Handed(first, target, None, others) if first not in ("", _NONE) else None
+
+
+def _demux(words: Sequence[str], values: Mapping[str, Given]) -> Handed | None:
+    """Return to what a demux hands on at first."""
+    targets = _several(values, "output_topics") or tuple(words[1:])
+    source = _one(values, "input_topic") or next(iter(words), "~/input")
+    first = _one(values, "initial_topic") or next(iter(targets), "")
+    others = tuple((_NOT_SELECTED, each) for each in targets if each != first)
+    return Handed(source, first, None, others) if first not in ("", _NONE) else None
+
+
+def _one(values: Mapping[str, Given], name: str) -> str:
+    return values[name].text if name in values else ""
+
+
+def _several(values: Mapping[str, Given], name: str) -> tuple[str, ...]:
+    return values[name].texts if name in values else ()
+
+
+def steered(program: Program, values: Mapping[str, Given]) -> Interface | None:
+    """Return the topics of a joy_teleop, each of which is a parameter of it."""
+    if program.package != "joy_teleop" or not program.executable.startswith("joy_teleop"):
+        return None
+    return Interface(tuple(_steered(values)), (_JOYSTICK,), "joy_teleop")
+
+
+def _steered(values: Mapping[str, Given]) -> Iterator[Topic]:
+    for name, given in values.items():
+        group, dot, last = name.rpartition(".")
+        if dot and last == "topic_name" and _one(values, f"{group}.type") in ("", "topic"):
+            kinds = [_one(values, f"{group}.{key}") for key in _TYPES]
+            yield Topic(given.text, next(filter(None, kinds), None), given.value.span)

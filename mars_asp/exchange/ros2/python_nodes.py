@@ -1,0 +1,103 @@
+"""What a node of a launch file in Python is given: parameters, files of them and remappings."""
+
+from collections.abc import Iterator, Sequence
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.actions import (
+    Declare,
+    Parameter,
+    Remap,
+    Text,
+)
+from mars_asp.exchange.ros2.python_values import (
+    MOST_ITEMS,
+    Call,
+    File,
+    Listed,
+    Mapped,
+    Plain,
+    Value,
+    items_of,
+    plain,
+    text_from,
+)
+
+
+def declared_by(call: Call) -> Iterator[Declare]:
+    """Yield the launch argument that a call declares, if its name is known."""
+    name = plain(text_from(call.get("name", 0)))
+    if name is not None:
+        default = call.get("default_value")
+        yield Declare(name, None if default is None else text_from(default))
+
+
+def parameters_of(value: Value, span: Span) -> Iterator[Parameter]:
+    """Yield what a dictionary, or a list of pairs, gives; `span` is where it stands."""
+    if isinstance(value, Mapped):
+        yield from (parameter_of(((key, span),), given, span) for key, given in value.pairs)
+    for item in items_of(value):
+        if isinstance(item, Listed) and len(item.items) == 2:
+            yield parameter_of(((item.items[0], span),), item.items[1], span)
+
+
+def parameter_of(keys: Sequence[tuple[Value, Span]], value: Value, span: Span) -> Parameter:
+    """Return a parameter by the steps of its name, with places for what has none of its own."""
+    steps = tuple((text_from(key), _place_of(key, place)) for key, place in keys)
+    # Texts without open parts are a list; with substitutions they are one text.
+    items = tuple(map(text_from, value.items)) if isinstance(value, Listed) else ()
+    is_list = len(items) > 0 and all(plain(item) is not None for item in items)
+    return Parameter(steps, text_from(value), _place_of(value, span), items if is_list else None)
+
+
+def _place_of(value: Value, otherwise: Span) -> Span:
+    span = value.span if isinstance(value, Plain | File | Listed | Call) else None
+    return otherwise if span is None else span
+
+
+def forced(value: Value, span: Span) -> Iterator[Declare]:
+    """Yield the launch arguments that a dictionary sets; `span` is where it stands."""
+    for each in parameters_of(value, span):
+        name = plain(each.name)
+        if name is not None:
+            yield Declare(name, each.value, forced=True)
+
+
+def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Parameter, ...]]:
+    """Return the files and the values of the parameters of a node."""
+    files: list[Text] = []
+    parameters: list[Parameter] = []
+    for item in items_of(value) or ([] if value is None else [value]):
+        if isinstance(item, Mapped):
+            parameters += _flat(item, span)
+        elif isinstance(item, Plain | File | Listed):
+            files.append(text_from(item))
+    return tuple(files), tuple(parameters)
+
+
+def _flat(value: Mapped, span: Span) -> Iterator[Parameter]:
+    """Yield the values of a dictionary and of those in it, in their order."""
+    waiting: list[tuple[tuple[tuple[Value, Span], ...], Value]] = [((), value)]
+    for _ in range(MOST_ITEMS):
+        if not waiting:
+            return
+        keys, held = waiting.pop()
+        if isinstance(held, Mapped):
+            waiting += [((*keys, (key, span)), inner) for key, inner in reversed(held.pairs)]
+        else:
+            yield parameter_of(keys, held, span)
+
+
+def remaps_of(call: Call) -> tuple[tuple[Remap, ...], tuple[tuple[str, Span], ...]]:
+    """Return the remappings that are written out, and the places of those that are not."""
+    found: list[Remap] = []
+    unread: list[tuple[str, Span]] = []
+    value = call.named.get("remappings")
+    if "remappings" in call.named and not isinstance(value, Listed):
+        unread.append(("remappings", call.span))
+    for item in items_of(value):
+        if isinstance(item, Listed) and len(item.items) == 2:
+            source, target = map(text_from, item.items)
+            found.append(Remap(source, target, item.span or call.span))
+        else:
+            unread.append(("remappings", item.span if isinstance(item, Plain) else call.span))
+    return tuple(found), tuple(unread)

@@ -1,0 +1,1 @@
+"""Campaigns: many runs of one specification, over seeds and keys of the scenario."""

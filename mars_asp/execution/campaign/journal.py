@@ -1,0 +1,159 @@
+r"""The file of a campaign: a header, a line for each run that has ended, and a summary at the end.
+
+Every line is JSON and ends with `\n`. What a command that was killed has left is read again: a last
+line without its end is cut off, and so is a summary.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from mars_asp.diagnostic import MarsError, refusal
+from mars_asp.execution.campaign.grid import Run, run_name
+from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
+
+FORMAT, VERSION = "mars-campaign", 1
+#: What else of a run is compared.
+COUNTED = ("collisions", "min_clearance_mm", "error")
+
+
+class Ended(NamedTuple):
+    """A run that has ended: its line, with the line feed, and what of it is counted."""
+
+    line: bytes
+    result: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Journal:
+    """What a file holds: the runs by their names, in their order.
+
+    Of its `size` in bytes the first `kept` are the header and runs.
+    """
+
+    ended: Mapping[str, Ended] = field(default_factory=dict)
+    kept: int = 0
+    size: int = 0
+
+
+def header_of(configuration: str, scenario: str, tool: str) -> bytes:
+    """Return the first line: hashes of all that results depend on, and the version of the tool."""
+    return _line(
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "configuration": configuration,
+            "scenario": scenario,
+            "mars_asp": tool,
+        }
+    )
+
+
+def ended_run(run: Run, result: Mapping[str, Any]) -> Ended:
+    """Return the line of a run from the result that `run` prints."""
+    # The seed stands first, where it is looked for.
+    whole = {"seed": run.seed, "vary": run.vary, **result}
+    return Ended(_line(whole), _counted(whole))
+
+
+def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
+    """Read what a file holds of a campaign with this header.
+
+    Raises:
+        MarsError: it is the file of another campaign, or of none.
+    """
+    *lines, torn = raw.split(b"\n")
+    if not lines:
+        if header.startswith(torn):
+            return Journal(size=len(raw))
+        raise _refused(path, 1, "this is not the file of a campaign")
+    _check_header(lines[0], header, path)
+    ended: dict[str, Ended] = {}
+    kept = len(lines[0]) + 1
+    for number, line in enumerate(lines[1:], 2):
+        found = _object(line)
+        if found is None or not ("runs" in found or _is_run(found)):
+            raise _refused(path, number, "this line is not a run")
+        if "runs" in found:
+            if number < len(lines):
+                raise _refused(path, number, "a summary is the last line")
+            break
+        ended.setdefault(
+            run_name(found["seed"], found["vary"]), Ended(line + b"\n", _counted(found))
+        )
+        kept += len(line) + 1
+    return Journal(ended, kept, len(raw))
+
+
+def in_order(runs: Iterable[Run], ended: Mapping[str, Ended]) -> list[Ended]:
+    """Return runs that have ended in the order of a grid; those of earlier grids follow."""
+    names = dict.fromkeys((*(run.name for run in runs), *ended))
+    return [ended[name] for name in names if name in ended]
+
+
+def whole_text(header: bytes, ended: Iterable[Ended], summary: Mapping[str, Any]) -> bytes:
+    """Return the file of a campaign that has come to its end."""
+    return b"".join((header, *(each.line for each in ended), _line(summary)))
+
+
+def _check_header(line: bytes, header: bytes, path: str) -> None:
+    found, ours = _object(line), json.loads(header)
+    if found is None or found.get("format") != FORMAT:
+        raise _refused(path, 1, "this is not the file of a campaign")
+    if found.get("version") != VERSION:
+        told = f"this file has version {found.get('version')!r:.20} of its format, not {VERSION}"
+        raise _refused(path, 1, told)
+    for key, what in (
+        ("configuration", "another configuration: its files or sources have changed"),
+        ("scenario", "another scenario: it or the code that it binds has changed"),
+        ("mars_asp", "another version of mars-asp"),
+    ):
+        if found.get(key) != ours[key]:
+            raise _refused(path, 1, f"the runs in this file are of {what}")
+
+
+def _is_run(found: Mapping[str, Any]) -> bool:
+    """Whether an object has what is counted of a run, whatever else it has."""
+    judged = found.get("requirements")
+    return (
+        isinstance(found.get("seed"), int)
+        and isinstance(found.get("vary"), dict)
+        and found.get("verdict") in (PASS, FAIL, NOT_DECIDED)
+        and isinstance(found.get("collisions"), int | None)
+        and isinstance(found.get("min_clearance_mm"), int | float | None)
+        and isinstance(judged, list)
+        and all(map(_is_requirement, judged))
+    )
+
+
+def _is_requirement(found: object) -> bool:
+    return (
+        isinstance(found, dict)
+        and isinstance(found.get("name"), str)
+        and isinstance(found.get("holds"), bool | None)
+    )
+
+
+def _counted(whole: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what of a line is counted: of many runs the rest would not fit into memory."""
+    judged = [{"name": r["name"], "holds": r["holds"]} for r in whole["requirements"]]
+    kept = {key: whole.get(key) for key in ("seed", "vary", "verdict", *COUNTED)}
+    return {**kept, "requirements": judged}
+
+
+def _object(line: bytes) -> dict[str, Any] | None:
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _line(value: Mapping[str, Any]) -> bytes:
+    return json.dumps(value).encode() + b"\n"
+
+
+def _refused(path: str, line: int, message: str) -> MarsError:
+    place = f"{path}:{line}" if line > 1 else path
+    return refusal("campaign", message, place, "--fresh begins the file anew")

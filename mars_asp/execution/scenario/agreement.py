@@ -1,0 +1,115 @@
+"""Whether a scenario and a specification are about the same modules."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.execution.executor.plan import Plan
+from mars_asp.execution.scenario.functions import bound_functions, converting
+from mars_asp.execution.scenario.read import Robot, Scenario
+from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
+from mars_asp.spelling import nearest
+
+#: Devices that obey commands; the others are read.
+_OBEYING = ("joint", "gripper")
+
+
+def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
+    """Yield what a scenario states that a specification has no place for, each at its place.
+
+    A name that is like that of a module which nothing runs is an error. Otherwise the module is one
+    of another specification that the scenario serves as well, which is a warning.
+    """
+    modules = [name for name in plan.names if name in plan.modules or node_kind(name) is None]
+    unfit = [each for robot in scenario.robots for each in _unfit(plan, robot)]
+    yield from unfit
+    robots = [] if unfit else [robot.module for robot in scenario.robots]
+    run = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
+    left = set(modules) - run - scenario.devices.keys() - {*robots}
+    for name, device in scenario.devices.items():
+        if name not in modules:
+            yield _unknown("devices", name, modules, left, scenario)
+        elif wrong := _unlike(plan, robots, name, device["kind"]):
+            place = scenario.places[f"devices.{name}"]
+            yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
+    bound = {*modules, *converting(plan)}
+    for name, stated in scenario.bindings.items():
+        has_parts = any(each.startswith(f"{name}.") for each in modules)
+        if name not in bound and not (has_parts and "python" not in stated):
+            yield _unknown("bindings", name, modules, left, scenario)
+    yield from _faults(plan, scenario)
+    for robot in scenario.robots:
+        within = (robot.reach or {}).get("within", 0)
+        if within > scenario.duration:
+            end = f"{scenario.duration:g} s"
+            message = f"`within` is {within:g} s, and the run ends at {end}"
+            help_text = "lengthen the duration: a place that is not reached by then is not decided"
+            place = robot.places.get("reach") or scenario.places["reach"]
+            yield Diagnostic("scenario", "warning", message, place, (), help_text)
+
+
+def _unknown(
+    table: str, name: str, modules: Iterable[str], left: Iterable[str], scenario: Scenario
+) -> Diagnostic:
+    """Return what is wrong with a name; `left` are the modules that nothing runs."""
+    place = scenario.places[f"{table}.{name}"]
+    message = f"`{table}` names `{name}`, which is not a module of the specification"
+    if parts := sorted(each for each in modules if each.startswith(f"{name}.")):
+        help_text = f"it runs in parts: {', '.join(parts)}"
+        return Diagnostic("scenario", "error", message, place, (), help_text)
+    if near := nearest(name, left):
+        return Diagnostic("scenario", "error", message, place, (), f"did you mean `{near}`?")
+    return Diagnostic("scenario", "warning", message, place, (), "remove it, or add the module")
+
+
+def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[str, str] | None:
+    """Return why a device cannot be that of a module, and what to do; `robots` move robots."""
+    kind = plan.kind(name).replace("_", " ")
+    if robots and (name in robots) != (device == "platform"):
+        if name in robots:
+            return f"`{name}` moves the robot, and a {device} does not", "remove the device"
+        moving = "`, `".join(robots)
+        told = f"`{moving}` moves the robot" if len(robots) == 1 else f"`{moving}` move the robots"
+        return f"`{name}` is a platform, and {told}", "give it another kind"
+    if device in _OBEYING and kind != "effector":
+        return f"a {device} obeys commands, and `{name}` does not ({kind})", "give it another kind"
+    if device in (*_OBEYING, "platform"):
+        return None
+    if kind == "effector" and plan.control_in[name]:
+        return f"`{name}` obeys commands, and a {device} does not", "use a joint or a gripper"
+    if plan.data_in[name]:
+        source = plan.data_in[name][0].source
+        message = f"`{name}` uses data from `{source}`, and a {device} has no inputs"
+        return message, f"bind `{name}` to a function"
+    return None
+
+
+def _unfit(plan: Plan, robot: Robot) -> Iterator[Diagnostic]:
+    """Yield what is wrong with a robot that cannot move: a plan knows a module's own kind."""
+    name = robot.module
+    kind = plan.kind(name).replace("_", " ")
+    functions = plan.modules[name].functions if name in plan.modules else ()
+    help_text = "name the effector that moves the robot"
+    if name not in plan.names:
+        message = f"`{name}` is not a module of the specification"
+        near = nearest(name, plan.names)
+        help_text = f"did you mean `{near}`?" if near else help_text
+    elif kind != "effector":
+        message = f"the robot's `module` is an effector, and `{name}` is not ({kind})"
+    elif functions and not any(function.name in MOTION_FUNCTIONS for function in functions):
+        message = f"the robot's `module` moves, and `{name}` has no motion function"
+    else:
+        return
+    yield Diagnostic("scenario", "error", message, robot.places["module"], (), help_text)
+
+
+def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
+    """Yield faults that would not be injected: a trial of them would prove nothing."""
+    able = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
+    reading = (n for n, d in scenario.devices.items() if d["kind"] not in (*_OBEYING, "platform"))
+    able = (able | {*reading}) - {robot.module for robot in scenario.robots}
+    for name in sorted(scenario.faults.keys() - able):
+        near = nearest(name, able)
+        hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
+        message = f"`{name}` is not run by a Python function or a sensing device"
+        place = scenario.places[f"faults.{name}"]
+        yield Diagnostic("scenario", "error", message, place, (), hint)

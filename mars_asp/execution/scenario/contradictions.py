@@ -1,0 +1,92 @@
+"""What no schema can express: parts of a scenario that contradict each other or have no effect."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+from mars_asp.execution.scenario.schema import Mistake
+
+#: Keys of one table of which the first is at most as great as the second.
+_ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
+    "devices": (("low", "high"), ("low", "value"), ("value", "high")),
+    "faults": (("from", "until"),),
+}
+#: How many different points make a wall, and a polygon.
+_POINTS = {"walls": 2, "polygons": 3}
+
+
+def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Iterator[Mistake]:
+    """Yield what contradicts something else, in all of a scenario that is not wrong by itself."""
+    sound = tables
+    for mistake in wrong:
+        sound = _without(sound, mistake.path) if mistake.path else sound
+    duration = sound.get("duration", inf)
+    yield from _disordered(sound)
+    for name in sound.get("bindings", {}).keys() & sound.get("devices", {}).keys():
+        message = f"`{name}` has a binding and a device"
+        yield Mistake(("bindings", name), message, "remove one: a device needs no function")
+    for name, start in late_faults(sound.get("faults", {}), duration):
+        message = f"the fault of `{name}` begins at {start:g} s, and the run ends at {duration:g} s"
+        yield Mistake(("faults", name, "from"), message, "let it begin earlier")
+    for name, device in sound.get("devices", {}).items():
+        for number, entry_message, help_text in _misplaced(device.get("script", ()), duration):
+            yield Mistake(("devices", name, "script", number), entry_message, help_text)
+    yield from _shapeless(sound.get("world", {}))
+
+
+def late_faults(faults: Mapping[str, Any], duration: float) -> Iterator[tuple[str, float]]:
+    """Yield the modules whose faults begin when a run has ended, and when (s) they begin."""
+    for name, fault in faults.items():
+        if fault.get("from", 0) >= duration:
+            yield name, fault["from"]
+
+
+def _without(table: Mapping[str, Any], path: Sequence[str | int]) -> Mapping[str, Any]:
+    """Return a table without what is wrong in it; of a list, `None` takes the place of an entry."""
+    key, *rest = path
+    inner = table.get(str(key))
+    if not rest:
+        return {name: value for name, value in table.items() if name != key}
+    if isinstance(inner, list):
+        kept = [None if number == rest[0] else entry for number, entry in enumerate(inner)]
+        return {**table, str(key): kept}
+    return {**table, str(key): _without(inner, rest)} if isinstance(inner, dict) else table
+
+
+def _disordered(sound: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield the keys of a table whose numbers are in the wrong order."""
+    for name, pairs in _ORDERED.items():
+        for module, table in sound.get(name, {}).items():
+            for first, second in pairs:
+                low, high = table.get(first), table.get(second)
+                if low is not None and high is not None and low > high:
+                    message = f"`{first}` is {low}, above `{second}`, which is {high}"
+                    yield Mistake((name, module, first), message, "swap or change them")
+
+
+def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, str, str]]:
+    """Yield the entries of a script that come too early or too late, by their numbers."""
+    timed = [(number, entry[0]) for number, entry in enumerate(script) if entry is not None]
+    for (_, before), (number, at) in pairwise(timed):
+        if at <= before:
+            message = f"an entry at {at:g} s follows one at {before:g} s"
+            yield number, message, "list the entries by their times"
+    for number, at in timed:
+        if at > duration:
+            message = f"an entry at {at:g} s, and the run ends at {duration:g} s"
+            yield number, message, "remove it, or lengthen `duration`"
+
+
+def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield walls and polygons that enclose or part nothing, and obstacles that move nowhere."""
+    for key, least in _POINTS.items():
+        for number, line in enumerate(world.get(key, ())):
+            if line is not None and len(set(map(tuple, line))) < least:
+                message = f"an entry of `{key}` has fewer than {least} different points"
+                yield Mistake(("world", key, number), message, "its corners, one after the other")
+    for number, moving in enumerate(world.get("moving", ())):
+        ends = (moving or {}).get("way") or [(moving or {}).get(key, key) for key in ("from", "to")]
+        if all(end == ends[0] for end in ends):
+            message = "an obstacle of `moving` ends where it begins"
+            yield Mistake(("world", "moving", number), message, "list it under `circles`")

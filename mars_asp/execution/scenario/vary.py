@@ -1,0 +1,229 @@
+"""Keys of a scenario with other values than its text gives them, as `--vary` states.
+
+A key is dotted as in TOML; a number leads into a list, as in `world.moving.0.speed`. The key
+`modules.NAME` is `on` or `off`: a module that is off sends nothing.
+"""
+
+import copy
+import json
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from math import inf, isfinite
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
+
+from mars_asp.diagnostic import MarsError, point, refusal
+from mars_asp.execution.scenario.contradictions import contradictions
+from mars_asp.execution.scenario.schema import Mistake, mistakes
+from mars_asp.spelling import nearest
+
+#: Values by their dotted keys.
+Changes: TypeAlias = Mapping[str, Any]
+UNCHANGED: Changes = MappingProxyType({})
+#: Where values are stated that stand in no scenario.
+CHANGED = point("--vary", 1, 1)
+#: What a module is switched by; it is no key of a scenario.
+MODULES = "modules"
+ON, OFF = "on", "off"
+#: A module that is off: from the first event to the last.
+_SILENT = {"kind": "silent", "from": 0, "until": inf}
+_HELP = (
+    "write KEY=VALUE, as in `robot.radius=150` or `modules.Collide=off`; values are as in TOML, so "
+    "text is in quotes"
+)
+
+
+class Axis(NamedTuple):
+    """A key and the values that it is to have, one after another."""
+
+    key: str
+    values: tuple[Any, ...]
+
+    @property
+    def only(self) -> Any:
+        """Its one value.
+
+        Raises:
+            MarsError: it has several.
+        """
+        if len(self.values) > 1:
+            help_text = "give it one; `mars-asp campaign` runs all of them"
+            raise _refused(f"`{self.key}` has {len(self.values)} values", help_text)
+        return self.values[0]
+
+
+def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
+    """Read several axes.
+
+    Raises:
+        MarsError: one is not of its form, or two have the same key.
+    """
+    axes: dict[tuple[str, ...], Axis] = {}
+    for text in texts:
+        axis = read_axis(text)
+        if axes.setdefault(_path(axis.key), axis) is not axis:
+            raise _refused(f"`{axis.key}` is varied twice", "give all values at once: KEY=A,B")
+    return tuple(axes.values())
+
+
+def read_axis(text: str) -> Axis:
+    """Read `KEY=VALUE,VALUE,...`; values are as in TOML.
+
+    Raises:
+        MarsError: it is not of that form.
+    """
+    key, equals, written = text.partition("=")
+    key = key.strip()
+    try:
+        path = _path(key)
+        if path[0] == MODULES:
+            values = [word.strip() for word in written.split(",")]
+        else:
+            tables = tomllib.loads(f"values = [{written}\n]")
+            values = tables["values"] if tables.keys() == {"values"} else []
+    except ValueError:
+        path, values = (), []
+    if not equals or not path or not values:
+        raise _refused(f"`{text}` is not a key and its values", _HELP)
+    if key == "seed":
+        raise _refused("the seed is not a key to vary", "use --seeds, or --seed for one run")
+    if path[0] == MODULES and (len(path) != 2 or not {*values} <= {ON, OFF}):
+        message = f"`{text}` does not switch a module"
+        raise _refused(message, "write `modules.NAME=off` or `modules.NAME=on,off`")
+    if any(map(_is_endless, values)):
+        raise _refused(f"`{text}` has a value without an end", "leave out `inf` and `nan`")
+    for number, value in enumerate(values):
+        if any(type(value) is type(other) and value == other for other in values[:number]):
+            raise _refused(f"`{key}` has the value {written_value(value)} twice", None)
+    return Axis(key, tuple(values))
+
+
+def _is_endless(value: Any) -> bool:
+    """Whether a value has a number that JSON has not."""
+    if isinstance(value, dict | list):
+        return any(map(_is_endless, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, float) and not isfinite(value)
+
+
+def written_value(value: Any) -> str:
+    """Return a value as TOML."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case dict():
+            parts = (f"{_quoted(key)} = {written_value(each)}" for key, each in value.items())
+            return f"{{ {', '.join(parts)} }}"
+        case list():
+            return f"[{', '.join(map(written_value, value))}]"
+        case str():
+            return _quoted(value)
+    return str(value)
+
+
+def written_change(key: str, value: Any) -> str:
+    """Return what `--vary` takes for a key with a value."""
+    word = value if key.startswith(f"{MODULES}.") else written_value(value)
+    return f"{key}={word}"
+
+
+def _quoted(text: str) -> str:
+    """Return a text as a basic string of TOML, whose escapes JSON's are among."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _path(key: str) -> tuple[str, ...]:
+    """Return the parts of a dotted key.
+
+    Raises:
+        ValueError: it is not one.
+    """
+    parts: list[str] = []
+    tables: Any = tomllib.loads(f"{key} = 0")
+    while isinstance(tables, dict):
+        if len(tables) != 1:
+            raise ValueError(key)
+        ((part, tables),) = tables.items()
+        parts.append(part)
+    return tuple(parts)
+
+
+def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
+    """Return the tables of a scenario with other values at some keys; the given ones stay.
+
+    Raises:
+        MarsError: keys or values that no scenario has; all of them.
+    """
+    if not changes:
+        return tables
+    tables = copy.deepcopy(tables)
+    wrong: list[Mistake] = []
+    for key, value in changes.items():
+        path, switch = _path(key), None
+        if path[0] == MODULES:
+            if value == ON:
+                continue
+            path, switch = ("faults", path[1]), _SILENT
+        try:
+            _set(tables, path, switch or value)
+        except _NoSuchKeyError as error:
+            wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
+    # The text alone was checked before.
+    wrong = wrong or list(mistakes(tables)) or list(contradictions(tables, ()))
+    found = [_refused(each.message, each.help) for each in wrong]
+    if found:
+        raise MarsError(each.diagnostics[0] for each in found)
+    return tables
+
+
+def switched_off(changes: Changes) -> Iterator[str]:
+    """Yield the names of the modules that changes switch off."""
+    for key, value in changes.items():
+        path = _path(key)
+        if path[0] == MODULES and value == OFF:
+            yield path[1]
+
+
+class _NoSuchKeyError(Exception):
+    def __init__(self, told: str, help: str | None = None) -> None:
+        super().__init__(told)
+        self.told, self.help = told, help
+
+
+def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
+    """Set the value at a path, in which numbers lead into lists.
+
+    Tables on the way that are not there are made, except for those of devices: one of them that
+    the scenario does not have is a slip.
+    """
+    at: Any = tables
+    found: list[str | int] = []
+    for part in path[:-1]:
+        step = _step(at, part, found)
+        if isinstance(at, dict) and step not in at:
+            if found == ["devices"]:
+                near = nearest(part, at)
+                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(at)}"
+                raise _NoSuchKeyError(f"the scenario has no device `{part}`", hint if at else None)
+            at[step] = {}
+        found.append(step)
+        at = at[step]
+    at[_step(at, path[-1], found)] = copy.deepcopy(value)
+
+
+def _step(at: Any, part: str, found: list[str | int]) -> str | int:
+    """Return the key or number that leads on from a value."""
+    name = ".".join(map(str, found))
+    if isinstance(at, dict):
+        return part
+    if not isinstance(at, list):
+        raise _NoSuchKeyError(f"`{name}` is {written_value(at)}, not a table")
+    if not (part.isdecimal() and part.isascii() and int(part) < len(at)):
+        count = len(at)
+        last = f"its entries are 0 to {count - 1}" if count > 1 else "its one entry is 0"
+        entries = last if count else "it is empty"
+        raise _NoSuchKeyError(f"`{part}` is not an entry of the list `{name}`", entries)
+    return int(part)
+
+
+def _refused(message: str, help_text: str | None) -> MarsError:
+    return refusal("scenario", message, CHANGED.path, help_text)

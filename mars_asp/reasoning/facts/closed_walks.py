@@ -1,0 +1,46 @@
+"""Relationships that lead back to where they begin, as facts."""
+
+from collections.abc import Iterable, Iterator
+
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.model.cycles import Knot, knots
+from mars_asp.model.declarations import Control, Data, Mount, Relationship
+
+#: The kinds of relationships, as walks are told of them.
+KNOTS = ("data", "control", "mount")
+#: Of a longer walk some modules in the middle are left out where it is written.
+_MOST_SPELT = 20
+
+
+def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
+    """Yield what numbered lines of one kind lead back to itself, and the shortest way round."""
+    data, control, mounts = [], [], []
+    spans = {}
+    for number, relationship in lines:
+        spans[number] = relationship.span
+        match relationship:
+            case Data(client, source):
+                data.append((source, client, number))
+            case Control(controlled, controller):
+                control.append((controlled, controller, number))
+            case Mount(mounting, mounted):
+                mounts.append((mounting, mounted, number))
+    for kind, edges in zip(KNOTS, (data, control, mounts), strict=True):
+        for index, knot in enumerate(knots(edges)):
+            of = Atom(kind), index
+            for step, (start, end, number) in enumerate(knot.walk):
+                yield Fact(Atom("closed_walk", (*of, step, start, end, number)), spans[number])
+            span = spans[knot.walk[0][2]]
+            for name in knot.nodes:
+                yield Fact(Atom("entangled", (*of, name)), span)
+            yield Fact(Atom("spelt", (*of, _spelt(kind, knot))), span)
+
+
+def _spelt(kind: str, knot: Knot) -> str:
+    """Return the modules of a closed walk as people write it; commands go against its steps."""
+    first, *others = (start for start, _, _ in knot.walk)
+    if kind == "control":
+        others.reverse()
+    if len(others) > _MOST_SPELT:
+        others[_MOST_SPELT // 2 : -(_MOST_SPELT // 2)] = ["..."]
+    return " -> ".join([first, *others, first])

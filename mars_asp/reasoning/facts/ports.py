@@ -1,0 +1,129 @@
+"""Ports as facts: which there are, which lines name, and what is loose or misspelt."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import Configuration, Data, Module, Relationship
+from mars_asp.model.names import end
+from mars_asp.model.ports import inputs, outputs
+from mars_asp.reasoning.facts.ends import Ends
+from mars_asp.reasoning.facts.identifiers import annotation_numbers
+from mars_asp.reasoning.facts.loose_ends import Port, nearest
+
+#: What describes modules, by their names.
+Described: TypeAlias = Mapping[str, Module]
+Numbered: TypeAlias = Sequence[tuple[int, Relationship]]
+#: Yields the ports of a module: name, number of the service, place there, and representation.
+_PortsOf: TypeAlias = Callable[[Module], Iterable[tuple[str, int, int, str | None]]]
+_Numbers: TypeAlias = Mapping[tuple[str, int], tuple[int, Span]]
+
+
+def output_facts(configuration: Configuration, ends: Ends) -> Iterator[Fact]:
+    """Yield which outputs modules with several have."""
+    places = _places(configuration)
+    for text, output in ends.outputs.items():
+        place = places.get(output.module, configuration.span)
+        span = place if output.service is None else output.service.span
+        yield _fact(span, "output_of", text, output.module)
+
+
+def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
+    """Yield which inputs lines name."""
+    for number, line in lines:
+        if isinstance(line, Data):
+            named = ends.entry(line)
+            if named is not None:
+                yield _fact(line.span, "into", number, named)
+
+
+def input_facts(configuration: Configuration, described: Described, ends: Ends) -> Iterator[Fact]:
+    """Yield which inputs the modules have of which a line names one."""
+    if not ends.entries:
+        return
+    places, numbers = _places(configuration), annotation_numbers(configuration, described)
+    for text, entry in ends.entries.items():
+        if entry.found is None:
+            place = places.get(entry.module, configuration.span)
+            yield _fact(place, "input_of", text, entry.module)
+            continue
+        service = described[entry.module].services[entry.found.service]
+        yield _fact(service.span, "input_of", text, entry.module)
+        number, _ = numbers[entry.module, id(service)]
+        yield _fact(service.span, "takes_in", text, number, entry.found.place)
+
+
+def loose_ends(
+    configuration: Configuration,
+    described: Described,
+    ends: Ends,
+    lines: Numbered,
+    canonical: Mapping[str, str],
+) -> Iterator[Fact]:
+    """Yield what no line takes, and which inputs each of these outputs may be meant for.
+
+    `canonical` are representations in the form in which they are told.
+    """
+    data = [line for _, line in lines if isinstance(line, Data)]
+    taken = {ends.source(line) for line in data}
+    numbers = annotation_numbers(configuration, described)
+    free = [
+        port
+        for port in _ports(described, _outputs_of, numbers, canonical)
+        if ends.output(port.module, port.port) not in taken
+    ]
+    for port in free:
+        yield _fact(port.span, "port_name", port.annotation, end(port.module, port.port))
+    if not free:
+        return
+    entered = {(line.client, line.client_port) for line in data}
+    every = _ports(described, _inputs_of, numbers, canonical)
+    open_ = (port for port in every if (port.module, port.port) not in entered)
+    for entry, output, rank in nearest(open_, free):
+        called = end(entry.module, entry.port)
+        place = entry.annotation, entry.place
+        yield _fact(entry.span, "near", *place, called, output.annotation, rank)
+
+
+def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
+    """Return the ports that lines name and modules lack, with those that they have."""
+    found: dict[str, Iterable[str]] = {}
+    for text, output in ends.outputs.items():
+        if output.service is None and output.module in described:
+            known = outputs(described[output.module])
+            found[text] = [end(output.module, port) for port in known]
+    for text, entry in ends.entries.items():
+        if entry.found is None and entry.module in described:
+            into = inputs(described[entry.module])
+            found[text] = [end(entry.module, port) for port in into]
+    return found
+
+
+def _fact(span: Span, name: str, *arguments: Term) -> Fact:
+    return Fact(Atom(name, arguments), span)
+
+
+def _places(configuration: Configuration) -> Mapping[str, Span]:
+    return {name.text: name.span for name in configuration.modules}
+
+
+def _ports(
+    described: Described, of: _PortsOf, numbers: _Numbers, canonical: Mapping[str, str]
+) -> Iterator[Port]:
+    """Yield ports of described modules."""
+    for name, module in described.items():
+        for called, service, place, representation in of(module):
+            number, span = numbers[name, id(module.services[service])]
+            known = canonical.get(representation) if representation is not None else None
+            yield Port(number, place, span, name, called, known)
+
+
+def _outputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
+    for name, service in outputs(module).items():
+        yield name, service, 0, module.services[service].output
+
+
+def _inputs_of(module: Module) -> Iterator[tuple[str, int, int, str | None]]:
+    for name, (_, service, place) in inputs(module).items():
+        yield name, service, place, module.services[service].inputs[place]

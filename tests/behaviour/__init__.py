@@ -1,0 +1,1 @@
+"""Tests of behaviours: what users write, without a run."""

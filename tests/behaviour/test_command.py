@@ -1,0 +1,51 @@
+"""Commands: which there are, and what is wrong with others."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mars_asp.behaviour import Command
+from mars_asp.behaviour.command import command_of
+
+
+@pytest.mark.parametrize(
+    ("function", "rate", "told"),
+    [
+        ("Rotn_y", 3, "'Rotn_y' is not a function of an effector: did you mean `Rotn_Y`?"),
+        ("drive", 3, "'drive' is not a function of an effector: one of Rotn_X, Rotn_Y,"),
+        (None, 3, "None is not a function of an effector"),
+        ("Trans_Z", float("nan"), "the rate of `Trans_Z` must be finite, not nan"),
+        ("Trans_Z", float("-inf"), "the rate of `Trans_Z` must be finite, not -inf"),
+        ("Trans_Z", "5", "the rate of `Trans_Z` must be a number, not '5'"),
+        ("Trans_Z", True, "the rate of `Trans_Z` must be a number, not True"),
+        ("Trans_Z", None, "the rate of `Trans_Z` must be a number, not None"),
+    ],
+)
+def test_what_is_not_a_command_is_reported_where_it_is_made(
+    function: Any, rate: Any, told: str
+) -> None:
+    with pytest.raises((ValueError, TypeError)) as raised:
+        Command(function, rate)
+    assert str(raised.value).startswith(told)
+    with pytest.raises((ValueError, TypeError)):
+        command_of((function, rate))
+
+
+def test_a_rate_is_any_number() -> None:
+    rates = [3, 3.0, np.float32(3), np.int64(3)]
+    assert {Command("Trans_Z", rate) for rate in rates} == {Command("Trans_Z", 3.0)}  # type: ignore[arg-type]
+    assert isinstance(Command("Trans_Z", 3).rate, float)
+
+
+def test_a_message_is_the_same_in_every_run() -> None:
+    with pytest.raises(ValueError, match=r"or None, not <object object>$"):
+        command_of(object())
+
+
+def test_pairs_and_mappings_are_commands() -> None:
+    same = [Command("Grasp", 40), ("Grasp", 40), {"Grasp": 40}]
+    assert {command_of(each) for each in same} == {Command("Grasp", 40)}
+    for wrong in ({}, {"Grasp": 1, "Trans_Z": 2}, ("Grasp",), 7, "Trans_Z", [("Grasp", 1)]):
+        with pytest.raises(ValueError, match="a controller returns one"):
+            command_of(wrong)

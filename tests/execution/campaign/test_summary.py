@@ -1,0 +1,83 @@
+"""What the runs of a campaign show together."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mars_asp.execution.campaign.summary import Share, cells, summary_json, worst
+
+Z = 1.959963984540054
+
+
+@given(st.integers(1, 10_000).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
+def test_the_ends_of_the_interval_are_where_the_score_test_turns(counts: tuple[int, int]) -> None:
+    """They solve (share - x)^2 = z^2 x (1 - x) / n, which Wilson's formula is the solution of."""
+    held, of = counts
+    low, high = Share(held, of).interval
+    assert 0 <= low <= held / of <= high <= 1
+    for end in (low, high):
+        if 0 < end < 1:
+            assert (held / of - end) ** 2 == pytest.approx(Z * Z * end * (1 - end) / of, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("held", "of", "low", "high"),
+    # Of Newcombe, "Two-sided confidence intervals for the single proportion", 1998, table I.
+    [
+        (81, 263, 0.2553, 0.3662),
+        (15, 148, 0.0624, 0.1605),
+        (0, 20, 0, 0.1611),
+        (1, 29, 0.0061, 0.1718),
+    ],
+)
+def test_intervals_are_those_of_the_literature(held: int, of: int, low: float, high: float) -> None:
+    assert Share(held, of).interval == pytest.approx((low, high), abs=5e-5)
+
+
+def test_without_a_run_nothing_is_known() -> None:
+    assert Share(0, 0).interval == (0, 1)
+
+
+def result(seed: int, verdict: str, vary: Any = None, **more: Any) -> dict[str, Any]:
+    holds = {"pass": True, "fail": False}.get(verdict)
+    judged = [{"name": "r", "holds": holds}, {"name": "always", "holds": True}]
+    return {"seed": seed, "verdict": verdict, "vary": vary or {}, "requirements": judged, **more}
+
+
+def test_what_is_not_decided_is_not_counted_for_its_requirement() -> None:
+    results = [result(1, "pass"), result(2, "fail"), result(3, "not decided")]
+    found = summary_json(results, lambda each: f"again {each['seed']}")
+    assert (found["runs"], found["passed"]) == (3, 1)
+    counted = {name: (r["held"], r["of"]) for name, r in found["requirements"].items()}
+    assert counted == {"r": (1, 2), "always": (3, 3)}
+    assert [each["command"] for each in found["worst"]] == ["again 2", "again 3"]
+    low, high = Share(1, 2).interval
+    assert found["requirements"]["r"]["low"] == round(low, 6)
+    assert found["requirements"]["r"]["high"] == round(high, 6)
+
+
+def test_the_worst_are_at_most_five_and_those_that_struck_most_come_first() -> None:
+    results = [
+        result(1, "pass"),
+        result(2, "not decided"),
+        result(3, "fail", collisions=0, min_clearance_mm=9.0),
+        result(4, "fail", collisions=2, min_clearance_mm=0.0),
+        result(5, "fail", collisions=0, min_clearance_mm=3.0),
+        result(6, "fail", collisions=None, min_clearance_mm=None),
+        result(7, "fail", collisions=0, min_clearance_mm=9.0),
+    ]
+    assert [each["seed"] for each in worst(results)] == [4, 5, 3, 7, 6]
+    assert [each["seed"] for each in worst(results[:2])] == [2]
+
+
+def test_each_combination_of_values_is_a_cell() -> None:
+    results = [
+        result(1, "pass", {"x": 1}),
+        result(1, "fail", {"x": 2}),
+        result(2, "fail", {"x": 1}),
+    ]
+    first, second = cells(results)
+    assert (first.vary, first.passed, second.passed) == ({"x": 1}, Share(1, 2), Share(0, 1))
+    assert first.requirements == {"r": Share(1, 2), "always": Share(2, 2)}

@@ -1,0 +1,133 @@
+"""Keys of a scenario with other values, as `--vary` states them."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mars_asp import MarsError
+from mars_asp.execution.scenario.read import read_scenario
+from mars_asp.execution.scenario.vary import read_axes, read_axis, written_change
+from tests.support.trials import DRIVE, trial
+
+TEXT = """\
+duration = 3
+[robot]
+module = "P"
+[world]
+moving = [{ from = [0, 900], to = [900, 900], radius = 50, speed = 10 }]
+[devices."the hand"]
+kind = "joystick"
+[devices.C]
+kind = "joystick"
+script = [[0, "Trans_Z", 200]]
+[requirements]
+clearance = 5
+"""
+
+
+def varied(*stated: str) -> Any:
+    changes = {axis.key: axis.only for axis in read_axes(stated)}
+    return read_scenario(TEXT, Path("s.toml"), changes)
+
+
+@pytest.mark.parametrize(
+    ("stated", "value"),
+    [
+        ("robot.radius=150", lambda s: s.robots[0].radius == 150),
+        ("duration = 1.5", lambda s: s.duration == 1.5),
+        ('up="z"', lambda s: s.up == "z"),
+        ("world.moving.0.speed=80", lambda s: s.world["moving"][0]["speed"] == 80),
+        ("world.moving=[]", lambda s: s.world["moving"] == []),
+        ("world.scatter={ count = 3 }", lambda s: s.world["scatter"] == {"count": 3}),
+        ("world.scatter.count=3", lambda s: s.world["scatter"] == {"count": 3}),
+        ('devices."the hand".period=20', lambda s: s.devices["the hand"]["period"] == 20),
+        ("requirements.clearance=7", lambda s: s.requirements == {"clearance": 7}),
+        ("modules.C=on", lambda s: s.faults == {}),
+        ("modules.C=off", lambda s: s.faults["C"]["kind"] == "silent"),
+    ],
+)
+def test_a_key_has_another_value(stated: str, value: Any) -> None:
+    assert value(varied(stated))
+    assert read_scenario(TEXT, Path("s.toml")).devices["C"]["script"] == [[0, "Trans_Z", 200]]
+
+
+@pytest.mark.parametrize(
+    ("stated", "message", "help_text"),
+    [
+        ("robot.raduis=1", "unknown key `raduis`", "did you mean `radius`?"),
+        ("robt.radius=1", "unknown key `robt`", "did you mean `robot`?"),
+        ('robot.radius="1"', "`radius` must be a number", None),
+        (
+            "devices.D.sigma=1",
+            "`devices.D.sigma`: the scenario has no device `D`",
+            "one of the hand, C",
+        ),
+        ("duration.x=1", "`duration.x`: `duration` is 3, not a table", None),
+        (
+            "world.moving.1.speed=1",
+            "`world.moving.1.speed`: `1` is not an entry of the list `world.moving`",
+            "its one entry is 0",
+        ),
+        ("modules.C=1", "`modules.C=1` does not switch a module", None),
+        ("modules=off", "`modules=off` does not switch a module", None),
+        ("seed=1", "the seed is not a key to vary", "use --seeds, or --seed for one run"),
+        ("duration=1,2", "`duration` has 2 values", None),
+        ("duration=1,2,1", "`duration` has the value 1 twice", None),
+        ("robot.radius=inf", "`robot.radius=inf` has a value without an end", None),
+        ("duration", "`duration` is not a key and its values", None),
+        ("duration=", "`duration=` is not a key and its values", None),
+        ("=3", "`=3` is not a key and its values", None),
+        ("up=z", "`up=z` is not a key and its values", None),
+        ("a..b=1", "`a..b=1` is not a key and its values", None),
+        ("up=1]\nx = [2", "`up=1]\nx = [2` is not a key and its values", None),
+    ],
+)
+def test_what_cannot_be_varied_is_refused(stated: str, message: str, help_text: str | None) -> None:
+    with pytest.raises(MarsError) as wrong:
+        varied(stated)
+    (found,) = wrong.value.diagnostics
+    assert (found.span.path, found.message) == ("--vary", message)
+    assert help_text is None or found.help == help_text
+
+
+def test_a_key_is_varied_once() -> None:
+    with pytest.raises(MarsError, match="is varied twice"):
+        varied("robot.radius=1", 'robot."radius"=2')
+
+
+def test_a_mistake_of_the_scenario_itself_is_at_its_line() -> None:
+    with pytest.raises(MarsError) as wrong:
+        read_scenario(TEXT + "x = 1\n", Path("s.toml"), {"robot.raduis": 1})
+    assert [d.span[:2] for d in wrong.value.diagnostics] == [("s.toml", 13)]
+
+
+def test_a_module_that_is_off_sends_nothing_from_the_first_instant_to_the_last() -> None:
+    text = 'duration = 1\n[robot]\nmodule = "P"\n[devices.C]\nkind = "joystick"\n'
+    text += 'script = [[0, "Trans_Z", 200]]\n'
+    assert sum(link.delivered for link in trial(text, DRIVE).executor.links) == 11
+    silent = trial(text, DRIVE, changes={"modules.C": "off"})
+    assert sum(link.delivered for link in silent.executor.links) == 0
+
+
+KEYS = st.text(min_size=1, max_size=4)
+VALUES = st.recursive(
+    st.booleans() | st.integers(-(2**63), 2**63 - 1) | st.text(st.characters(codec="utf-8")),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
+    max_leaves=6,
+) | st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(VALUES)
+def test_what_is_written_is_read_again(value: Any) -> None:
+    (axis,) = read_axes([written_change("robot.x", value)])
+    assert axis.values == (value,)
+    assert type(axis.only) is type(value)
+
+
+def test_switches_are_words() -> None:
+    axis = read_axis("modules.Collide = on, off")
+    assert axis.values == ("on", "off")
+    assert written_change(axis.key, "off") == "modules.Collide=off"
