@@ -40,7 +40,8 @@ def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
     assert judge(made).verdict == "not decided"
     assert [d.message for d in made.remarks] == ["`within` is 60 s, and the run ends at 3 s"]
     assert message_of(made, "reach") == (
-        "the run ended at 3 s, and the robot is to reach (2500, 800) by 60 s; nearest 2.062 m, at 3 s"
+        "the run ended at 3 s, and the robot is to reach (2500, 800) by 60 s; "
+        "nearest 2.062 m, at 3 s"
     )
     failed = trial(
         f"{BASE}limits = {{ Trans_Z = 1 }}\n{HAND}{ASKED}reach = {{ at = [9, 9], within = 60 }}\n"
