@@ -3,12 +3,14 @@
 import contextlib
 import errno
 import os
+import shutil
 import stat
 import sys
 import tempfile
 import unicodedata
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import IO
 
 if sys.platform != "win32":
     import fcntl
@@ -40,14 +42,12 @@ def write_whole(path: str, content: str | bytes) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    if isinstance(content, str):
-        content = content.encode()
-    target = Path(os.path.realpath(path))
-    if target.exists() and not stat.S_ISREG(target.stat().st_mode):
-        target.write_bytes(content)
-        return
-    with _written_beside(target, path, content) as temporary:
-        temporary.replace(target)
+    begun = Begun(path)
+    try:
+        begun.write(content.encode() if isinstance(content, str) else content)
+        begun.replace()
+    finally:
+        begun.drop()
 
 
 def replace_together(contents: Mapping[str, bytes]) -> None:
@@ -56,18 +56,19 @@ def replace_together(contents: Mapping[str, bytes]) -> None:
     Raises:
         OSError: one of them cannot be written; all are as they were.
     """
-    targets = {path: Path(os.path.realpath(path)) for path in contents}
-    before = {path: target.read_bytes() for path, target in targets.items()}
+    before = {path: Path(os.path.realpath(path)).read_bytes() for path in contents}
     replaced: list[str] = []
     with contextlib.ExitStack() as stack:
-        staged = {
-            path: stack.enter_context(_written_beside(target, path, contents[path]))
-            for path, target in targets.items()
-        }
+        staged = []
+        for path, content in contents.items():
+            staged.append(begun := Begun(path))
+            stack.callback(begun.drop)
+            begun.write(content)
+            begun.stage()
         try:
-            for path, temporary in staged.items():
-                temporary.replace(targets[path])
-                replaced.append(path)
+            for begun in staged:
+                begun.replace()
+                replaced.append(begun.path)
         except OSError:
             for path in replaced:
                 write_whole(path, before[path])
@@ -120,25 +121,64 @@ class GrowingFile:
         self._file.close()
 
 
-@contextlib.contextmanager
-def _written_beside(target: Path, path: str, content: bytes) -> Iterator[Path]:
-    """Yield a new file beside another with its mode; it is gone afterwards, unless it was moved.
+class Begun:
+    """A file begun beside another of some path, which it replaces whole or not at all.
 
-    Raises:
-        OSError: it cannot be written; it names `path`.
+    What is no regular file, such as a pipe, is written at the end, too. All that it does may raise
+    an `OSError`, which names `path`.
     """
-    handle, temporary = _temporary_beside(target, path)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-            mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask()
-            temporary.chmod(mode)
-            yield temporary
-    finally:
+
+    def __init__(self, path: str) -> None:
+        self.path, self._target = path, Path(os.path.realpath(path))
+        self._temporary: Path | None = None
+        if self._target.exists() and not stat.S_ISREG(self._target.stat().st_mode):
+            self._file: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 -- see `drop`
+            return
+        handle, self._temporary = _temporary_beside(self._target, path)
+        self._file = os.fdopen(handle, "w+b")
+
+    def write(self, content: bytes) -> None:
+        """Write more of it."""
+        with self._named():
+            self._file.write(content)
+
+    def stage(self) -> None:
+        """Have all of it on the disk, with the mode of what it replaces."""
+        with self._named():
+            self._file.flush()
+            if self._temporary is None:
+                return
+            os.fsync(self._file.fileno())
+            exists = self._target.exists()
+            mode = stat.S_IMODE(self._target.stat().st_mode) if exists else 0o666 & ~_umask()
+            self._temporary.chmod(mode)
+
+    def replace(self) -> None:
+        """Put it where the other file is."""
+        self.stage()
+        with self._named():
+            if self._temporary is not None:
+                self._temporary.replace(self._target)
+                return
+            self._file.seek(0)
+            with self._target.open("wb") as target:
+                shutil.copyfileobj(self._file, target)
+
+    def drop(self) -> None:
+        """Remove what there is of it, unless it has replaced the other file."""
         with contextlib.suppress(OSError):
-            temporary.unlink()
+            self._file.close()
+        if self._temporary is not None:
+            with contextlib.suppress(OSError):
+                self._temporary.unlink()
+
+    @contextlib.contextmanager
+    def _named(self) -> Iterator[None]:
+        """Have an error name the file that is asked for: the other name is never shown."""
+        try:
+            yield
+        except OSError as error:
+            raise type(error)(error.errno, error.strerror, self.path) from None
 
 
 def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
@@ -147,7 +187,7 @@ def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
     A command that was killed leaves its file behind, but not its lock.
 
     Raises:
-        OSError: no file can be made there; it names `path`, for nobody ever heard of another name.
+        OSError: no file can be made there; it names `path`: the other name is never shown.
     """
     try:
         for other in target.parent.glob(f"{_TEMPORARY}*"):

@@ -72,8 +72,8 @@ FILES = {
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions names interface catalogue cmake workspace parameters source_cpp source_python "
-        "programs glue python_values python_nodes python_evaluate launch_python launch_markup "
-        "launch muxes read"
+        "programs glue python_values python_known python_nodes python_evaluate launch_python "
+        "launch_markup launch muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
@@ -86,17 +86,17 @@ FILES = {
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
-    "execution/simulator": "motion ramp world body fleet devices",
+    "execution/simulator": "motion ramp world body fleet approach devices",
     "execution/scenario": (
         "schema contradictions toml_places toml_tables vary read functions agreement devices"
     ),
-    "execution/recording": "picture record mcap replay",
+    "execution/recording": "frame lanes signs picture record mcap replay",
     "cli": (
-        "deliver encode layout arguments lines live progress outputs report extract limits "
-        "trace_document trace_schema worker reason perform ignores baseline settings selection "
-        "results github sarif_fixes sarif publish alternatives analyse can completion draw export "
-        "facts fmt import rules run_report run campaign_runner campaign_dask campaign_job "
-        "campaign_table campaign synthesise test verify diff repair check account "
+        "deliver encode layout arguments lines live watch pace progress outputs report extract "
+        "limits trace_document trace_schema worker reason perform ignores baseline settings "
+        "selection results github sarif_fixes sarif publish alternatives analyse can completion "
+        "draw export facts fmt import rules run_report run campaign_runner campaign_dask "
+        "campaign_job campaign_table campaign synthesise test verify diff repair check account "
         "explain_page explain"
     ),
 }

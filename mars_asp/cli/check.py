@@ -318,13 +318,16 @@ def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
 def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
     """Yield how much was found and mended in how many files, where there is anything to say."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
-    files = sum(1 + len(one.further) for one in checked)
+    read = [path for one in checked for path in (one.path, *one.further)]
+    folders = sum(Path(path).is_dir() for path in read)
+    places = [(len(read) - folders, "file"), (folders, "folder")]
+    within = " and ".join(counted(number, noun) for number, noun in places if number)
     mended = sum(len(one.mended) for one in checked)
     mendable = sum(one.mendable for one in checked)
     hidden: Counter[str] = sum((one.hidden for one in checked), Counter())
     found = [counted(total[of], of) for of in ("error", "warning") if total[of]]
     if found or mended:
-        parts = [", ".join(found) or "no errors or warnings", f"in {counted(files, 'file')}"]
+        parts = [", ".join(found) or "no errors or warnings", f"in {within}"]
         yield f"{' '.join(parts)}{f'; {mended} fixed' if mended else ''}"
     if hidden:
         yield hidden_text(hidden)

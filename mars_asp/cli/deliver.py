@@ -9,14 +9,17 @@ import io
 import os
 import sys
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
-from mars_asp.output import GrowingFile, replace_together, visible, write_whole
+from mars_asp.output import Begun, GrowingFile, replace_together, visible, write_whole
 
 _OUTPUT, _FILE, _GROUP, _CODE, _END = b"o", b"f", b"g", b"c", b"."
-_GROW, _LINE = b"l", b"n"
+_GROW, _LINE, _PART, _WHOLE = b"l", b"n", b"p", b"w"
 _LENGTH = 8
+#: So much of a file that grows is sent at a time.
+_PORTION = 1 << 16
 #: The pipe to the command, in a worker, and the process that may write to it.
 _pipe: int | None = None
 _writer: int | None = None
@@ -106,6 +109,55 @@ def end_growing() -> None:
         _growing = None
 
 
+class Parts:
+    """A file that is written in parts, which `send` takes."""
+
+    def __init__(self, send: Callable[[bytes], object]) -> None:
+        self._send, self._gathered, self._sent = send, bytearray(), 0
+
+    def write(self, content: bytes) -> None:
+        """Write more of it."""
+        self._gathered += content
+        if len(self._gathered) >= _PORTION:
+            self.flush()
+
+    def tell(self) -> int:
+        """Return how many bytes of it were written."""
+        return self._sent + len(self._gathered)
+
+    def flush(self) -> None:
+        """Send what was gathered."""
+        self._sent += len(self._gathered)
+        self._send(bytes(self._gathered))
+        self._gathered.clear()
+
+
+@contextmanager
+def streamed(path: str) -> Iterator[Parts]:
+    """Yield a file that is on the disk while it is written, but appears when the block has ended.
+
+    In a worker it appears when the verb has ended. Where the block raises, it never does.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if _pipe is not None:
+        named = os.fsencode(path).hex().encode()
+        file = Parts(lambda part: _send(_PART, named + b"\n" + part))
+        yield file
+        file.flush()
+        _send(_WHOLE, named)
+        return
+    begun = Begun(path)
+    try:
+        file = Parts(begun.write)
+        yield file
+        file.flush()
+        begun.replace()
+    finally:
+        begun.drop()
+
+
 # ---- In the worker -------------------------------------------------------------------------------
 
 
@@ -189,6 +241,10 @@ class Told:
         self.output: list[bytes] = []
         #: Groups of files of which all or none are written.
         self.files: list[list[File]] = []
+        #: Files that come in parts, by their paths, and those of them that are whole.
+        self._begun: dict[str, Begun] = {}
+        self._whole: set[str] = set()
+        self._unwritten: dict[str, OSError] = {}
         self.code: tuple[str, ...] = ()
         self.status: int | None = None
         #: Whether a line could not be written, so that there is no point in going on.
@@ -219,14 +275,18 @@ class Told:
             self.output.append(payload)
         elif kind == _FILE:
             header, _, content = payload.partition(b"\n")
-            path, _, read = header.decode().partition(" ")
-            named = os.fsdecode(bytes.fromhex(path))
-            file = File(named, content, read or None)
+            path, _, read = header.partition(b" ")
+            file = File(_path(path), content, read.decode() or None)
             if self._missing:
                 self._missing -= 1
                 self.files[-1].append(file)
             else:
                 self.files.append([file])
+        elif kind == _PART:
+            header, _, content = payload.partition(b"\n")
+            self._extend(_path(header), content)
+        elif kind == _WHOLE:
+            self._whole.add(_path(payload))
         elif kind == _GROUP:
             self._missing = int(payload)
             self.files.append([])
@@ -254,6 +314,22 @@ class Told:
             _say_unwritten(f"`{visible(self._grown)}`", error)
             self.failed = True
 
+    def _extend(self, path: str, content: bytes) -> None:
+        """Write more of a file beside the one that it replaces; failures are reported later."""
+        if path in self._unwritten:
+            return
+        try:
+            if path not in self._begun:
+                self._begun[path] = Begun(path)
+            self._begun[path].write(content)
+        except OSError as error:
+            self._unwritten[path] = error
+
+    def drop(self) -> None:
+        """Remove what was not delivered of files that came in parts."""
+        for begun in self._begun.values():
+            begun.drop()
+
     def deliver(self) -> int:
         """Write files, then standard output; return the exit status.
 
@@ -262,6 +338,14 @@ class Told:
         """
         status = self.status or 0
         end_growing()
+        for path in sorted(self._whole):
+            try:
+                if path in self._unwritten:
+                    raise self._unwritten[path]
+                self._begun[path].replace()
+            except OSError as error:
+                _say_unwritten(f"`{visible(path)}`", error)
+                status = 2
         for group in self.files:
             path = group[0].path if group else ""
             try:
@@ -282,6 +366,10 @@ class Told:
                 _say_unwritten("standard output", error)
                 status = 2
         return status
+
+
+def _path(header: bytes) -> str:
+    return os.fsdecode(bytes.fromhex(header.decode()))
 
 
 def _write_out(chunks: list[bytes]) -> None:

@@ -248,7 +248,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
         print(encoded(_why_not_json(answer)))
     else:
         packs = "".join(f" --rules {visible(path)}" for path in arguments.rules)
-        first, *others = _why_not_text(answer, packs)
+        first, *others = _why_not_text(answer, packs, project.format)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
@@ -274,7 +274,7 @@ def _why_not_json(answer: "WhyNot") -> dict[str, object]:
     }
 
 
-def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
+def _why_not_text(answer: "WhyNot", packs: str, format: str | None) -> Iterator[Sequence[str]]:
     """Yield the lines of the answer, then those that it speaks of and what would give one."""
     width = columns(sys.stdout)
 
@@ -290,7 +290,9 @@ def _why_not_text(answer: "WhyNot", packs: str) -> Iterator[Sequence[str]]:
     if len(evidence) > len(shown):
         yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
     if answer.to_get is not None:
-        yield below(f"To get one: {answer.to_get}")
+        # The lines of others' files are not ours.
+        where = f", in what `mars-asp import {format}` prints" if format else ""
+        yield below(f"To get one{where}: {answer.to_get}")
     if answer.extra is not None:
         yield below(_price(answer.extra))
     path = answer.analysis.configuration.path

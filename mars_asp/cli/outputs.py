@@ -1,14 +1,16 @@
 """What a run leaves behind: a plot, a page that plays it, a record."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
-from mars_asp.cli.deliver import write_file
+from mars_asp.cli.deliver import streamed, write_file
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 
 if TYPE_CHECKING:
+    from mars_asp.execution.judgement import Judgement
     from mars_asp.execution.recording.record import Record
     from mars_asp.execution.trial import Trial
 
@@ -63,33 +65,40 @@ def check_packages(arguments: argparse.Namespace) -> None:
         raise MarsError(problems)
 
 
-def write_outputs(trial: "Trial", record: "Record", arguments: argparse.Namespace) -> None:
+@contextmanager
+def recorded(arguments: argparse.Namespace) -> "Iterator[Record | None]":
+    """Yield what records a run, as it is asked for; the record appears when the block has ended."""
+    if not arguments.record:
+        yield None
+        return
+    with streamed(arguments.record) as file:
+        if arguments.record.endswith(".jsonl"):
+            from mars_asp.execution.recording.record import Lines
+
+            yield Lines(file.write)
+        else:
+            from mars_asp.execution.recording.mcap import Foxglove
+
+            yield Foxglove(cast("IO[bytes]", file))
+
+
+def write_outputs(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
     """Write what was asked for, each file whole or not at all."""
     if arguments.plot:
-        write_file(arguments.plot, _plotted(trial, arguments.plot))
+        write_file(arguments.plot, _plotted(trial, judgement, arguments.plot))
     if arguments.replay:
         from mars_asp.execution.recording.replay import replay_page
 
         title = f"{trial.scenario.path}, seed {trial.scenario.seed}"
-        write_file(arguments.replay, replay_page(trial, title))
-    if arguments.record:
-        write_file(arguments.record, _recorded(trial, record, arguments.record))
+        write_file(arguments.replay, replay_page(trial, judgement, title))
 
 
-def _plotted(trial: "Trial", path: str) -> str | bytes:
+def _plotted(trial: "Trial", judgement: "Judgement", path: str) -> str | bytes:
     from mars_asp.execution.recording.picture import plot_run
 
-    svg = plot_run(trial)
+    svg = plot_run(trial, judgement)
     if path.endswith(".svg"):
         return svg
     from mars_asp.draw.png import png_bytes
 
     return png_bytes(svg, trial.scenario.span)
-
-
-def _recorded(trial: "Trial", record: "Record", path: str) -> str | bytes:
-    if path.endswith(".jsonl"):
-        return record.lines()
-    from mars_asp.execution.recording.mcap import mcap_bytes
-
-    return mcap_bytes(trial, record.events)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mars_asp.cli.pace import stepped
 from mars_asp.cli.reason import (
     SHOWN_INPUT,
     STANDARD_INPUT,
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from mars_asp.execution.trial import Trial
     from mars_asp.model.declarations import Configuration, Module
     from mars_asp.reasoning.project import Project
-
-#: Simulated seconds between two looks at the run.
-_GLANCE = 0.5
 
 
 def scenario_text(arguments: argparse.Namespace) -> "tuple[str, Path]":
@@ -92,8 +90,11 @@ def performed(
     observe: "Observer | None" = None,
     show: "Callable[[Trial], None]" = lambda trial: None,
     rulebook: "Rulebook | None" = None,
+    speed: float | None = None,
 ) -> "tuple[Trial, Judgement]":
     """Run a specification in a scenario to the end, and judge it; `show` is given it now and then.
+
+    With a `speed` it takes its time: 1 is real time.
 
     Raises:
         MarsError: what is unbound or cannot be used, all at once.
@@ -101,9 +102,7 @@ def performed(
     from mars_asp.execution.judgement import judge
     from mars_asp.execution.trial import stage_trial
 
-    trial, at = stage_trial(specification, modules, scenario, observe), 0.0
-    while at < scenario.duration:
-        at = min(scenario.duration, at + _GLANCE)
-        trial.run_until(at)
+    trial = stage_trial(specification, modules, scenario, observe)
+    for _ in stepped(trial, speed):
         show(trial)
     return trial, judge(trial, rulebook)

@@ -17,7 +17,8 @@ from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.live import live_line, run_line
-from mars_asp.cli.outputs import add_outputs, check_packages, write_outputs
+from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
+from mars_asp.cli.pace import shown
 from mars_asp.cli.perform import performed, read_changes, scenario_text, specified
 from mars_asp.cli.reason import (
     add_file,
@@ -51,6 +52,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", metavar="S.toml", required=True, help="world and robot")
     parser.add_argument("--seed", type=int, help="instead of the scenario's")
     parser.add_argument("--duration", metavar="SECONDS", type=positive, help="simulated time")
+    parser.add_argument(
+        "--speed",
+        metavar="FACTOR",
+        type=positive,
+        help="pace the run, 1 is real time, and show it in a page whose address is printed",
+    )
     parser.add_argument(
         "--vary",
         metavar="KEY=VALUE",
@@ -92,7 +99,6 @@ class _Schema(argparse.Action):
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     from mars_asp.asp.trace.document import traces_json
-    from mars_asp.execution.recording.record import Record
     from mars_asp.execution.scenario.functions import bound_functions
 
     check_packages(arguments)
@@ -112,15 +118,27 @@ def run(arguments: argparse.Namespace) -> int:
     functions = dict(bound_functions(modules, scenario, named))
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
-    record = Record()
-    observe = record.observe if arguments.record else None
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
-    with aside, live_line(arguments, run_line) as show:
-        trial, judgement = performed(specification, modules, scenario, observe, show)
+    with shown(arguments, _title(scenario)) as page:
+        with aside, recorded(arguments) as record, live_line(arguments, run_line) as line:
+
+            def show(trial: "Trial") -> None:
+                line(trial)
+                if page:
+                    page.show(trial)
+
+            observe = record.observe if record else None
+            trial, judgement = performed(
+                specification, modules, scenario, observe, show, speed=arguments.speed
+            )
+            if record:
+                record.end(trial)
+        if page:
+            page.show(trial, judgement)
     report(trial.remarks, arguments)
-    write_outputs(trial, record, arguments)
+    write_outputs(trial, judgement, arguments)
     if arguments.report:
         _write_report(trial, judgement, arguments)
     if arguments.format == "json":
@@ -238,9 +256,13 @@ def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Na
     from mars_asp.execution.recording.picture import plot_run
 
     replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
-    title = f"{Path(trial.scenario.path).name}, seed {trial.scenario.seed}"
-    page = report_page(run_json(trial, judgement), plot_run(trial), title, replay)
+    told, title = run_json(trial, judgement), _title(trial.scenario)
+    page = report_page(told, plot_run(trial, judgement), title, replay)
     write_file(arguments.report, page)
+
+
+def _title(scenario: "Scenario") -> str:
+    return f"{Path(scenario.path).name}, seed {scenario.seed}"
 
 
 def _links_json(trial: "Trial") -> list[dict[str, Any]]:

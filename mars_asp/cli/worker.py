@@ -6,7 +6,8 @@ writes results. They cross a pipe and end with a mark, so what was ended writes 
 
 A message in the pipe is a letter, the length of what follows (eight bytes), and what follows:
 `o` output, `f` a file (its name and a digest of what it replaces in a line, then its content), `g`
-how many of the next files are written together or not at all, `c` the files whose code runs from
+how many of the next files are written together or not at all, `p` a part of a file (its name in a
+line, then more of its content), `w` that it is whole (its name), `c` the files whose code runs from
 now on, `l` a file that grows by lines from now on (its name, how much of it stays, its size), `n` a
 line of it, `.` the end (the exit status).
 """
@@ -194,14 +195,13 @@ def _watch(*watched: int) -> None:
 
 def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
     """Wait for the worker and deliver what it says; end it when that is asked for."""
-    limit = arguments.time_limit
+    limit, told = arguments.time_limit, deliver.Told()
     try:
         with ended_by_signals(), _paused_together(worker):
             if limit is not None:
                 signal.signal(signal.SIGALRM, _expire)
                 spent = time.monotonic() - arguments.started
                 signal.setitimer(signal.ITIMER_REAL, max(0.001, limit - spent) + _GRACE_SECONDS)
-            told = deliver.Told()
             with suppress(ValueError), closing(_heard(results, worker)) as chunks:
                 while told.status is None and (chunk := next(chunks, b"")):
                     told.hear(chunk)
@@ -225,6 +225,8 @@ def _await(worker: int, results: int, arguments: argparse.Namespace) -> int:
             print(f"mars-asp: the time limit of {limit:g} s ended this", file=sys.stderr)
             return 3
         return 128 + ended.number
+    finally:
+        told.drop()
 
 
 def _heard(results: int, worker: int) -> Generator[bytes]:

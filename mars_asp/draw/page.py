@@ -4,7 +4,7 @@ Nothing is fetched, and no style or script but a page's own has any effect in it
 """
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from html import escape
 from importlib.resources import files
@@ -14,13 +14,19 @@ from mars_asp.output import visible
 
 
 def whole_page(
-    title: str, style: str, body: str, script: str | None = None, data: Mapping[str, str] = {}
+    title: str,
+    style: str,
+    body: str,
+    script: str | None = None,
+    data: Mapping[str, str] = {},
+    allowed: Iterable[str] = (),
 ) -> str:
     """Return an HTML page of a title, which is text, and a body, which is markup.
 
-    Its `script` finds `data`, texts of JSON, in elements of their names.
+    Its `script` finds `data`, texts of JSON, in elements of their names. `allowed` are directives
+    of its policy for what it is allowed beyond its own style and script.
     """
-    policy = ["default-src 'none'", "base-uri 'none'", "form-action 'none'"]
+    policy = ["default-src 'none'", "base-uri 'none'", "form-action 'none'", *allowed]
     policy.append(f"style-src {_allowed(style)}")
     scripts = [
         f'<script type="application/json" id="{name}">{_in_page(json_text)}</script>\n'

@@ -3,8 +3,10 @@
 import re
 from collections.abc import Mapping
 
+from mars_asp.model.declarations import FOREIGN
+
 #: The formats of robots that can stand where a `.mars` file does.
-FORMATS = ("mars", "twist_mux", "rosgraph", "dora", "ros2")
+FORMATS = ("mars", *FOREIGN)
 #: Others' files show what they are in so many characters, and none takes long to be looked at.
 _HEAD = 256 * 1024
 _OURS = re.compile(r"^[ \t]*@(?:configuration|specification|modules|module_start)\b", re.MULTILINE)

@@ -127,6 +127,9 @@ def configuration_of(graph: Graph) -> Mapped:
         declared=tuple(module for module in described if module is not None),
         muxes=muxed,
         relays=tuple(relay.span for relay in relays),
+        opaque=tuple(
+            Name(node.name, node.span) for node in nodes if not (node.published or node.subscribed)
+        ),
     )
     return Mapped(configuration, tuple(unread))
 

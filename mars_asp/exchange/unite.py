@@ -21,6 +21,7 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         declared=_merged(module for each in every for module in each.declared),
         muxes=tuple(mux for each in every for mux in each.muxes),
         relays=tuple(relay for each in every for relay in each.relays),
+        opaque=_each_once(name for each in every for name in each.opaque),
     )
     warnings = tuple(warning for part in parts for warning in part.warnings)
     return Parsed(configuration, warnings, tuple(map(print_module, configuration.declared)))

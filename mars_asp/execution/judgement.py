@@ -19,6 +19,7 @@ from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.promises import promises
 from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.simulator.approach import least_approach
 from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
@@ -181,7 +182,8 @@ def _robots(trial: Trial) -> Iterator[Fact]:
             pair = frozenset({body.name, body.beside})
             if pair not in told:
                 told.add(pair)
-                numbers = body.clearance, scenario.requirements["clearance"], body.nearest_at
+                least, asked = least_approach(body), scenario.requirements["clearance"]
+                numbers = body.clearance, asked, least.at if least else 0.0
                 told_so = (_whole(number * 1000) for number in numbers)
                 yield _seen("clearance", body.name, body.beside, *told_so)
     for robot in scenario.robots:
@@ -311,7 +313,7 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
                     break
                 if holder != link.source:
                     both = _milliseconds(max(start, since)), _milliseconds(min(end, until))
-                    yield _seen("met", name, holder, link.source, *both)
+                    yield _seen("coincided", name, holder, link.source, *both)
 
 
 def _contacts(trial: Trial, robot: Robot, body: Body) -> Iterator[Fact]:

@@ -66,10 +66,19 @@ class Trial:
     @property
     def collisions(self) -> int:
         """Return how often a robot came into contact; of two with each other once."""
+        return len(self.contacts)
+
+    @property
+    def contacts(self) -> list[tuple[float, Body, str]]:
+        """Return when (s) which robot came into contact with whom; two with each other once."""
         names = {body.name: k for k, body in enumerate(self.bodies)}
-        return sum(
-            names.get(other, k) >= k for k, body in enumerate(self.bodies) for other in body.struck
-        )
+        found = [
+            (at, body, other)
+            for k, body in enumerate(self.bodies)
+            for at, other in zip(body.contacts, body.struck, strict=True)
+            if names.get(other, k) >= k
+        ]
+        return sorted(found, key=lambda contact: contact[0])
 
     @property
     def clearance(self) -> float:

@@ -56,10 +56,12 @@ def _word(child: Token | Raw | None) -> Word | Raw | None:
         return child
     assert child.start_pos is not None
     assert child.end_pos is not None
-    text = str(child)
+    text, begin = str(child), child.start_pos
+    if child.type == "PORT":
+        text, begin = text[1:], begin + 1
     if child.type in ("NAME", "PORT"):
-        text = plain(text.removeprefix("."))
-    return Word(text, child.start_pos, child.end_pos)
+        text = plain(text)
+    return Word(text, begin, child.end_pos)
 
 
 for _rule in _RULES:

@@ -14,13 +14,14 @@ from mars_asp.model.names import BARE
 Read: TypeAlias = tuple[int, int, Raw]
 _BLANK = r"[^\S\n]"
 _NAME = BARE
+_MODE = r"(?!every(?!\w))[A-Za-z_]\w*+"
 _NUMBER = r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?"
 _GAP = f"{_BLANK}++"
 #: The groups of each alternative are the children of the grammar's rule.
 _LINE = re.compile(
     rf"""^{_BLANK}*+(?:
       ({_NAME})(?:\.({_NAME}))?{_GAP}uses_data_from{_GAP}({_NAME})(?:\.({_NAME}))?
-        (?:{_GAP}({_NAME}))?(?:{_GAP}({_NUMBER}))?
+        (?:{_GAP}({_MODE}))?(?:{_GAP}({_NUMBER}))?
     | ({_NAME}){_GAP}is_controlled_by{_GAP}({_NAME})
         (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}|forever))?
         (?:{_GAP}allocation{_GAP}(root|split))?

@@ -189,6 +189,8 @@ class Data:
 Relationship: TypeAlias = Mount | Control | Data
 #: What muxes in other people's robots run.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
+#: The formats of robots that are not ours.
+FOREIGN = ("twist_mux", "rosgraph", "dora", "ros2")
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,8 +265,9 @@ class Configuration:
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
-    `relays` the places of its relays, contracted already;
-    `includes` are other configurations that are still to be taken in.
+    `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
+    could be read; `includes` are other configurations that are still to be taken in. `format` is
+    what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
     """
 
     path: str
@@ -281,7 +284,9 @@ class Configuration:
     stand_ins: tuple[StandIn, ...] = ()
     muxes: tuple[Muxed, ...] = ()
     relays: tuple[Span, ...] = ()
+    opaque: tuple[Name, ...] = ()
     includes: tuple[Include, ...] = ()
+    format: str | None = None
 
 
 NodeKind: TypeAlias = Literal[

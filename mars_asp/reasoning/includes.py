@@ -45,6 +45,10 @@ def with_includes(parsed: Parsed) -> Parsed:
     return _expanded(parsed, (real,), reading)
 
 
+class _TooManyError(MarsError):
+    """Nothing further is read, so that the limit is reported once."""
+
+
 class _Reading(NamedTuple):
     """One of `left` is used up by each include; `shown` is how each file was first named."""
 
@@ -60,6 +64,8 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
     for include in own.includes:
         try:
             found.append(_taken_in(include, own, chain, reading))
+        except _TooManyError as error:
+            raise _TooManyError(dict.fromkeys((*problems, *error.diagnostics))) from None
         except MarsError as error:
             problems += error.diagnostics
             if len(problems) >= MOST_ERRORS:
@@ -69,8 +75,7 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
         raise MarsError(dict.fromkeys(problems))
     inner = [each.configuration for each in found]
     modules = {name.text: name for each in (*inner, own) for name in each.modules}
-    declared = dict.fromkeys(module for each in inner for module in each.declared)
-    known = {module.name for module in own.declared}
+    blocks = _blocks((*found, parsed))
     configuration = replace(
         own,
         includes=(),
@@ -80,11 +85,40 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
         relationships=tuple(
             dict.fromkeys(line for each in (*inner, own) for line in each.relationships)
         ),
-        declared=(*(each for each in declared if each.name not in known), *own.declared),
+        declared=tuple(blocks.values()),
     )
     warnings = tuple(dict.fromkeys(warning for each in found for warning in each.warnings))
-    blocks = tuple(dict.fromkeys(block for each in found for block in each.blocks))
-    return Parsed(configuration, (*warnings, *parsed.warnings), (*blocks, *parsed.blocks))
+    return Parsed(configuration, (*warnings, *parsed.warnings), tuple(blocks))
+
+
+def _blocks(found: Iterable[Parsed]) -> dict[str, Module]:
+    """Return the modules that several files describe in blocks, by the text of each.
+
+    Raises:
+        MarsError: one is described in two ways.
+    """
+    first: dict[str, tuple[str, Module]] = {}
+    problems: list[Diagnostic] = []
+    for each in found:
+        for block, module in zip(each.blocks, each.configuration.declared, strict=True):
+            _, other = first.setdefault(module.name, (block, module))
+            if print_module(module) != print_module(other):
+                problems.append(described_twice(module, other))
+    if problems:
+        raise MarsError(dict.fromkeys(problems))
+    return dict(first.values())
+
+
+def described_twice(module: Module, other: Module) -> Diagnostic:
+    """Return the error that one module has two descriptions."""
+    return Diagnostic(
+        "module-twice",
+        "error",
+        f"module `{module.name}` is described twice",
+        module.span,
+        ((other.span, "also here"),),
+        "keep one of the two descriptions",
+    )
 
 
 def _taken_in(
@@ -93,7 +127,7 @@ def _taken_in(
     """Return what one include stands for, its names behind the include's."""
     if next(reading.left, None) is None:
         message = f"more than {MOST_INCLUDES} includes"
-        raise _wrong(include.span, message, "include fewer, or write their modules here")
+        raise _too_many(include.span, message, "include fewer, or write their modules here")
     path = Path(include.span.path).parent / include.path
     if own.path == "-":
         path = Path(include.path)
@@ -102,7 +136,8 @@ def _taken_in(
         circle = " -> ".join(os.path.relpath(each) for each in (*chain[chain.index(real) :], real))
         raise _wrong(include.span, f"the includes go in a circle: {circle}", "drop one of them")
     if len(chain) > MOST_DEEP:
-        raise _wrong(include.span, f"more than {MOST_DEEP} includes within includes", "drop some")
+        message = f"more than {MOST_DEEP} includes within includes"
+        raise _too_many(include.span, message, "drop some")
     if not path.is_file():
         help_text = "paths of `@include` are relative to the file that includes"
         raise _wrong(include.span, f"`{include.path}` is not a file", help_text)
@@ -207,3 +242,7 @@ def _plain(path: Path) -> str:
 
 def _wrong(span: Span, message: str, help_text: str) -> MarsError:
     return MarsError((Diagnostic("include", "error", message, span, help=help_text),))
+
+
+def _too_many(span: Span, message: str, help_text: str) -> MarsError:
+    return _TooManyError(_wrong(span, message, help_text).diagnostics)

@@ -19,7 +19,13 @@ from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
-from mars_asp.reasoning.includes import instances, undescribed, with_includes, without_idle
+from mars_asp.reasoning.includes import (
+    described_twice,
+    instances,
+    undescribed,
+    with_includes,
+    without_idle,
+)
 from mars_asp.spelling import nearest, resemblances
 
 if TYPE_CHECKING:
@@ -33,8 +39,7 @@ class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
-    are the texts of the configuration's own module blocks; `format` is what the file is in, where
-    it is no `.mars` file.
+    are the texts of the configuration's own module blocks.
     """
 
     configuration: Configuration
@@ -43,7 +48,11 @@ class Project:
     text: str = ""
     found: "Extraction | None" = None
     blocks: tuple[str, ...] = ()
-    format: str | None = None
+
+    @property
+    def format(self) -> str | None:
+        """Return the format that the file is in, where it is no `.mars` file."""
+        return self.configuration.format
 
 
 def load_project(path: str, sources: Sequence[str] = (), text: str | None = None) -> Project:
@@ -70,7 +79,8 @@ def described(
         MarsError: sources that are missing or wrongly annotated.
     """
     parsed = with_includes(parsed)
-    configuration = parsed.configuration
+    configuration = replace(parsed.configuration, format=format)
+    parsed = parsed._replace(configuration=configuration)
     problems: list[Diagnostic] = []
     paths: list[Path] = []
     for name in configuration.sources:
@@ -89,7 +99,7 @@ def described(
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
         found = extract(paths)
-    return replace(_described(parsed, text, found), format=format)
+    return _described(parsed, text, found)
 
 
 def revised(project: Project, texts: Mapping[str, str]) -> Project:
@@ -127,7 +137,7 @@ def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project
         diagnostics += found.diagnostics
         modules = {module.name: module for module in found.modules}
     clashes = [
-        _annotated_twice(module, modules[module.name])
+        described_twice(module, modules[module.name])
         for module in configuration.declared
         if module.name in modules
     ]
@@ -270,14 +280,3 @@ def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
 
 def _undigited(name: str) -> str:
     return re.sub("[0-9]", "", name)
-
-
-def _annotated_twice(module: Module, other: Module) -> Diagnostic:
-    return Diagnostic(
-        "module-twice",
-        "error",
-        f"module `{module.name}` is described twice",
-        module.span,
-        ((other.span, "also here"),),
-        "keep one of the two descriptions",
-    )

@@ -112,7 +112,9 @@ Command watch();
 def samples() -> tuple[Project, ...]:
     """Return the robots."""
     ranked, flat = load_project("ranked.mars", text=_RANKED), load_project("flat.mars", text=_FLAT)
-    # No line of ours says that a mux is there; the parameters of one do.
+    # No line of ours says that a mux is there, or that a node was not read; files of others do.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
-    muxed = replace(ranked, configuration=replace(ranked.configuration, muxes=(mux,)))
+    node = ranked.configuration.modules[0]
+    read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")
+    muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)

@@ -71,6 +71,19 @@ def test_case(name: str) -> None:
     assert [d for d in left if d.severity == "error"] == []
 
 
+def test_ports_have_keys_of_their_own(tmp_path: Path) -> None:
+    lines = ("@module_name Eye", "@DataOut NotifyWhenReady", "@Port image/raw")
+    start = "".join(f"// {line}\n" for line in ("@module_start", *lines))
+    (tmp_path / "eye.hpp").write_text(f"{start}Image see(Ray light, Ray);\n// @module_end\n")
+    modules = extraction_json(extract([tmp_path]))["modules"]
+    assert isinstance(modules, list)
+    (service,) = modules[0]["services"]
+    assert {key: service[key] for key in ADDED} == {
+        "port": "image/raw",
+        "parameters": ["light", "Ray"],
+    }
+
+
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
 def test_a_case_prints_what_stands_beside_it(path: Path, update_golden: bool) -> None:
     """Modules first, then everything that is told, as the command line does."""

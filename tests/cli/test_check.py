@@ -75,7 +75,7 @@ def test_each_file_is_a_robot_of_its_own_and_all_are_checked(
     ]
     assert shown.out == ""
     assert shown.err.endswith(
-        "4 errors, 2 warnings in 6 files\n"
+        "4 errors, 2 warnings in 5 files and 1 folder\n"
         "2 of them have exactly one repair, shown above; --fix applies it\n"
     )
     assert (robots / "twice.mars").read_text() == TWICE

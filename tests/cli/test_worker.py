@@ -182,6 +182,42 @@ def test_a_behaviour_that_ends_the_program_fails_the_run(
     output, said = command.communicate(timeout=60)
     assert command.returncode == status, said
     assert mentions in (output + said).decode()
+    assert_whole_or_absent(tmp_path / "r.jsonl")
+
+
+def assert_whole_or_absent(record: Path) -> None:
+    """Check that a record ends with its last event, and that no part of one is beside it."""
+    assert not list(record.parent.glob(".mars-asp.*"))
+    if record.exists():
+        lines = record.read_text().splitlines()
+        assert json.loads(lines[-1])["ns"] in (900_000_000, 1_000_000_000)
+
+
+@pytest.mark.parametrize(
+    ("how", "status"), [("os.kill(os.getpid(), 9)", 1), ("os.closerange(0, 64)", 1)]
+)
+def test_a_record_of_which_much_was_written_is_dropped_with_its_run(
+    how: str, status: int, tmp_path: Path
+) -> None:
+    (tmp_path / "drive.py").write_text(
+        "import os\nfrom pathlib import Path\ncalls = 0\ndef go():\n    global calls\n"
+        "    calls += 1\n    if calls == 5000:\n"
+        f"        beside = list(Path({str(tmp_path)!r}).glob('.mars-asp.*'))\n"
+        f"        Path({str(tmp_path / 'seen')!r}).write_text(str(len(beside)))\n"
+        f"        {how}\n"
+        "    return 'Trans_Z', 1.0\n"
+    )
+    (tmp_path / "s.toml").write_text(SCENARIO.replace("= 1\n", "= 9\n").replace("= 100 }", "= 1 }"))
+    (tmp_path / "c.mars").write_text(ROBOT)
+    (tmp_path / "r.jsonl").write_text("as it was")
+    words = ("run", str(tmp_path / "c.mars"), "--scenario", str(tmp_path / "s.toml"))
+    command = start(*words, "--record", str(tmp_path / "r.jsonl"))
+    output, said = command.communicate(timeout=60)
+    assert (command.returncode, output) == (status, b""), said
+    # Events were on the disk while the run went on.
+    assert (tmp_path / "seen").read_text() == "1"
+    assert (tmp_path / "r.jsonl").read_text() == "as it was"
+    assert not list(tmp_path.glob(".mars-asp.*"))
 
 
 def test_a_crash_of_the_reasoner_is_told_apart(tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_docking_and_following_reach_the_base_of_nav2_past_its_guards() -> None:
     }
     guards = [module.name for module in found.configuration.declared if module.guard]
     assert guards == ["/velocity_smoother", "/collision_monitor"]
-    assert any("12 nodes start only under conditions" in note.message for note in found.warnings)
+    assert any("12 nodes depend on conditions" in note.message for note in found.warnings)
 
 
 def launched(text: str, path: str = "robot.launch.py") -> Parsed:
@@ -107,7 +107,7 @@ DESCRIPTIONS = [
         JOY.replace(")", ", namespace=x)"),
         ["/b/joy_node"],
     ),
-    ("x = 'a' if y else 'c'", JOY.replace(")", ", name=x)"), ["/a"]),
+    ("x = 'a' if y else 'c'", JOY.replace(")", ", name=x)"), ["/a", "/c"]),
     ("x = ['a', '_', 'b']", JOY.replace(")", ", name=x)"), ["/a_b"]),
     ("x = {'name': 'k'}", JOY.replace(")", ", **x)"), ["/k"]),
     ("x = f'r{1}'", JOY.replace(")", ", name=x)"), ["/r1"]),

@@ -16,12 +16,14 @@ WORDS = (
     *("uses_data_from", "is_controlled_by", "is_mounted_on", "hierarchical", "allocation root"),
     *("@configuration", "@specification", "@modules", "@sources", "@Modules", "NotifyOnMax(3)"),
     *("1", "+2", "-3", "4.5", ".5", "6.", "7e3", "8e", "٣", "1.2.3", ",", "(", ")", "=", "NotifyX"),
+    *("every", "every 3 s", "C.o", ".i", '."a b"', "Notify-X", '"a b"', "7e3NotifyX"),
 )
 GAPS = ("", " ", "  ", "\t", "\xa0", "\x0b", "\u2028", "\n")
 LINES = (
     "A uses_data_from B",
     "A uses_data_from B NotifyAtFrequency 10",
     "A uses_data_from B 2.5",
+    "A.in uses_data_from B.out NotifyOnChange",
     "A is_controlled_by B",
     "A is_controlled_by B 3 hold 50 allocation split",
     "A 1 is_mounted_on B 2",
@@ -46,6 +48,9 @@ def test_common_lines_are_left_to_no_grammar(line: str) -> None:
         "@sources a/*.cpp",
         "@configuration circular",
         "A uses_data_from",
+        "A uses_data_from B 7e3NotifyAtFrequency 10",
+        "A uses_data_from B every 10",
+        "A uses_data_from B Notify-Me",
     ],
 )
 def test_all_else_is_left_to_the_grammar(line: str) -> None:

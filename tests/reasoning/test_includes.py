@@ -79,6 +79,49 @@ def test_a_file_counts_once_however_paths_lead_to_it(tmp_path: Path) -> None:
     assert line.span.path == str(tmp_path / "b" / "shared.mars")
 
 
+@pytest.mark.parametrize("second", ["second.mars", "robot.mars"])
+def test_a_module_that_two_files_describe_differently_is_refused(
+    second: str, tmp_path: Path
+) -> None:
+    block = "@module_start\n@module_name Eye\n@Sense {}\nImage look();\n@module_end\n"
+    files = {
+        "first.mars": "@configuration\n@modules Eye\n",
+        "second.mars": "@configuration\n@modules Eye\n",
+        "robot.mars": "@configuration\n@include first.mars\n@include second.mars\n@modules A\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    robot, first, other = (tmp_path / name for name in ("robot.mars", "first.mars", second))
+    first.write_text(files["first.mars"] + block.format("NotifyWhenReady"))
+    # Comments and white space describe nothing.
+    other.write_text(files[second] + block.format("  NotifyWhenReady -- as the first"))
+    (eye,) = load_project(str(robot)).configuration.declared
+    assert eye.span.path == str(first)
+    other.write_text(files[second] + block.format("RequestWhenReady"))
+    with pytest.raises(MarsError) as caught:
+        load_project(str(robot))
+    (told,) = caught.value.diagnostics
+    assert (told.code, told.span.path, told.labels[0][0].path) == (
+        "module-twice",
+        str(other),
+        str(first),
+    )
+
+
+def test_a_limit_of_includes_is_reported_once(tmp_path: Path) -> None:
+    last = 120
+    for number in range(last):
+        line = f"@include {number + 1}.mars as {{}}\n"
+        text = f"@configuration\n{line.format('a')}{line.format('b')}@modules A\n"
+        (tmp_path / f"{number}.mars").write_text(text)
+    (tmp_path / f"{last}.mars").write_text("@configuration\n@modules A\n")
+    for first, limit in ((0, "100 includes within"), (last - 15, "1000 includes")):
+        with pytest.raises(MarsError) as caught:
+            load_project(str(tmp_path / f"{first}.mars"))
+        (told,) = caught.value.diagnostics
+        assert limit in told.message
+
+
 def test_a_description_of_its_own_counts_and_is_said(tmp_path: Path) -> None:
     block = "@module_start\n@module_name {}\n@Sense NotifyWhenReady\n{} look();\n@module_end\n"
     robot = tmp_path / "robot.mars"

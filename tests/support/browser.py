@@ -112,6 +112,10 @@ class Browser:
 
     def show(self, path: Path, width: int = 1200, height: int = 800, dark: bool = False) -> None:
         """Show the page of a file in a window of a size in pixels."""
+        self.visit(path.as_uri(), width, height, dark)
+
+    def visit(self, address: str, width: int = 1200, height: int = 800, dark: bool = False) -> None:
+        """Show the page of an address in a window of a size in pixels."""
         self.events.clear()
         self(
             "Emulation.setDeviceMetricsOverride",
@@ -122,7 +126,7 @@ class Browser:
         )
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self("Emulation.setEmulatedMedia", features=[scheme])
-        self("Page.navigate", url=path.as_uri())
+        self("Page.navigate", url=address)
         if not any(each.get("method") == "Page.loadEventFired" for each in self.events):
             for told in self._messages():
                 self.events.append(told)

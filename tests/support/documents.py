@@ -36,7 +36,7 @@ def answered(path: Path, command: str, expected: str, update_golden: bool) -> st
     found = run(command)
     if update_golden:
         text = path.read_text(encoding="utf-8")
-        text = text.replace(f"{command}\n{expected}", f"{command}\n{found.strip()}\n\n")
+        text = text.replace(f"{command}\n{expected}", f"{command}\n{found.strip()}\n")
         path.write_text(text, encoding="utf-8")
     else:
         assert found.strip() == expected.strip()

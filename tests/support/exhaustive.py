@@ -60,13 +60,14 @@ def minimal(configuration: Configuration, modules: Mapping[str, Module]) -> tupl
     parts: list[Answers | None] = []
     # Each output is a source of its own.
     data: dict[tuple[str, str | None], list[Data]] = {}
-    for line in configuration.relationships:
-        if isinstance(line, Data):
-            voice = speaking(line, known)
-            port = line.source_port if voice is None else voice.port or voice.function
-            mine = data.setdefault((line.source, port), [])
-            if all(stated(line, known) != stated(other, known) for other in mine):
-                mine.append(line)
+    # Of two lines that are the same relationship, the one that names its input tells where it ends.
+    lines = (line for line in configuration.relationships if isinstance(line, Data))
+    for line in sorted(lines, key=lambda line: line.client_port is None):
+        voice = speaking(line, known)
+        port = line.source_port if voice is None else voice.port or voice.function
+        mine = data.setdefault((line.source, port), [])
+        if all(stated(line, known) != stated(other, known) for other in mine):
+            mine.append(line)
     parts += [resolve_data(lines, known) for lines in data.values()]
     hierarchical = configuration.architecture == "hierarchical"
     nodes = inheritance(configuration, known)

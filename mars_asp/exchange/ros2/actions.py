@@ -144,6 +144,13 @@ class Include:
 
 
 @dataclass(frozen=True, slots=True)
+class Readings:
+    """What a launch file does by one or by other branches of its conditions, each a list."""
+
+    readings: "tuple[tuple[Action, ...], ...]"
+
+
+@dataclass(frozen=True, slots=True)
 class NotRead:
     """Something of a launch file that was not read: its sort in the plural, what it is called."""
 
@@ -153,7 +160,15 @@ class NotRead:
 
 
 Action: TypeAlias = (
-    Start | Group | PushNamespace | SetRemap | Declare | SetParameters | Include | NotRead
+    Start
+    | Group
+    | PushNamespace
+    | SetRemap
+    | Declare
+    | SetParameters
+    | Include
+    | Readings
+    | NotRead
 )
 
 

@@ -17,6 +17,7 @@ from mars_asp.exchange.ros2.actions import (
     NotRead,
     Parameter,
     PushNamespace,
+    Readings,
     Remap,
     SetParameters,
     SetRemap,
@@ -145,8 +146,33 @@ class Launch:
                     scope.parameters.update(self._parameters(parameters, scope, files))
                 case Include():
                     self._include(action, scope, files)
+                case Readings(readings):
+                    self._either(readings, scope, files)
                 case NotRead(sort, name, span):
                     self.unread.append(Unread(sort, name, span))
+
+    def _either(
+        self, readings: Sequence[Sequence[Action]], scope: _Scope, files: tuple[Path, ...]
+    ) -> None:
+        """Take up what each reading starts; what not all of them start depends on conditions."""
+        before = self.started
+        found: list[tuple[Started, set[int]]] = []
+        at: dict[Span, list[tuple[Started, set[int]]]] = {}
+        for number, actions in enumerate(readings):
+            self.started = []
+            self._walk(actions, scope.inner(), files)
+            for each in self.started:
+                same = at.setdefault(each.span, [])
+                by = next((by for one, by in same if one == each), None)
+                if by is None:
+                    same.append((each, {number}))
+                    found.append(same[-1])
+                else:
+                    by.add(number)
+        self.started = before
+        for each, by in found:
+            is_always = len(by) == len(readings)
+            self.started.append(each if is_always else replace(each, conditional=True))
 
     def _include(self, action: Include, scope: _Scope, files: tuple[Path, ...]) -> None:
         written = self._shown(action.path, scope)

@@ -1,7 +1,8 @@
 """Launch files in Python as actions, by their syntax trees; nothing of them ever runs."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.ros2.actions import (
@@ -11,13 +12,21 @@ from mars_asp.exchange.ros2.actions import (
     Include,
     NotRead,
     PushNamespace,
+    Readings,
     Remap,
     SetParameters,
     SetRemap,
     Start,
     together,
 )
-from mars_asp.exchange.ros2.python_evaluate import MOST_STEPS, Evaluator
+from mars_asp.exchange.ros2.python_evaluate import (
+    MOST_STEPS,
+    Evaluator,
+    Leaving,
+    LoopLeft,
+    Refused,
+    Returned,
+)
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
     forced,
@@ -47,6 +56,8 @@ _NODES = {
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
 _ENTRY = "generate_launch_description"
+#: How often a file is read, each time by other branches of its conditions.
+_MOST_READINGS = 64
 
 
 def read_python(text: str, path: str) -> tuple[Action, ...]:
@@ -82,15 +93,62 @@ class _Reader(Evaluator):
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
-        self.run(tree.body, self.globals)
+        readings = tuple(dict.fromkeys(self.readings(tree)))
+        found = readings[0] if len(readings) == 1 else (Readings(readings),)
+        entry = self.globals[_ENTRY]
+        names = self.entered(entry) if isinstance(entry, Local) else {}
+        declared = tuple(self.declared(tree, names))
+        return (*declared, *found, *self.left_out(tree, names))
+
+    def readings(self, tree: ast.Module) -> Iterator[tuple[Action, ...]]:
+        """Yield what the file starts, once for each set of branches that it takes.
+
+        Each branch of each condition is taken by some reading, the others there as before it.
+        """
+        self.assigned = frozenset(
+            node.id
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        )
+        waiting: list[dict[ast.AST, int]] = [{}]
+        planned: set[tuple[ast.AST, int]] = set()
+        found: list[tuple[Action, ...]] = []
+        self.strict = True
+        for _ in range(_MOST_READINGS):
+            if not waiting or self.steps > MOST_STEPS:
+                break
+            with suppress(Refused):
+                found.append(self.reading(tree, waiting.pop(0)))
+            before: dict[ast.AST, int] = {}
+            for node, (choice, options) in self.decisions.items():
+                planned.add((node, choice))
+                others = [each for each in range(options) if (node, each) not in planned]
+                planned.update((node, each) for each in others)
+                waiting += ({**before, node: each} for each in others)
+                before[node] = choice
+        self.strict = False
+        yield from found or (self.reading(tree, {}),)
+        if waiting:
+            place = point(self.path, 1, 1)
+            yield (NotRead("branches of conditions", str(len(waiting)), place),)
+
+    def reading(self, tree: ast.Module, forced: Mapping[ast.AST, int]) -> tuple[Action, ...]:
+        """Return what the file starts by the branches that are forced, and else the first.
+
+        Raises:
+            MarsError: the file has no description.
+            Refused: these branches raise an exception.
+        """
+        self.forced, self.decisions, self.declarations = forced, {}, []
+        self.globals.clear()
+        with suppress(Returned, LoopLeft):
+            self.run(tree.body, self.globals)
         entry = self.globals.get(_ENTRY)
         if not isinstance(entry, Local):
             place = point(self.path, 1, 1)
             raise _wrong(place, f"the file has no function `{_ENTRY}` at its outer level")
         found = tuple(self.interpret(self.call_local(entry, (), {}), False))
-        names = self.entered(entry)
-        declared = tuple(self.declared(tree, names))
-        return (*self.declarations, *declared, *found, *self.left_out(tree, names))
+        return (*self.declarations, *found)
 
     def interpret(self, value: Value, conditional: bool) -> Iterator[Action]:
         """Yield the actions that a value is or holds."""
@@ -215,9 +273,11 @@ class _Reader(Evaluator):
     def entered(self, entry: Local) -> Names:
         """Return the names that the function that generates the description assigns."""
         names: Names = {}
-        for statement in entry.of.body:
-            if isinstance(statement, ast.Assign):
-                self.statement(statement, names)
+        body = entry.of.body if isinstance(entry.of, ast.FunctionDef) else ()
+        with suppress(Leaving):
+            for statement in body:
+                if isinstance(statement, ast.Assign):
+                    self.statement(statement, names)
         return names
 
     def declared(self, tree: ast.Module, names: Names) -> Iterator[Declare]:

@@ -1,7 +1,8 @@
 """What the expressions and statements of a launch file in Python stand for; none of it is run.
 
 Names are followed to the values that are assigned to them, through loops over lists that are
-written out and through calls of the file's own functions. Of a condition both branches are read.
+written out and through calls of the file's own functions. Of a condition one reading takes one
+branch, the first where nothing forces another; who reads sees to it that each is taken once.
 """
 
 import ast
@@ -10,55 +11,39 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
-    Argument,
     Declare,
     Here,
-    Share,
     Text,
     text_of,
 )
+from mars_asp.exchange.ros2.python_known import known
 from mars_asp.exchange.ros2.python_nodes import (
     declared_by,
 )
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
     Call,
-    File,
     Listed,
     Local,
     Mapped,
     Names,
     Plain,
     Value,
-    counted,
-    either,
+    each_of,
+    filled,
     folder_of,
     items_of,
     path_of,
     picked,
-    plain,
     summed,
     text_from,
 )
 
 #: How deep functions may call each other and expressions nest, and how many are evaluated.
 _DEEPEST_CALL = 16
+_MOST_CALLS = 5000
 _DEEPEST = 150
 MOST_STEPS = 200_000
-#: Functions that return one of their arguments as a path.
-_PATHS = frozenset(
-    {"abspath", "realpath", "normpath", "expanduser", "Path", "str", "PathSubstitution"}
-    | {"TextSubstitution", "FileContent"}
-)
-_SHARES = frozenset(
-    {
-        "get_package_share_directory",
-        "get_package_share_path",
-        "FindPackageShare",
-        "FindPackage",
-        "FindPackagePrefix",
-    }
-)
 
 
 class Evaluator:
@@ -68,11 +53,16 @@ class Evaluator:
         self.path = path
         self.lines = text.split("\n")
         self.steps = 0
+        self.depth = 0
         self.calls = 0
         self.launched: set[tuple[int, int]] = set()
         self.globals: Names = {}
         self.called: dict[str, str] = {}
         self.declarations: list[Declare] = []
+        self.strict = False
+        self.assigned: frozenset[str] = frozenset()
+        self.forced: Mapping[ast.AST, int] = {}
+        self.decisions: dict[ast.AST, tuple[int, int]] = {}
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return where a node of the tree stands; the tree counts columns in bytes."""
@@ -95,22 +85,28 @@ class Evaluator:
             return offset + 1
         return len(text.encode()[:offset].decode(errors="ignore")) + 1
 
+    def decided(self, node: ast.AST, options: int) -> int:
+        """Return which branch of a condition this reading takes; all are taken by some reading."""
+        choice = self.forced.get(node, 0)
+        self.decisions.setdefault(node, (choice, options))
+        return choice
+
     # ---- Statements
 
-    def run(self, body: Iterable[ast.stmt], names: Names) -> Value:
-        """Run statements; return what they return, of several the lists joined."""
-        returned: Value = None
+    def run(self, body: Iterable[ast.stmt], names: Names) -> None:
+        """Run statements."""
         for statement in body:
-            found = self.statement(statement, names)
-            if found is not None:
-                returned = either(returned, found)
-        return returned
+            self.statement(statement, names)
 
-    def statement(self, node: ast.stmt, names: Names) -> Value:  # noqa: C901 -- one case each
-        """Run one statement; return what it returns."""
+    def statement(self, node: ast.stmt, names: Names) -> None:  # noqa: C901 -- one case each
+        """Run one statement.
+
+        Raises:
+            Leaving: it leaves the function, the loop or the launch file.
+        """
         match node:
             case ast.FunctionDef(name=name):
-                names[name] = Local(node)
+                names[name] = Local(node, names)
             case ast.Assign(targets=targets, value=value):
                 found = self.value(value, names)
                 for target in targets:
@@ -126,47 +122,45 @@ class Evaluator:
                     names[name] = summed(before, added)
             case ast.Expr(value=value):
                 self.value(value, names)
-            case ast.Return(value=ast.expr() as value):
-                return self.value(value, names)
+            case ast.Return(value=value):
+                raise Returned(None if value is None else self.value(value, names))
+            case ast.Raise() if self.strict:
+                raise Refused
+            case ast.Break() | ast.Continue():
+                raise LoopLeft(isinstance(node, ast.Break))
             case ast.If(body=body, orelse=orelse):
-                return self.branches((body, orelse), names)
+                self.run((body, orelse)[self.decided(node, 2)], names)
+            case ast.Match(cases=cases):
+                # None of the cases may fit.
+                bodies = [*(case.body for case in cases), []]
+                self.run(bodies[self.decided(node, len(bodies))], names)
             case ast.For(target=target, iter=iterated, body=body, orelse=orelse):
-                returned: Value = None
-                items = self.value(iterated, names)
-                for item in tuple(items_of(items)) or (None,):
-                    if self.steps > MOST_STEPS:
-                        break
+                for item in each_of(self.value(iterated, names)):
                     self.assign(target, item, names)
-                    returned = either(returned, self.run(body, names))
-                return either(returned, self.run(orelse, names))
+                    if self.steps > MOST_STEPS or self.leaves(body, names):
+                        return
+                self.run(orelse, names)
             case ast.With(items=opened, body=body):
                 for each in opened:
                     if each.optional_vars is not None:
                         self.assign(each.optional_vars, self.value(each.context_expr, names), names)
-                return self.run(body, names)
+                self.run(body, names)
             case ast.While(body=body):
-                return self.run(body, names)
+                self.leaves(body, names)
             case ast.Try(body=body, handlers=handlers, orelse=orelse, finalbody=final):
-                found = self.run((*body, *orelse), names)
-                for handler in handlers:
-                    found = either(found, self.run(handler.body, names))
-                return either(found, self.run(final, names))
+                bodies = [[*body, *orelse], *(handler.body for handler in handlers)]
+                self.run(bodies[self.decided(node, len(bodies))], names)
+                self.run(final, names)
             case _:
                 pass
-        return None
 
-    def branches(self, bodies: Iterable[Sequence[ast.stmt]], names: Names) -> Value:
-        """Run all branches of a condition; what they assign differently is all of it."""
-        before = dict(names)
-        returned: Value = None
-        for body in bodies:
-            inner = dict(before)
-            returned = either(returned, self.run(body, inner))
-            for name, value in inner.items():
-                if value is not before.get(name):
-                    first = None if names.get(name) is before.get(name) else names[name]
-                    names[name] = either(first, value)
-        return returned
+    def leaves(self, body: Iterable[ast.stmt], names: Names) -> bool:
+        """Run the body of a loop once; return whether it leaves the loop."""
+        try:
+            self.run(body, names)
+        except LoopLeft as left:
+            return left.ends
+        return False
 
     def assign(self, target: ast.expr, value: Value, names: Names) -> None:
         """Give a value to a name, or its parts to several."""
@@ -203,7 +197,15 @@ class Evaluator:
             case ast.Name(id="__file__"):
                 return Plain((Here(), "/."), self.span(node))
             case ast.Name(id=name):
-                return names.get(name, self.globals.get(name))
+                if name in names or name in self.globals:
+                    return names.get(name, self.globals.get(name))
+                if self.strict and name in self.assigned:
+                    raise Refused
+                return None
+            case ast.NamedExpr(target=target, value=value):
+                named = self.value(value, names, depth + 1)
+                self.assign(target, named, names)
+                return named
             case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items):
                 return Listed(list(self.elements(items, names, depth)), self.span(node))
             case ast.Dict(keys=keys, values=values):
@@ -219,16 +221,24 @@ class Evaluator:
                     found = found or self.value(each, names, depth + 1)
                 return found
             case ast.IfExp(body=body, orelse=orelse):
-                return either(
-                    self.value(body, names, depth + 1), self.value(orelse, names, depth + 1)
-                )
-            case ast.ListComp(elt=element, generators=[generator]):
-                found = Listed([], self.span(node))
-                inner = dict(names)
-                for item in items_of(self.value(generator.iter, names, depth + 1)):
-                    self.assign(generator.target, item, inner)
-                    found.items.append(self.value(element, inner, depth + 1))
-                return found
+                return self.value((body, orelse)[self.decided(node, 2)], names, depth + 1)
+            case (
+                ast.ListComp(elt=element, generators=generators)
+                | ast.GeneratorExp(elt=element, generators=generators)
+                | ast.SetComp(elt=element, generators=generators)
+            ):
+                scopes = self.scopes(generators, names, depth + 1)
+                made = [self.value(element, inner, depth + 1) for inner in scopes]
+                return Listed(made, self.span(node))
+            case ast.DictComp(key=key, value=value, generators=generators):
+                scopes = self.scopes(generators, names, depth + 1)
+                pairs = [
+                    (self.value(key, inner, depth + 1), self.value(value, inner, depth + 1))
+                    for inner in scopes
+                ]
+                return Mapped(tuple(pairs))
+            case ast.Lambda():
+                return Local(node, names)
             case ast.Subscript(value=value, slice=key):
                 return picked(
                     self.value(value, names, depth + 1), self.value(key, names, depth + 1)
@@ -244,6 +254,24 @@ class Evaluator:
                 return self.value(value, names, depth + 1)
             case _:
                 return None
+
+    def scopes(
+        self, generators: Sequence[ast.comprehension], names: Names, depth: int
+    ) -> Iterator[Names]:
+        """Yield the names for each round of a comprehension."""
+        if not generators:
+            yield dict(names)
+            return
+        first, *others = generators
+        if any(self.decided(condition, 2) for condition in first.ifs):
+            return
+        inner = dict(names)
+        for item in each_of(self.value(first.iter, names, depth)):
+            self.steps += 1
+            if self.steps > MOST_STEPS:
+                return
+            self.assign(first.target, item, inner)
+            yield from self.scopes(others, inner, depth)
 
     def elements(self, items: Sequence[ast.expr], names: Names, depth: int) -> Iterator[Value]:
         """Yield the elements of a list, those of starred ones among them."""
@@ -308,7 +336,7 @@ class Evaluator:
                     named["".join(p for p in text_from(key) if isinstance(p, str))] = value
         span = self.span(node)
         if isinstance(node.func, ast.Attribute):
-            done = self.method(node.func, arguments, names, depth)
+            done = self.method(node.func, arguments, named, names, depth)
             if not isinstance(done, _NotDone):
                 return done
             name = node.func.attr
@@ -320,10 +348,18 @@ class Evaluator:
             name = self.called.get(name, name)
         else:
             return None
-        return self.known(Call(name, arguments, named, span))
+        call = Call(name, arguments, named, span)
+        if name == "DeclareLaunchArgument":
+            self.declarations += declared_by(call)
+        return known(call)
 
     def method(
-        self, func: ast.Attribute, arguments: Sequence[Value], names: Names, depth: int
+        self,
+        func: ast.Attribute,
+        arguments: Sequence[Value],
+        named: Mapping[str, Value],
+        names: Names,
+        depth: int,
     ) -> "Value | _NotDone":
         """Carry out a method of a list, dictionary or text."""
         owner = self.value(func.value, names, depth + 1)
@@ -345,10 +381,14 @@ class Evaluator:
                 return None
             case Mapped(pairs), "items":
                 return Listed([Listed([key, value]) for key, value in pairs])
+            case Mapped(pairs), "keys" | "values":
+                return Listed([pair[func.attr == "values"] for pair in pairs])
             case Mapped(pairs), "get":
                 return picked(owner, first)
-            case Plain(), "perform" | "as_posix" | "resolve" | "strip" | "format" | "absolute":
-                return Plain(UNKNOWN, owner.span) if func.attr == "format" else owner
+            case Plain(text, span), "format":
+                return Plain(filled(text, arguments, named), span)
+            case Plain(), "perform" | "as_posix" | "resolve" | "strip" | "absolute":
+                return owner
             case Plain(text, span), "joinpath":
                 return Plain(path_of(text, *map(text_from, arguments)), span)
             case _:
@@ -358,11 +398,13 @@ class Evaluator:
         self, function: Local, arguments: Sequence[Value], named: Mapping[str, Value]
     ) -> Value:
         """Return what a function of the file returns."""
-        if self.calls >= _DEEPEST_CALL:
+        self.calls += 1
+        if self.depth >= _DEEPEST_CALL or self.calls > _MOST_CALLS:
             return None
         parameters = function.of.args
-        names: Names = {}
+        names: Names = {} if function.names is self.globals else dict(function.names)
         every = [*parameters.posonlyargs, *parameters.args]
+        names |= dict.fromkeys(each.arg for each in (*every, *parameters.kwonlyargs))
         for parameter, default in zip(reversed(every), reversed(parameters.defaults), strict=False):
             names[parameter.arg] = self.value(default, self.globals)
         names.update(
@@ -380,65 +422,42 @@ class Evaluator:
             names[parameters.kwarg.arg] = Mapped(
                 tuple((Plain((key,), span), v) for key, v in named.items() if key not in own)
             )
-        self.calls += 1
+        self.depth += 1
         try:
-            return self.run(function.of.body, names)
+            if isinstance(function.of, ast.Lambda):
+                return self.value(function.of.body, names)
+            self.run(function.of.body, names)
+        except Returned as returned:
+            return returned.value
         finally:
-            self.calls -= 1
+            self.depth -= 1
+        return None
 
-    def known(self, call: Call) -> Value:  # noqa: C901 -- one case for each function
-        """Return the text that a call makes, where it makes one; else the call itself."""
-        first = call.arguments[0] if call.arguments else None
-        match call.name:
-            case "LaunchDescription":
-                entities = call.get("initial_entities", 0)
-                copy = Listed(list(items_of(entities)), call.span)
-                return Call(call.name, (copy,), {}, call.span)
-            case "LaunchConfiguration" | "LaunchConfigAsBool":
-                name = plain(text_from(call.get("variable_name", 0)))
-                default = call.named.get("default")
-                if name is None:
-                    return Plain(UNKNOWN, call.span)
-                text = None if default is None else text_from(default)
-                return Plain((Argument(name, text),), call.span)
-            case "DeclareLaunchArgument":
-                self.declarations += declared_by(call)
-                return call
-            case "ThisLaunchFileDir":
-                return Plain((Here(),), call.span)
-            case "EnvironmentVariable" | "getenv":
-                value = call.get("default_value", 1)
-                return Plain(text_from(value), call.span)
-            case "PathJoinSubstitution" | "PathJoin":
-                parts = items_of(first) if isinstance(first, Listed) else call.arguments
-                return Plain(path_of(*map(text_from, parts)), call.span)
-            case "join":
-                return Plain(path_of(*map(text_from, call.arguments)), call.span)
-            case "dirname":
-                return Plain(folder_of(text_from(first)), call.span)
-            case "open" | "safe_load" | "full_load" | "load":
-                # Of a file of parameters it is enough to know which.
-                return File(text_from(first), call.span)
-            case "ParameterFile" | "RewrittenYaml" | "ReplaceString":
-                at = "param_file" if call.name == "ParameterFile" else "source_file"
-                return Plain(text_from(call.get(at, 0)), call.span)
-            case "ParameterValue":
-                return call.get("value", 0)
-            case "list" | "tuple" | "sorted" | "reversed":
-                return first
-            case "range" | "enumerate" | "zip":
-                return counted(call)
-            case "dict":
-                pairs = tuple(
-                    (Plain((key,), call.span), value) for key, value in call.named.items()
-                )
-                return Mapped((*(first.pairs if isinstance(first, Mapped) else ()), *pairs))
-            case name if name in _SHARES:
-                return Plain((Share(text_from(call.get("package", 0))),), call.span)
-            case name if name in _PATHS:
-                return Plain(path_of(*map(text_from, call.arguments)), call.span)
-            case _:
-                return call
+
+class Leaving(Exception):  # noqa: N818 -- no error, but a way out
+    """Stands for what leaves a part of a launch file before its end."""
+
+
+class Returned(Leaving):
+    """A function returns."""
+
+    def __init__(self, value: Value) -> None:
+        """Take what it returns."""
+        super().__init__()
+        self.value = value
+
+
+class LoopLeft(Leaving):
+    """A round of a loop ends, and with `ends` the loop."""
+
+    def __init__(self, ends: bool) -> None:
+        """Take whether the loop ends."""
+        super().__init__()
+        self.ends = ends
+
+
+class Refused(Leaving):
+    """The file raises an exception, or uses a name that these branches leave without a value."""
 
 
 class _NotDone:

@@ -2,8 +2,9 @@
 
 import ast
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from string import Formatter
 from typing import TypeAlias
 
 from mars_asp.diagnostic import Span
@@ -54,9 +55,10 @@ class Mapped:
 
 @dataclass(frozen=True, slots=True)
 class Local:
-    """A function of the file."""
+    """A function of the file, and the names where it stands."""
 
-    of: ast.FunctionDef
+    of: ast.FunctionDef | ast.Lambda
+    names: "Names" = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,16 +112,31 @@ def items_of(value: Value) -> "list[Value]":
     return value.items if isinstance(value, Listed) else []
 
 
-def either(first: Value, second: Value) -> Value:
-    """Return what holds all that either of two branches gives; of two texts the first."""
-    if first is None or second is None:
-        return first if second is None else second
-    if isinstance(first, Plain) and isinstance(second, Plain):
-        return first
-    if first is second:
-        return first
-    both = [each for one in (first, second) for each in items_of(one) or [one]]
-    return Listed(both[:MOST_ITEMS])
+def each_of(value: Value) -> "list[Value]":
+    """Return the rounds of a loop over a value, one without a known item where it is not known."""
+    if isinstance(value, Mapped):
+        return [key for key, _ in value.pairs]
+    return list(value.items) if isinstance(value, Listed) else [None]
+
+
+def filled(text: Text, arguments: "Sequence[Value]", named: "Mapping[str, Value]") -> Text:
+    """Return a text with values in place of its braces, as `str.format` puts them there."""
+    template = plain(text)
+    if template is None:
+        return UNKNOWN
+    found: list[Text] = []
+    given = {**{str(at): value for at, value in enumerate(arguments)}, **named}
+    try:
+        pieces = list(Formatter().parse(template))
+    except ValueError:
+        return UNKNOWN
+    position = 0
+    for literal, name, form, _ in pieces[:MOST_PARTS]:
+        found.append((literal,))
+        if name is not None:
+            found.append(UNKNOWN if form else text_from(given.get(name or str(position))))
+            position += not name
+    return text_of(*found)
 
 
 def summed(first: Value, second: Value) -> Value:

@@ -401,6 +401,9 @@ class _Robot:
             for key, value in values.items():
                 if key.startswith(stem) and _NUMBERED.fullmatch(key[len(stem) :]):
                     yield value.text
+        elif topic.parameter.endswith("[]"):
+            listed = values.get(topic.parameter[:-2])
+            yield from () if listed is None else listed.texts
         else:
             given = values.get(topic.parameter)
             yield topic.name if given is None else given.text
@@ -445,10 +448,10 @@ class _Robot:
         """Note what was decided: conditions, and what the catalogue says."""
         if self.conditional:
             first, *_ = self.conditional.values()
-            verb = "starts" if len(self.conditional) == 1 else "start"
+            verb = "depends" if len(self.conditional) == 1 else "depend"
             message = (
-                f"{_counted(len(self.conditional), 'node')} {verb} only under conditions, of which"
-                " every branch was read"
+                f"{_counted(len(self.conditional), 'node')} {verb} on conditions, of which every"
+                " branch was read"
             )
             self.problems.append(Diagnostic("launch", "note", message, first))
         if self.catalogued:

@@ -47,6 +47,13 @@ _UNITS = {
     "s": Fraction(1),
     "min": Fraction(60),
 }
+#: The units of a `std::chrono::duration`; a `std::ratio` is not worked out.
+_RATIOS = {
+    "milli": Fraction(1, 1000),
+    "micro": Fraction(1, 10**6),
+    "nano": Fraction(1, 10**9),
+    "ratio": None,
+}
 _DURATIONS = {
     "nanoseconds": Fraction(1, 10**9),
     "microseconds": Fraction(1, 10**6),
@@ -496,9 +503,11 @@ class _File:
                 rest = words[at + 1 :]
                 opening = next((i for i, t in enumerate(rest) if t in "({"), None)
                 if opening is not None:
-                    inside = "".join(rest[opening + 1 : -1])
-                    number = _number(inside)
-                    return None if number is None else number * _DURATIONS[word]
+                    number = _number("".join(rest[opening + 1 : -1]))
+                    # `duration<double, std::milli>` counts in a unit of its own.
+                    units = [_RATIOS.get(each) for each in rest[:opening] if each in _RATIOS]
+                    unit = units[0] if units else _DURATIONS[word]
+                    return None if number is None or unit is None else number * unit
         return None
 
 

@@ -4,20 +4,20 @@ Messages are JSON in the well-known schemas FrameTransform, SceneUpdate and Log 
 (github.com/foxglove/foxglove-sdk, schemas). What passed over a link is a topic of its own.
 """
 
-import io
-import json
 from collections.abc import Iterator, Mapping
+from json import JSONEncoder
 from math import cos, radians, sin
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from mcap.writer import Writer
 
 from mars_asp import __version__
 from mars_asp.execution.executor.schedule import SECOND
-from mars_asp.execution.recording.record import Event
+from mars_asp.execution.recording.record import Event, plain
 from mars_asp.execution.simulator import Pose, World
 from mars_asp.execution.trial import Trial
 
+_json = JSONEncoder(allow_nan=False).encode
 _HEIGHT = 0.3  # of obstacles, which have none in the plane; metres
 _NUMBER, _TEXT, _WHOLE = {"type": "number"}, {"type": "string"}, {"type": "integer"}
 
@@ -104,26 +104,38 @@ class Entry(NamedTuple):
     message: dict[str, Any]
 
 
-def mcap_bytes(trial: Trial, events: list[Event]) -> bytes:
-    """Return an MCAP file; the same run gives the same bytes."""
-    file = io.BytesIO()
-    writer = Writer(file)
-    writer.start(library=f"mars-asp {__version__}")
-    schemas = {
-        name: writer.register_schema(name, "jsonschema", json.dumps(schema).encode())
-        for name, schema in SCHEMAS.items()
-    }
-    channels: dict[str, int] = {}
-    entries = [*_motion(trial), *map(_told, events)]
-    for entry in sorted(entries, key=lambda entry: entry.at):
-        if entry.topic not in channels:
-            channels[entry.topic] = writer.register_channel(
-                entry.topic, "json", schemas[entry.schema]
+class Foxglove:
+    """Writes each event as a message to an MCAP file, and at the end how robot and world moved.
+
+    The same run gives the same bytes. Readers put messages in order by an index.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._writer = Writer(file)
+        self._writer.start(library=f"mars-asp {__version__}")
+        self._schemas = {
+            name: self._writer.register_schema(name, "jsonschema", _json(schema).encode())
+            for name, schema in SCHEMAS.items()
+        }
+        self._channels: dict[str, int] = {}
+
+    def observe(self, at: int, what: str, where: str, value: object) -> None:
+        """Write an event."""
+        self._add(_told(Event(at, what, where, plain(value))))
+
+    def end(self, trial: Trial) -> None:
+        """Write the motion, and what makes the file whole."""
+        for entry in _motion(trial):
+            self._add(entry)
+        self._writer.finish()  # type: ignore[no-untyped-call]
+
+    def _add(self, entry: Entry) -> None:
+        at, topic, schema, message = entry
+        if topic not in self._channels:
+            self._channels[topic] = self._writer.register_channel(
+                topic, "json", self._schemas[schema]
             )
-        text = json.dumps(entry.message, allow_nan=False).encode()
-        writer.add_message(channels[entry.topic], entry.at, text, entry.at)
-    writer.finish()  # type: ignore[no-untyped-call]
-    return file.getvalue()
+        self._writer.add_message(self._channels[topic], at, _json(message).encode(), at)
 
 
 def _told(event: Event) -> Entry:

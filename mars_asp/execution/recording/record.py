@@ -1,8 +1,13 @@
 """What happened in a run, event by event."""
 
-import json
+from collections.abc import Callable
+from json import JSONEncoder
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
+
+from mars_asp.execution.trial import Trial
+
+_json = JSONEncoder(allow_nan=False).encode
 
 
 class Event(NamedTuple):
@@ -14,33 +19,39 @@ class Event(NamedTuple):
     value: Any
 
 
-class Record:
-    """Every event of a run, in order; its `observe` is what an executor is to tell."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
+class Record(Protocol):
+    """What writes down a run as it happens, and keeps nothing of it."""
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Keep an event; its value may change afterwards, so a copy is kept."""
-        self.events.append(Event(at, what, where, _plain(value)))
+        """Write an event, which is what an executor tells."""
 
-    def lines(self) -> str:
-        """Return the events as JSON, one a line."""
-        told = (
-            json.dumps({"ns": at, "event": what, "where": where, "value": value}, allow_nan=False)
-            for at, what, where, value in self.events
-        )
-        return "".join(f"{line}\n" for line in told)
+    def end(self, trial: Trial) -> None:
+        """Write what is known at the end."""
 
 
-def _plain(value: Any) -> Any:
+class Lines:
+    """Writes each event as a line of JSON."""
+
+    def __init__(self, write: Callable[[bytes], object]) -> None:
+        self._write = write
+
+    def observe(self, at: int, what: str, where: str, value: object) -> None:
+        """Write an event."""
+        told = {"ns": at, "event": what, "where": where, "value": plain(value)}
+        self._write(f"{_json(told)}\n".encode())
+
+    def end(self, trial: Trial) -> None:
+        """Write nothing: lines are events."""
+
+
+def plain(value: Any) -> Any:
     """Return a value as JSON has it: what is not finite becomes null, an object its text."""
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, float):
         return value if isfinite(value) else None
     if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
+        return [plain(part) for part in value]
     if isinstance(value, dict):
-        return {str(key): _plain(part) for key, part in value.items()}
+        return {str(key): plain(part) for key, part in value.items()}
     return repr(value)

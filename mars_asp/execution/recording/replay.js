@@ -2,7 +2,7 @@
 const run = JSON.parse(document.getElementById("run").textContent);
 const [svg, slider, play, speed, why] = ["#picture svg", "#slider", "#play", "#speed", "#why"].map(
   (name) => document.querySelector(name));
-const [robots, moving] = [".robot", ".moving"].map((name) => svg.querySelectorAll(name));
+const [robots, moving] = ['[id^="robot"]', ".moving"].map((name) => svg.querySelectorAll(name));
 const cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
 let [now, asked, frame, before] = [0, null, 0, 0];
 
@@ -18,8 +18,8 @@ function indexAt(entries, time) {
 }
 
 function pixels(forward, side) {
-  const { corner, scale, margin } = run.view;
-  return [margin + (corner[1] - side) * scale, margin + (corner[0] - forward) * scale];
+  const { corner, scale, left, top } = run.view;
+  return [left + (corner[1] - side) * scale, top + (corner[0] - forward) * scale];
 }
 
 function poseAt(poses, time) {
@@ -124,10 +124,10 @@ function state({ called, poses, commands, contacts }, shape) {
   const command = commands[indexAt(commands, now)];
   const rates = Object.entries(command ? command[2] : {});
   const obeyed = rates.length
-    ? `${command[1] || "nobody"}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}`
-    : "nobody: it rests";
+    ? `${called} obeys ${command[1]}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}.`
+    : `${called} rests: no command is in force.`;
   const collisions = indexAt(contacts.map((at) => [at]), now) + 1;
-  return `${called} obeys ${obeyed}. It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
+  return `${obeyed} It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
     `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
 }
 

@@ -10,15 +10,19 @@ from typing import Any
 from mars_asp.draw.page import whole_page
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
-from mars_asp.execution.recording.picture import LEFT, MARGIN, Picture, plot_run
+from mars_asp.execution.judgement import Judgement
+from mars_asp.execution.recording.frame import MARGIN
+from mars_asp.execution.recording.picture import framed, plot_run
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 
 
-def replay_page(trial: Trial, title: str) -> str:
+def replay_page(trial: Trial, judgement: Judgement, title: str) -> str:
     """Return an HTML page; only its own script may run in it, whatever the names are."""
-    body = Template(_part("html")).substitute(title=escape(visible(title)), picture=plot_run(trial))
-    run = json.dumps(replay_json(trial), separators=(",", ":"), allow_nan=False)
+    body = Template(_part("html")).substitute(
+        title=escape(visible(title)), picture=plot_run(trial, judgement)
+    )
+    run = json.dumps(replay_json(trial, judgement), separators=(",", ":"), allow_nan=False)
     return whole_page(title, _part("css"), body, _part("js"), {"run": run})
 
 
@@ -27,17 +31,22 @@ def _part(ending: str) -> str:
     return part.read_text(encoding="utf-8")
 
 
-def replay_json(trial: Trial) -> dict[str, Any]:
+def replay_json(trial: Trial, judgement: Judgement) -> dict[str, Any]:
     """Return what the page shows: times in s, lengths in mm, places in pixels of the picture."""
-    picture, world = Picture(trial), trial.bodies[0].world
+    frame, world = framed(trial, judgement)[0], trial.bodies[0].world
     return {
         "duration": trial.scenario.duration,
-        "view": {"corner": picture.corner, "scale": picture.scale, "margin": MARGIN},
+        "view": {
+            "corner": frame.corner,
+            "scale": frame.scale,
+            "left": MARGIN,
+            "top": frame.ceiling,
+        },
         "lanes": {
-            "left": LEFT,
-            "wide": picture.wide,
-            "top": picture.top,
-            "bottom": picture.bottom,
+            "left": frame.left,
+            "wide": frame.wide,
+            "top": frame.top,
+            "bottom": frame.bottom,
         },
         "robots": [
             {

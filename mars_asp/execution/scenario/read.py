@@ -147,10 +147,10 @@ def _unclear(
                 yield _problem(place, message, f"give each robot a `{key}` of its own")
             seen.add(word)
     if reach and len(robots) > 1:
-        message = "`reach` does not say which of several robots is meant"
+        message = "`reach` does not state which of several robots is meant"
         yield _problem(places["reach"], message, "write it into the table of a robot")
     if reach and any("reach" in robot.places for robot in robots):
-        message = "`reach` is stated for the robot, too"
+        message = "`reach` is also stated for the robot"
         yield _problem(places["reach"], message, "remove one of them")
 
 

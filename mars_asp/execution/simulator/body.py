@@ -35,6 +35,10 @@ class Company(Protocol):
     def advance(self, seconds: float) -> None:
         """Move all of them on to a time (s)."""
 
+    @property
+    def bodies(self) -> "tuple[Body, ...]":
+        """Return all of them."""
+
     def discs(self, name: str, place: Point, reach: float) -> Floats:
         """Return those (n, 3) within reach of a place, but for the named one."""
 
@@ -44,8 +48,8 @@ class Body:
     """A disc of `radius` mm in a world, moving as it was last commanded.
 
     `limits` are the greatest rates by function, `ramps` those that change gradually. What happened
-    is kept: the motion, the least clearance (mm) on all of it, to whom and when it was noted (s),
-    contacts (s) and with whom, and seconds of turning and driving at once.
+    is kept: the motion, the least clearance (mm) on all of it and to whom, contacts (s) and with
+    whom, and seconds of turning and driving at once.
     """
 
     world: World
@@ -60,7 +64,8 @@ class Body:
     clearance: float = inf
     #: The robot that was nearest; `THING` for what is none.
     beside: str = THING
-    nearest_at: float = 0.0
+    #: From when until when (s) the step lasted on which the clearance was least.
+    closest: tuple[float, float] = (0.0, 0.0)
     driven: float = 0.0
     both: float = 0.0
     motion: list[Stretch] = field(default_factory=list)
@@ -201,10 +206,11 @@ class Body:
         self.room = self.gap()
         self.note(self.room, THING)
 
-    def note(self, gap: float, other: str) -> None:
-        """Take a gap (mm) into account that there is now, or was a moment ago."""
+    def note(self, gap: float, other: str, since: float | None = None) -> None:
+        """Take a gap (mm) into account that there is now, or was at some time since a time (s)."""
         if max(gap, 0.0) < self.clearance:
-            self.clearance, self.beside, self.nearest_at = max(gap, 0.0), other, self.seconds
+            self.clearance, self.beside = max(gap, 0.0), other
+            self.closest = (self.seconds if since is None else since, self.seconds)
         if gap <= TOUCH and other not in self.on:
             self.on.add(other)
             if self.seconds - self.touched.get(other, -inf) > _AGAIN:

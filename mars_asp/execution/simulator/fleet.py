@@ -191,7 +191,7 @@ class Fleet:
         body = self.bodies[k]
 
         def note(gap: float) -> None:
-            body.note(gap, THING)
+            body.note(gap, THING, way.since)
             if gap <= APART:
                 body.measure()
 
@@ -212,14 +212,14 @@ class Fleet:
             return least_gap(gaps, bend(way) + bend(passing), least, way.since, way.since + step)
 
         def note(gap: float) -> None:
-            _note(one, other, gap)
+            _note(one, other, gap, way.since)
             if gap <= APART:
                 _note(one, other, dist(one.place, other.place) - apart)
 
         return _Search(search, way.speed + passing.speed, note)
 
 
-def _note(one: Body, other: Body, gap: float) -> None:
-    """Let two robots note the gap between them."""
-    one.note(gap, other.name)
-    other.note(gap, one.name)
+def _note(one: Body, other: Body, gap: float, since: float | None = None) -> None:
+    """Let two robots note the gap that there is between them, or was since a time (s)."""
+    one.note(gap, other.name, since)
+    other.note(gap, one.name, since)

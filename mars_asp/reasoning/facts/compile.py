@@ -7,8 +7,9 @@ from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
+    FOREIGN,
     FOREVER,
     NODE_NAMES,
     Allocation,
@@ -84,7 +85,7 @@ def _names(described: Mapping[str, Module]) -> Names:
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
-HEADING = frozenset({"architecture", "period", "muxed"})
+HEADING = frozenset({"architecture", "imported", "period", "muxed"})
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
     "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
@@ -103,10 +104,12 @@ FRAMES = frozenset(
 )
 
 
+#: Where what no line states is.
+_NOWHERE = point("<imported>", 1, 1)
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
-    | {*get_args(Engine), FOREVER, ANY.name, NONE.name, "zero", "generic"}
+    | {*get_args(Engine), *FOREIGN, FOREVER, ANY.name, NONE.name, "zero", "generic"}
 )
 
 
@@ -193,13 +196,20 @@ class Compiler:
                 tell()
 
     def heading(self) -> None:
-        """Add the architecture and the muxes that there are already."""
+        """Add the architecture, the muxes that there are already and nodes that were not read."""
         configuration = self.configuration
-        self.add(configuration.span, "architecture", Atom(configuration.architecture))
+        if configuration.format is None:
+            self.add(configuration.span, "architecture", Atom(configuration.architecture))
+        else:
+            # No line of theirs states it.
+            self.add(_NOWHERE, "architecture", Atom(configuration.architecture))
+            self.add(_NOWHERE, "imported", Atom(configuration.format))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
         for mux in configuration.muxes:
             self.add(mux.span, "muxed", mux.module, Atom(mux.engine))
+        for name in configuration.opaque:
+            self.add(name.span, "opaque", name.text)
 
     def each_module(self) -> None:
         """Add the modules that the configuration names."""

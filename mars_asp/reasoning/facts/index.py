@@ -12,7 +12,14 @@ from typing import TypeAlias
 
 from mars_asp.asp.solve.atoms import Fact, Term
 from mars_asp.model.declarations import Configuration, Data, Module, Name, ends_of
-from mars_asp.reasoning.facts.compile import ANNOTATIONS, FRAMES, PORTS, RELATIONSHIPS, Compiler
+from mars_asp.reasoning.facts.compile import (
+    ANNOTATIONS,
+    FRAMES,
+    HEADING,
+    PORTS,
+    RELATIONSHIPS,
+    Compiler,
+)
 from mars_asp.reasoning.facts.identifiers import annotations_of
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
@@ -84,7 +91,7 @@ class Lookup:
 
         What is told together stands for itself, by what no module is called.
         """
-        if value is None or name in PORTS:
+        if value is None or name in PORTS | HEADING:
             return (f"{name}/",)
         if isinstance(value, int):
             if value > len(self._configuration.relationships):

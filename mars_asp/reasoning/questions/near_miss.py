@@ -33,34 +33,6 @@ _LINES: Mapping[str, tuple[str, str, tuple[int, int]]] = {
     "is_controlled_by": ("is_controlled_by", "control", (1, 2)),
     "is_mounted_on": ("is_mounted_on", "mount", (1, 3)),
 }
-#: What is said where nothing of a given predicate fits, of the name in a place of its arguments.
-_LACKS: Mapping[str, tuple[int, str]] = {
-    "module": (0, "`@modules` does not name {}"),
-    "described": (0, "no annotation describes {}"),
-    "class": (0, "no annotation makes {} what it would have to be"),
-    "delivers": (1, "no annotation makes {} a data source"),
-    "output": (1, "no annotation states which representation {} delivers"),
-    "input": (1, "no annotation states which representation {} accepts"),
-    "commands": (1, "no annotation states which functions {} commands"),
-    "native": (1, "no annotation gives {} such a function"),
-    "converts": (1, "no annotation makes {} such a converter"),
-    "node": (0, "{} is not a node of a specification"),
-}
-#: The same, of predicates that tell more of a line or an annotation.
-_DETAILS: Mapping[str, str] = {
-    "required_mode": "no line requires such a delivery mode",
-    "required_rate": "no line requires such a frequency",
-    "priority": "no line states such a priority",
-    "stated_priority": "no line states a priority as a number",
-    "hold": "no line states such a `hold`",
-    "allocation": "no line states which module carries out what is inherited",
-    "offered_mode": "no annotation offers such a delivery mode",
-    "offered_rate": "no annotation offers such a frequency",
-    "unknown_input": "no annotation leaves it open what an input takes",
-    "closed_walk": "no such relationships form a cycle",
-    "entangled": "no such relationships form a cycle",
-    "resembles": "no name is spelt nearly like that",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,13 +97,13 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
             return _compared(attempt, pattern)
         trace = attempt.cause
     if isinstance(trace, Absent | Missing):
-        return _of_absent(trace.atom, frozenset(_strings(pattern)))
+        return _of_absent(trace, frozenset(_strings(pattern)))
     return _excluded(trace)
 
 
-def _of_absent(atom: str, kept: Set[str]) -> _Lack:
+def _of_absent(trace: Absent | Missing, kept: Set[str]) -> _Lack:
     """Return that nothing of a given predicate fits; names are `kept` that somebody asks about."""
-    found = pattern_in(atom)
+    found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
         _, _, places = _LINES[found.name]
         ends = [found.arguments[place] for place in places]
@@ -141,16 +113,10 @@ def _of_absent(atom: str, kept: Set[str]) -> _Lack:
             asked[1] = False
         wider = _of_line(found.name, ends, asked) if asked != named and any(asked) else None
         return replace(_of_line(found.name, ends, named), wider=wider)
-    if found is not None and found.name in _LACKS:
-        place, words = _LACKS[found.name]
-        end = found.arguments[place]
-        name = f"`{end.string}`" if end.type == clingo.SymbolType.String else "any module"
-        return _Lack(words.format(name))
     if found is not None and found.name == "architecture":
         kind = found.arguments[0]
         return _Lack(f"control is not {kind}", (), found, f"`@configuration {kind}`")
-    detail = None if found is None else _DETAILS.get(found.name)
-    return _Lack(detail or "no line of the configuration or its annotations states it")
+    return _Lack(trace.sentence or "no line of the configuration or its annotations states it")
 
 
 def _of_line(name: str, ends: Sequence[clingo.Symbol], kept: Sequence[bool]) -> _Lack:

@@ -11,8 +11,8 @@ import pytest
 from mcap.reader import make_reader
 
 from mars_asp.cli import run_here
-from mars_asp.execution.recording.mcap import SCHEMAS, mcap_bytes
-from mars_asp.execution.recording.record import Record
+from mars_asp.execution.recording.mcap import SCHEMAS, Foxglove
+from mars_asp.execution.trial import Trial
 from tests.execution.recording.test_replay import trial
 from tests.support.documents import ROOT
 
@@ -40,9 +40,21 @@ def assert_conforms(value: Any, schema: dict[str, Any]) -> None:
         assert_conforms(item, schema["items"])
 
 
-def recorded() -> tuple[Record, bytes]:
-    record = Record()
-    return record, mcap_bytes(trial(observe=record.observe), record.events)
+#: When, what, where and the value of an event.
+Told = tuple[int, str, str, Any]
+
+
+def recorded() -> tuple[Trial, list[Told], bytes]:
+    file, events = io.BytesIO(), list[Told]()
+    record = Foxglove(file)
+
+    def observe(*event: Any) -> None:
+        events.append(event)
+        record.observe(*event)
+
+    made = trial(observe=observe)
+    record.end(made)
+    return made, events, file.getvalue()
 
 
 def messages(content: bytes) -> list[tuple[str, str, int, Any]]:
@@ -57,7 +69,7 @@ def messages(content: bytes) -> list[tuple[str, str, int, Any]]:
 
 
 def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None:
-    record, content = recorded()
+    _, events, content = recorded()
     found = messages(content)
     for topic, schema, at, message in found:
         assert_conforms(message, SCHEMAS[schema])
@@ -66,9 +78,9 @@ def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None
     assert {schema for _, schema, _, _ in found} == set(SCHEMAS)
     passed = [(topic, at, m["value"]) for topic, name, at, m in found if "mars_asp" in name]
     assert passed == [
-        ("/" + e.where.replace(" -> ", "/"), e.at, e.value)
-        for e in record.events
-        if e.what in ("data", "control")
+        ("/" + where.replace(" -> ", "/"), at, value)
+        for at, what, where, value in events
+        if what in ("data", "control")
     ]
     logs = [(at, m["name"], m["message"]) for topic, _, at, m in found if topic == "/log"]
     assert logs[1] == (0, "ArbitrationNode", "High holds control: priority 7 outranks Low (3)")
@@ -76,8 +88,8 @@ def test_every_message_conforms_to_its_schema_and_every_event_is_there() -> None
 
 
 def test_the_robot_stands_where_the_run_left_it_in_metres_and_obstacles_where_they_are() -> None:
-    made = trial()
-    found = messages(mcap_bytes(made, []))
+    made, _, content = recorded()
+    found = messages(content)
     last = [message for topic, _, _, message in found if topic == "/tf"][-1]
     x, y = made.bodies[0].pose.forward / 1000, made.bodies[0].pose.side / 1000
     assert last["translation"] == pytest.approx({"x": x, "y": y, "z": 0})
@@ -94,7 +106,7 @@ def test_the_robot_stands_where_the_run_left_it_in_metres_and_obstacles_where_th
 
 
 def test_the_same_run_gives_the_same_bytes() -> None:
-    assert recorded()[1] == recorded()[1]
+    assert recorded()[2] == recorded()[2]
 
 
 LEVEL0 = ROOT / "examples" / "level0"

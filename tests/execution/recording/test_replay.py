@@ -13,11 +13,12 @@ import pytest
 from mars_asp.cli.outputs import write_outputs
 from mars_asp.execution.executor.arbitration import Holding
 from mars_asp.execution.executor.link import Observer
-from mars_asp.execution.recording.picture import Picture, plot_run
-from mars_asp.execution.recording.record import Record
+from mars_asp.execution.judgement import Judgement, judge
+from mars_asp.execution.recording.frame import Frame
+from mars_asp.execution.recording.picture import framed, plot_run
 from mars_asp.execution.recording.replay import replay_json, replay_page
 from mars_asp.execution.scenario.read import read_scenario
-from mars_asp.execution.simulator import Pose
+from mars_asp.execution.simulator import Circle, Pose
 from mars_asp.execution.trial import Trial, stage_trial
 from mars_asp.language import parse_text
 from tests.support.browser import Browser, in_a_browser
@@ -62,22 +63,27 @@ def trial(scenario: str = SCENARIO, observe: Observer | None = None) -> Trial:
     return made
 
 
+def judged() -> tuple[Trial, Judgement]:
+    made = trial()
+    return made, judge(made)
+
+
 @cache
 def page() -> str:
-    return replay_page(trial(), "a title")
+    return replay_page(*judged(), "a title")
 
 
 def hostile_page() -> str:
     """Return a page all of whose texts try to break out of where they stand."""
     made = trial(SCENARIO.replace('"red"', json.dumps(HOSTILE)))
-    arbiter = made.executor.arbiters["ArbitrationNode"]
+    judgement, arbiter = judge(made), made.executor.arbiters["ArbitrationNode"]
     arbiter.holdings.append(Holding("ArbitrationNode", HOSTILE, 0, HOSTILE, HOSTILE))
     made.executor.effectors["P"].applied.insert(0, (0, HOSTILE, {HOSTILE: 1.0}))
-    return replay_page(made, HOSTILE)
+    return replay_page(made, judgement, HOSTILE)
 
 
 def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
-    told = replay_json(trial())
+    told = replay_json(*judged())
     assert told["robots"][0]["poses"][0] == [0, 0, 0, 0]
     assert told["robots"][0]["poses"][-1][0] == 3
     assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
@@ -120,13 +126,13 @@ def test_no_text_of_others_becomes_markup() -> None:
 
 
 def test_the_same_run_gives_the_same_page() -> None:
-    assert page() == replay_page(trial(), "a title")
+    assert page() == replay_page(*judged(), "a title")
 
 
 def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
     made = trial()
     made.bodies[0].pose = Pose(0, 0, 30)
-    at = [Picture(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
+    at = [Frame(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
     assert at[1][1] < at[0][1]
     assert at[2][0] < at[0][0]
     assert "rotate(-30.0)" in plot_run(made)
@@ -148,11 +154,11 @@ def test_lanes_show_who_wanted_control_and_who_had_it() -> None:
 
 def test_a_plot_is_written_as_png_too(tmp_path: Path) -> None:
     made = trial()
-    arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None, record=None)
-    write_outputs(made, Record(), arguments)
+    arguments = argparse.Namespace(plot=str(tmp_path / "a.png"), replay=None)
+    write_outputs(made, judge(made), arguments)
     content = (tmp_path / "a.png").read_bytes()
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
-    found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made))
+    found = re.match(r'<svg [^>]*width="(\d+)" height="(\d+)"', plot_run(made, judge(made)))
     assert found
     size = [int.from_bytes(content[k : k + 4]) for k in (16, 20)]
     assert size == [2 * int(found[1]), 2 * int(found[2])]
@@ -247,7 +253,7 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
               const slider = document.querySelector("#slider");
               slider.value = {seconds};
               slider.dispatchEvent(new Event("input"));
-              const place = document.querySelector(".robot").getAttribute("transform");
+              const place = document.querySelector("#robot").getAttribute("transform");
               const circle = document.querySelector(".moving").getAttribute("cy");
               return [...place.match(/-?[\\d.]+/g), circle].map(Number);
             }})()"""
@@ -275,3 +281,92 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
     # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
     moved = [(start[3] - each[3]) / scale for each in (middle, end)]
     assert moved == pytest.approx([750, 500], abs=0.01)
+
+
+TWO = """duration = 3
+[[robot]]
+name = "one"
+module = "P"
+[[robot]]
+name = "two"
+module = "Q"
+start = [3000, 0, 180]
+[devices]
+A = { kind = "joystick", script = [[0, "Trans_Z", 200]] }
+B = { kind = "joystick", script = [[0, "Trans_Z", 100]] }
+"""
+
+
+@in_a_browser
+def test_a_page_moves_each_of_two_robots_and_tells_of_both(
+    browser: Browser, tmp_path: Path
+) -> None:
+    lines = "@specification\n@modules P, Q, A, B\nP is_controlled_by A\nQ is_controlled_by B\n"
+    specification = parse_text(lines, "x.mars").configuration
+    made = stage_trial(specification, {}, read_scenario(TWO, Path("s.toml")))
+    made.run_until(3.0)
+    shown(browser, tmp_path / "run.html", replay_page(made, judge(made), "two"))
+    browser.run("show(2)")
+    assert text_of(browser, "#state") == [
+        "one obeys A: Trans_Z 200. It is at (400, 0) mm, heads 0 degrees, and has collided 0 times."
+        " two obeys B: Trans_Z 100. It is at (2800, 0) mm, heads 180 degrees, and has collided"
+        " 0 times."
+    ]
+    places = browser.run(
+        """[...robots].map((each) =>
+          each.getAttribute("transform").match(/-?[\\d.]+/g).slice(0, 2).map(Number))"""
+    )
+    frame = framed(made, judge(made))[0]
+    assert places == [pytest.approx(frame.at(x, 0), abs=1e-3) for x in (400, 2800)]
+    assert not browser.complaints
+
+
+#: There and back, past points, in a circuit, past one point twice, and off at once.
+ROUNDS = (
+    Circle((0, 0), 50, ((1000, 0),), 333),
+    Circle((0, 0), 50, ((1000, 0), (1000, 500), (-200, 500)), 410),
+    Circle((0, 0), 50, ((700, 0), (700, 700), (0, 0)), 125),
+    Circle((0, 0), 50, ((300, 0), (300, 0), (300, 300)), 80),
+    Circle((5, 5), 50, ((5, 6),), 900),
+)
+
+
+@in_a_browser
+def test_obstacles_go_their_rounds_as_the_simulator_moves_them(
+    browser: Browser, tmp_path: Path
+) -> None:
+    made = trial()
+    made.bodies[0].world.moving = ROUNDS
+    shown(browser, tmp_path / "run.html", replay_page(made, judge(made), "rounds"))
+    times = [0, 0.1, 1, 2.5, 3.0030030030030033, 7.25, 60.1, 1234.5]
+    found = browser.run(f"run.moving.map((circle) => {times}.map((time) => placeAt(circle, time)))")
+    frame = framed(made, judge(made))[0]
+    for circle, places in zip(ROUNDS, found, strict=True):
+        for time, place in zip(times, places, strict=True):
+            assert place == pytest.approx(frame.at(*circle.at(time)), abs=1e-6), (circle, time)
+    # The slider moves what is drawn, each its own.
+    browser.run("show(2.5)")
+    drawn = browser.run(
+        "[...moving].map((each) => ['cx', 'cy'].map((name) => Number(each.getAttribute(name))))"
+    )
+    assert drawn == [pytest.approx(frame.at(*circle.at(2.5)), abs=1e-6) for circle in ROUNDS]
+    assert not browser.complaints
+
+
+@in_a_browser
+def test_the_page_shows_the_verdict_and_what_is_silent(browser: Browser, tmp_path: Path) -> None:
+    shown(browser, tmp_path / "run.html", page())
+    shown_texts = browser.run(
+        "[...document.querySelectorAll('#picture text')].map((each) => each.textContent)"
+    )
+    assert shown_texts[0] == "pass: all 6 requirements hold"
+    assert any(each.startswith("least clearance: ") for each in shown_texts)
+    # No two texts touch, as a browser draws them.
+    assert browser.run(
+        """(() => {
+          const boxes = [...document.querySelectorAll("#picture text")].map(
+            (each) => each.getBoundingClientRect());
+          return boxes.every((a, k) => boxes.slice(0, k).every((b) =>
+            a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top));
+        })()"""
+    )

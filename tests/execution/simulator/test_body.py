@@ -22,6 +22,7 @@ from mars_asp.execution.simulator import (
     odometry,
     sonar,
 )
+from mars_asp.execution.simulator.approach import least_approach
 from mars_asp.execution.simulator.devices import mounted
 from tests.support.bodies import alone
 
@@ -61,7 +62,9 @@ def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
     body = alone(world, Pose(0, 0, 0), 200)
     body.advance(6.9)
     assert [body.collisions, body.clearance] == pytest.approx([0, 10], abs=0.1)
-    assert body.nearest_at == pytest.approx(6.9, abs=0.01)
+    least = least_approach(body)
+    assert least is not None
+    assert least.at == pytest.approx(6.9, abs=1e-6)
     body.advance(7.1)
     assert body.collisions == 1
 

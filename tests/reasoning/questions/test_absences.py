@@ -7,6 +7,7 @@ import pytest
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions import absences as asked
 from mars_asp.reasoning.questions.absences import Absence, absences
+from mars_asp.reasoning.questions.vicinity import BY_TYPE
 from mars_asp.reasoning.questions.why_not import why_not
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
@@ -69,7 +70,8 @@ def test_some_modules_are_asked_of_what_is_connected_with_them(tmp_path: Path) -
     path.write_text(ROBOT)
     every = told(path, ["A", "B", "C", "Base", "Alone"])
     alone = told(path, ["Alone"])
-    assert alone == {title: each for title, each in every.items() if each.module == "Alone"}
+    own = {title: each for title, each in every.items() if each.module == "Alone"}
+    assert alone == {title: each for title, each in own.items() if each.kind not in BY_TYPE}
 
 
 def test_of_too_many_modules_nothing_is_asked(

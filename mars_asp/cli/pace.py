@@ -1,0 +1,50 @@
+"""A run carried out: as fast as it can or by the clock, and shown to who is watching."""
+
+import argparse
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mars_asp.cli.watch import Stage
+    from mars_asp.execution.trial import Trial
+
+#: Simulated seconds between two looks at the run.
+_GLANCE = 0.5
+#: Seconds between two looks at a run that is paced.
+_FRAME = 0.1
+
+
+def shown(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[Stage | None]":
+    """Return what shows a paced run in a page; nothing for one that is not, or is to be quiet."""
+    if arguments.speed is None or arguments.quiet:
+        return nullcontext()
+    from mars_asp.cli.watch import watched
+
+    return watched(title)
+
+
+def stepped(trial: "Trial", speed: float | None) -> Iterator[None]:
+    """Run a trial to its end, and yield now and then; at `speed` times real time at most.
+
+    The motion is computed at the same instants at any speed, so a run does not depend on it.
+    """
+    from mars_asp.execution.executor.schedule import SECOND
+
+    duration, at, started = trial.scenario.duration, 0.0, time.monotonic()
+    while at < duration:
+        following = min(duration, at + _GLANCE)
+        if speed is not None:
+            while (at := at + _FRAME * speed) < following:
+                _wait_until(started + at / speed)
+                trial.executor.step_until(round(at * SECOND))
+                yield
+            _wait_until(started + following / speed)
+        at = following
+        trial.run_until(at)
+        yield
+
+
+def _wait_until(instant: float) -> None:
+    time.sleep(max(0.0, instant - time.monotonic()))

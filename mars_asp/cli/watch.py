@@ -1,0 +1,198 @@
+"""A run that is shown while it goes on, by a page that is served to browsers of this machine.
+
+The page has a path that nobody can guess, and only what names this server as its host is answered.
+It takes nothing in: what browsers ask for decides nothing.
+"""
+
+import json
+import secrets
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from html import escape
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.resources import files
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+from mars_asp.cli.layout import counted
+from mars_asp.draw.page import whole_page
+from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from mars_asp.execution.judgement import Judgement
+    from mars_asp.execution.trial import Trial
+
+#: As many browsers at most are served at a time.
+_MOST = 8
+#: Seconds that a browser has to take what is sent, and all of them have at the end.
+_PATIENCE, _LAST = 5.0, 1.0
+#: Seconds between two looks at whether the server is to end.
+_BEAT = 0.05
+#: Pictures take at most this share of the time.
+_SHARE = 0.2
+
+
+class Stage:
+    """What browsers are shown; `show` replaces it by the run as it is now."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._latest, self._number, self._over = b"", 0, False
+        self._watching, self._resting = 0, 0.0
+
+    def show(self, trial: "Trial", judgement: "Judgement | None" = None) -> None:
+        """Show a run; with its judgement, for the last time."""
+        if judgement is None and (not self._watching or time.monotonic() < self._resting):
+            return
+        from mars_asp.execution.recording.picture import plot_run
+
+        began = time.monotonic()
+        told = {
+            "svg": plot_run(trial, judgement),
+            "state": _state(trial, judgement),
+            "verdict": judgement and judgement.verdict,
+        }
+        latest = json.dumps(told).encode()
+        ended = time.monotonic()
+        self._resting = ended + (ended - began) * (1 / _SHARE - 1)
+        with self._changed:
+            self._latest, self._number = latest, self._number + 1
+            self._over = judgement is not None
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """End when every browser has what was shown last, or is too slow."""
+        with self._changed:
+            self._over = True
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: not self._watching, _LAST)
+
+    @contextmanager
+    def watched(self) -> Iterator[bool]:
+        """Count a browser in; whether there is room for it."""
+        with self._changed:
+            room = self._watching < _MOST and not self._over
+            self._watching += room
+        try:
+            yield room
+        finally:
+            with self._changed:
+                self._watching -= room
+                self._changed.notify_all()
+
+    def scenes(self) -> Iterator[bytes]:
+        """Yield what is shown whenever it changes, empty where it has not for long."""
+        number, over = 0, False
+        while not over:
+            before = number
+            with self._changed:
+                if self._number == before and not self._over:
+                    self._changed.wait(_PATIENCE / 2)
+                number, latest, over = self._number, self._latest, self._over
+            if number > before or not over:
+                yield latest if number > before else b""
+
+
+@contextmanager
+def watched(title: str) -> Iterator[Stage | None]:
+    """Yield what shows a run in a page, whose address is printed; nothing where none is served."""
+    stage, path = Stage(), f"/{secrets.token_urlsafe(24)}/"
+    try:
+        server = _Server(stage, path, _page(title).encode())
+        threading.Thread(target=server.serve, daemon=True).start()
+    except (OSError, RuntimeError) as error:
+        print(f"mars-asp: the run cannot be shown in a browser: {error}", file=sys.stderr)
+        yield None
+        return
+    address = f"http://{server.host}{path}"
+    print(f"mars-asp: watch the run at {address}", file=sys.stderr, flush=True)
+    try:
+        yield stage
+    finally:
+        stage.close()
+        server.shutdown()
+        server.server_close()
+
+
+def _page(title: str) -> str:
+    style = (files("mars_asp.execution.recording") / "replay.css").read_text("utf-8")
+    body, script = (
+        (files("mars_asp.cli") / f"watch.{end}").read_text("utf-8") for end in ("html", "js")
+    )
+    body = Template(body).substitute(title=escape(visible(title)))
+    return whole_page(title, style, body, script, allowed=("connect-src 'self'", "img-src blob:"))
+
+
+def _state(trial: "Trial", judgement: "Judgement | None") -> str:
+    """Return a sentence for those who read, and do not see, what is shown."""
+    clearance = trial.clearance
+    near = f", least clearance {clearance:.0f} mm" if clearance < float("inf") else ""
+    spent = f"{trial.executor.schedule.now / 1e9:.1f} of {trial.scenario.duration:g} s"
+    told = f"{spent}: {counted(trial.collisions, 'collision')}{near}"
+    return told if judgement is None else f"{judgement.verdict}, after {told}"
+
+
+class _Server(ThreadingHTTPServer):
+    """Serves a page at a path, and what a stage shows beside it, to this machine alone."""
+
+    daemon_threads = True
+
+    def __init__(self, stage: Stage, path: str, page: bytes) -> None:
+        super().__init__(("127.0.0.1", 0), _Answer)
+        self.stage, self.path, self.page = stage, path, page
+        self.host = f"127.0.0.1:{self.server_address[1]}"
+
+    def serve(self) -> None:
+        """Serve until it is closed."""
+        # Code that a run imports may close what it likes; the run goes on.
+        with suppress(OSError, ValueError):
+            self.serve_forever(_BEAT)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Report nothing: a browser that went away is no fault."""
+
+
+class _Answer(BaseHTTPRequestHandler):
+    server: _Server
+    timeout = _PATIENCE
+
+    def do_GET(self) -> None:
+        """Send the page, or what is shown as it changes."""
+        asked = self.path.encode("utf-8", "replace")
+        host = self.server.host
+        ours = self.headers.get("Host") == host
+        ours = ours and self.headers.get("Origin", f"http://{host}") == f"http://{host}"
+        if ours and secrets.compare_digest(asked, self.server.path.encode()):
+            self._begin("text/html; charset=utf-8", len(self.server.page))
+            self.wfile.write(self.server.page)
+        elif ours and secrets.compare_digest(asked, f"{self.server.path}events".encode()):
+            with self.server.stage.watched() as room:
+                if not room:
+                    self.send_error(503)
+                    return
+                self._begin("text/event-stream")
+                for scene in self.server.stage.scenes():
+                    self.wfile.write(b"data: %b\n\n" % scene if scene else b":\n\n")
+        else:
+            self.send_error(404)
+
+    def _begin(self, kind: str, length: int | None = None) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        if length is not None:
+            self.send_header("Content-Length", str(length))
+        for name, value in (
+            ("Cache-Control", "no-store"),
+            ("Referrer-Policy", "no-referrer"),
+            ("X-Content-Type-Options", "nosniff"),
+            ("Cross-Origin-Resource-Policy", "same-origin"),
+            ("Content-Security-Policy", "frame-ancestors 'none'"),
+        ):
+            self.send_header(name, value)
+        self.end_headers()
+
+    def log_message(self, *_: object) -> None:
+        """Report nothing: what browsers ask for is no result."""

@@ -1,0 +1,146 @@
+"""Where things stand in the picture of a run: the plane, and lanes along an axis of time."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mars_asp.draw.shapes import text_width
+from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+from mars_asp.execution.executor.schedule import SECOND
+from mars_asp.execution.judgement import Judgement
+from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.trial import Trial
+
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666")
+#: Pixels around everything, of the plane's longer side, of a lane and of text.
+MARGIN, SIZE, LANE, TEXT = 20.0, 640.0, 22.0, 12.0
+#: Pixels of a line of text.
+LINE = 18.0
+#: Pixels that names of lanes have at least and at most.
+_LEFT = 130.0, 230.0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Pixels of millimetres and of seconds; `head` and `signs` are lines of text around the plane.
+
+    Of a run that goes on there is no judgement yet.
+    """
+
+    trial: Trial
+    judgement: Judgement | None = None
+    head: int = 0
+    signs: int = 0
+
+    @cached_property
+    def corner(self) -> tuple[float, float]:
+        """Return what is shown first (mm): the greatest forward, which is up, and side, left.
+
+        Seen from above, as headings grow from forward towards side: counter-clockwise.
+        """
+        return float(self._bounds[1][0]), float(self._bounds[1][1])
+
+    @cached_property
+    def scale(self) -> float:
+        """Return pixels per millimetre."""
+        low, high = self._bounds
+        return float(SIZE / (high - low).max())
+
+    @cached_property
+    def _bounds(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
+        """Return the least and the greatest (forward, side): walls or obstacles, goals, ways."""
+        world = self.trial.bodies[0].world
+        discs = [] if len(world.segments) else [world.circles]
+        for robot, body in self.trial.robots:
+            discs.append(np.array([[p.forward, p.side, body.radius] for _, p in body.way]))
+            if robot.reach:
+                discs.append(np.array([[*robot.reach["at"], robot.reach.get("radius", 200.0)]]))
+        places = [disc[:, :2] + sign * disc[:, 2:] for disc in discs for sign in (-1, 1)]
+        every = np.concatenate([*places, world.segments.reshape(-1, 2)])
+        return every.min(axis=0) - 100, every.max(axis=0) + 100
+
+    @property
+    def ceiling(self) -> float:
+        """Return where the plane begins."""
+        return MARGIN + LINE * self.head
+
+    @cached_property
+    def height(self) -> float:
+        """Return how high the plane is shown."""
+        low, high = self._bounds
+        return float((high - low)[0]) * self.scale
+
+    def at(self, forward: float, side: float) -> tuple[float, float]:
+        """Return where a point of the plane is shown."""
+        ahead, aside = self.corner
+        return MARGIN + (aside - side) * self.scale, self.ceiling + (ahead - forward) * self.scale
+
+    @property
+    def floor(self) -> float:
+        """Return where the plane ends."""
+        return self.ceiling + self.height
+
+    @property
+    def top(self) -> float:
+        """Return where the first lane begins."""
+        return self.floor + LINE * self.signs + 18
+
+    @property
+    def bottom(self) -> float:
+        """Return where the last lane ends."""
+        return self.top + LANE * len(self.colours)
+
+    @cached_property
+    def left(self) -> float:
+        """Return where lanes begin."""
+        least, most = _LEFT
+        wide = max((text_width(name, TEXT) for name in self.colours), default=0.0)
+        return min(most, max(least, MARGIN / 2 + wide + 8))
+
+    @property
+    def wide(self) -> float:
+        """Return pixels per second on the time axis."""
+        return (SIZE + MARGIN - self.left) / self.trial.scenario.duration
+
+    @cached_property
+    def held(self) -> tuple[tuple[float, float, str], ...]:
+        """Return from when until when (s) a robot obeyed whom."""
+        return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
+
+    def held_by(self, robot: Robot) -> Iterator[tuple[float, float, str]]:
+        """Yield from when until when (s) one robot obeyed whom."""
+        for since, until, name, _ in self.trial.commands(robot):
+            if name:
+                yield since, until, name
+
+    @cached_property
+    def wanted(self) -> tuple[tuple[float, float, str], ...]:
+        """Return from when until when (s) a module's message was in force at an arbiter."""
+        executor = self.trial.executor
+        end = executor.schedule.now
+        return tuple(
+            (since / SECOND, min(until, end) / SECOND, link.source)
+            for arbiter in executor.arbiters.values()
+            if isinstance(arbiter, HierarchicalArbitration)
+            for link, stretches in arbiter.in_force
+            if link.source not in executor.arbiters
+            for since, until in stretches
+        )
+
+    @cached_property
+    def silent(self) -> frozenset[str]:
+        """Return the controllers of which no command arrived."""
+        executor = self.trial.executor
+        spoke: dict[str, bool] = {}
+        for link in executor.links:
+            if link.kind == "control" and executor.plan.kind(link.source) == "control_out":
+                spoke[link.source] = spoke.get(link.source, False) or link.delivered > 0
+        return frozenset(name for name, any_arrived in spoke.items() if not any_arrived)
+
+    @cached_property
+    def colours(self) -> dict[str, str]:
+        """Return the colour of every module that held control, wanted it, or was silent."""
+        names = {name for _, _, name in (*self.held, *self.wanted)} | self.silent
+        return {name: _COLOURS[k % len(_COLOURS)] for k, name in enumerate(sorted(names))}

@@ -1,0 +1,105 @@
+"""When and where a run came nearest to something, on its exact motion."""
+
+from bisect import bisect_right
+from math import dist, hypot, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from mars_asp.execution.simulator.body import THING, Body
+from mars_asp.execution.simulator.motion import Point, Pose, Stretch
+from mars_asp.execution.simulator.world import World
+
+#: So much nearer (mm) than found it may have been.
+_EXACT = 0.01
+#: So exactly (s) the instant is found.
+_INSTANT = 1e-7
+#: So many looks at most at the step on which it came as near as ever.
+_MOST_LOOKS = 20_000
+
+
+class Approach(NamedTuple):
+    """At a time (s) a robot was at a pose, and what was nearest at a point, `gap` mm away."""
+
+    at: float
+    pose: Pose
+    thing: Point
+    gap: float
+
+
+def pose_at(body: Body, seconds: float) -> Pose:
+    """Return where a body was at a time up to now."""
+    return _stretch(body, seconds).at(seconds)
+
+
+def least_approach(body: Body) -> Approach | None:
+    """Return when it first was as near to something as ever; `None` where there is nothing.
+
+    It is looked for on the one step that had the least clearance. From one look to the next time
+    passes in which nothing can have come as near; the last way is down to where it is least.
+    """
+    if body.clearance == inf:
+        return None
+    at, until = body.closest
+    other = _robot(body, body.beside)
+    fastest = body.world.fastest if other is None else _stretch(other, at).speed
+    closing = _stretch(body, at).speed + fastest
+    step = max(_EXACT, closing * (until - at) / _MOST_LOOKS)
+    while at < until:
+        left = approach_at(body, at, body.beside).gap - body.clearance
+        if left <= _EXACT or not closing:
+            break
+        at = min(until, at + max(left, step) / closing)
+    least, stride = approach_at(body, at, body.beside), until - at
+    while stride > _INSTANT:
+        further = approach_at(body, min(until, least.at + stride), body.beside)
+        nearer = further.gap < least.gap
+        least, stride = (further, stride) if nearer else (least, stride / 2)
+    return least
+
+
+def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
+    """Return how near the robot of a name was at a time, or else the nearest thing of the world.
+
+    In contact the gap is 0.
+    """
+    pose, other = pose_at(body, seconds), _robot(body, beside)
+    place = pose.forward, pose.side
+    if other is None:
+        thing = _nearest(body.world, place, seconds)
+    else:
+        there = pose_at(other, seconds)
+        thing = _rim(place, there.forward, there.side, other.radius)
+    return Approach(seconds, pose, thing, max(dist(place, thing) - body.radius, 0.0))
+
+
+def _robot(body: Body, name: str) -> Body | None:
+    """Return the robot of a name among those that a robot moves with."""
+    others = () if body.company is None else body.company.bodies
+    return next((other for other in others if other.name == name != THING), None)
+
+
+def _stretch(body: Body, seconds: float) -> Stretch:
+    number = bisect_right(body.motion, seconds, key=lambda stretch: stretch.since) - 1
+    return body.motion[max(number, 0)]
+
+
+def _nearest(world: World, point: Point, seconds: float) -> Point:
+    """Return the point of walls and rims that is nearest to a point at a time."""
+    found: list[Point] = []
+    if len(world.segments):
+        start, along = world.segments[:, :2], world.segments[:, 2:] - world.segments[:, :2]
+        squared = np.maximum((along * along).sum(axis=1), 1e-300)
+        share = np.clip(((np.array(point) - start) * along).sum(axis=1) / squared, 0.0, 1.0)
+        places = start + share[:, None] * along
+        x, y = places[np.hypot(*(places - np.array(point)).T).argmin()].tolist()
+        found.append((x, y))
+    circles = [*world.circles.tolist(), *((*c.at(seconds), c.radius) for c in world.moving)]
+    found += [_rim(point, *circle) for circle in circles]
+    return min(found, key=lambda place: dist(place, point))
+
+
+def _rim(point: Point, x: float, y: float, radius: float) -> Point:
+    """Return the point of a circle's rim that is nearest to a point."""
+    way = hypot(point[0] - x, point[1] - y) or inf
+    return x + radius * (point[0] - x) / way, y + radius * (point[1] - y) / way

@@ -1,0 +1,209 @@
+"""Branches, loops and functions of launch files in Python: what each way through them starts."""
+
+import pytest
+
+from mars_asp.exchange.ros2.read import import_ros2
+from mars_asp.exchange.ros2.source_cpp import read_cpp
+from mars_asp.language import Parsed
+from mars_asp.model.declarations import Control, Data
+
+START = """
+import os
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+def eye(name, **more):
+    return Node(package="v4l2_camera", executable="v4l2_camera_node", name=name, **more)
+
+"""
+ENTRY = "def generate_launch_description():\n"
+
+
+def launched(body: str) -> Parsed:
+    lines = "".join(f"    {line}\n" for line in body.strip().splitlines())
+    return import_ros2([(START + ENTRY + lines, "robot.launch.py")])
+
+
+def nodes(found: Parsed) -> list[str]:
+    return [name.text for name in found.configuration.modules]
+
+
+def told(found: Parsed) -> list[str]:
+    return [note.message for note in found.warnings]
+
+
+#: The body of the description, the nodes of all its branches, and how many depend on conditions.
+BODIES = [
+    # A value before the condition is one of those that it may have.
+    (
+        "x = 'a'\nif os.environ.get('B'):\n    x = 'b'\nreturn LaunchDescription([eye(x)])",
+        ["/b", "/a"],
+        2,
+    ),
+    (
+        "x = [eye('a')]\nif os.environ.get('B'):\n    x = [eye('b')]\nreturn LaunchDescription(x)",
+        ["/b", "/a"],
+        2,
+    ),
+    # A list grows in one branch alone; what is in it before depends on nothing.
+    (
+        "x = [eye('a')]\nif os.environ.get('B'):\n    x.append(eye('b'))\n"
+        "return LaunchDescription(x)",
+        ["/a", "/b"],
+        1,
+    ),
+    # Two names that one condition sets go together.
+    (
+        "if os.environ.get('B'):\n    x, y = 'a', 'one'\nelse:\n    x, y = 'b', 'two'\n"
+        "return LaunchDescription([eye(x, namespace=y)])",
+        ["/one/a", "/two/b"],
+        2,
+    ),
+    (
+        "k = os.environ['K']\nif k == '1':\n    x = 'a'\nelif k == '2':\n    x = 'b'\n"
+        "else:\n    x = 'c'\nreturn LaunchDescription([eye(x)])",
+        ["/a", "/b", "/c"],
+        3,
+    ),
+    (
+        "match os.environ['K']:\n    case '1':\n        x = 'a'\n    case _:\n        x = 'b'\n"
+        "return LaunchDescription([eye(x)])",
+        ["/a", "/b"],
+        2,
+    ),
+    # What neither branch changes is started either way.
+    ("if os.environ.get('B'):\n    x = 'b'\nreturn LaunchDescription([eye('a')])", ["/a"], 0),
+    (
+        "if os.environ.get('B'):\n    return LaunchDescription([eye('a')])\n"
+        "return LaunchDescription([eye('b')])",
+        ["/a", "/b"],
+        2,
+    ),
+    # A way that raises an exception, or lacks a name, starts nothing.
+    (
+        "if os.environ.get('B'):\n    x = 'a'\nelse:\n    raise RuntimeError\n"
+        "return LaunchDescription([eye(x)])",
+        ["/a"],
+        0,
+    ),
+    ("if os.environ.get('B'):\n    x = 'a'\nreturn LaunchDescription([eye(x)])", ["/a"], 0),
+    (
+        "try:\n    x = 'a'\nexcept KeyError:\n    x = 'b'\nreturn LaunchDescription([eye(x)])",
+        ["/a", "/b"],
+        2,
+    ),
+    # Loops and comprehensions.
+    (
+        "x = [eye(a + b) for a in ['l', 'r'] for b in ('1', '2')]\nreturn LaunchDescription(x)",
+        ["/l1", "/l2", "/r1", "/r2"],
+        0,
+    ),
+    (
+        "x = [eye(a) for a in ['l', 'r'] if a in os.environ]\n"
+        "return LaunchDescription([*x, eye('z')])",
+        ["/l", "/r", "/z"],
+        2,
+    ),
+    (
+        "x = []\nfor a in ['l', 'r']:\n    if a in os.environ:\n        continue\n"
+        "    x.append(eye(a))\nreturn LaunchDescription([*x, eye('z')])",
+        ["/z", "/l", "/r"],
+        2,
+    ),
+    (
+        "d = {k: k + '_eye' for k in ['l', 'r']}\nx = [eye(d[k]) for k in d]\n"
+        "return LaunchDescription([*x, *(eye(v + '2') for v in d.values())])",
+        ["/l_eye", "/r_eye", "/l_eye2", "/r_eye2"],
+        0,
+    ),
+    # Functions inside of others, and those without a name.
+    (
+        "side = 'left'\ndef setup(context):\n    return [eye(side)]\n"
+        "return LaunchDescription([OpaqueFunction(function=setup),"
+        " OpaqueFunction(function=lambda context: [eye('right')])])",
+        ["/left", "/right"],
+        0,
+    ),
+    (
+        "return LaunchDescription([eye('{}_{name}'.format('a', name='b')),"
+        " eye('{0}{0}'.format('c'))])",
+        ["/a_b", "/cc"],
+        0,
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("body", "expected", "conditional"), BODIES)
+def test_each_branch_is_taken(body: str, expected: list[str], conditional: int) -> None:
+    found = launched(body)
+    assert nodes(found) == expected
+    noted = [note for note in told(found) if "condition" in note]
+    verb = "node depends" if conditional == 1 else "nodes depend"
+    said = f"{conditional} {verb} on conditions, of which every branch was read"
+    assert noted == ([said] if conditional else [])
+
+
+def test_a_node_of_two_branches_has_the_topics_of_both() -> None:
+    found = launched(
+        "to = '/a'\nif os.environ.get('B'):\n    to = '/b'\n"
+        "keys = Node(package='teleop_twist_keyboard', executable='teleop_twist_keyboard',"
+        " remappings=[('cmd_vel', to)])\nreturn LaunchDescription([keys])"
+    )
+    lines = [each for each in found.configuration.relationships if isinstance(each, Control)]
+    assert {(each.controlled, each.controller) for each in lines} == {
+        ("a", "/teleop_twist_keyboard"),
+        ("b", "/teleop_twist_keyboard"),
+    }
+
+
+def test_where_every_way_raises_the_file_is_read_as_if_none_did() -> None:
+    found = launched("raise RuntimeError\nreturn LaunchDescription([eye('a')])")
+    assert nodes(found) == ["/a"]
+
+
+def test_more_branches_than_a_file_is_read_for_are_noted() -> None:
+    body = "x = []\n" + "".join(
+        f"if '{n}' in os.environ: x.append(eye('n{n}'))\n" for n in range(80)
+    )
+    found = launched(body + "return LaunchDescription(x)")
+    assert any(note.startswith("branches of conditions not read") for note in told(found))
+    assert len(nodes(found)) == 80
+
+
+def test_a_published_joint_state_may_come_from_a_list_of_topics() -> None:
+    found = launched(
+        "arm = Node(package='joint_state_publisher', executable='joint_state_publisher',"
+        " name='arm', remappings=[('joint_states', 'arm/joints')])\n"
+        "all = Node(package='joint_state_publisher', executable='joint_state_publisher',"
+        " parameters=[{'source_list': ['arm/joints', 'wheels/joints']}])\n"
+        "return LaunchDescription([arm, all])"
+    )
+    [line] = [each for each in found.configuration.relationships if isinstance(each, Data)]
+    assert (line.client, line.source) == ("/joint_state_publisher", "/arm")
+    inputs = {
+        parameter
+        for module in found.configuration.declared
+        if module.name == "/joint_state_publisher"
+        for service in module.services
+        for parameter in service.parameters or ()
+    }
+    assert "/wheels/joints" in str(inputs)
+
+
+@pytest.mark.parametrize(
+    ("period", "hz"),
+    [
+        ("std::chrono::duration<double>(1.0 / 20)", 20),
+        ("std::chrono::duration<double, std::milli>(50)", 20),
+        ("std::chrono::duration<int, std::ratio<1, 30>>(1)", None),
+    ],
+)
+def test_a_duration_counts_in_its_own_unit(period: str, hz: int | None) -> None:
+    text = (
+        'class A : public rclcpp::Node { A() : Node("a") {'
+        ' p_ = create_publisher<A>("t", 1);'
+        f" t_ = create_wall_timer({period}, std::bind(&A::tick, this)); }}"
+        " void tick() { p_->publish(m); } };"
+    )
+    [topic] = read_cpp([(text, "a.cpp")]).published
+    assert topic.hz == hz
