@@ -15,16 +15,30 @@ from random import Random
 from typing import Any
 from unittest.mock import patch
 
-from case_study import specified
-
 from mars_asp.execution.executor import Behaviour, Executor, modules
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.scenario.read import load_scenario
 from mars_asp.execution.trial import stage_trial
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.compile import configuration_facts
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.synthesis.synthesise import synthesise
 
 LEVEL0 = Path("examples/level0")
+
+
+def specified(text: str) -> Configuration:
+    """Return the specification of a configuration."""
+    configuration = parse_text(text, "case.mars").configuration
+    rulebook = load_rulebook()
+    facts = configuration_facts(configuration, {})
+    analysis = analyse(facts, rulebook, configuration.span)
+    found = synthesise(Project(configuration, {}, ()), analysis, rulebook)
+    assert found is not None
+    return found.specification.configuration
 
 
 def best_of_three(action: Callable[[], object]) -> float:

@@ -27,6 +27,18 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         assert run(command) == shown, command
 
 
+def test_the_campaigns_of_the_case_study_work() -> None:
+    """Each with one seed, 1 s and the first of its values; the page keeps what 200 seeds show."""
+    page = (ROOT / "docs" / "case-study.md").read_text(encoding="utf-8")
+    campaigns = re.findall(r"^mars-asp campaign .*", page, re.MULTILINE)
+    assert campaigns
+    for command in campaigns:
+        short = re.sub(r"--vary duration=\S+| -o \S+| --plot \S+", "", command)
+        short = re.sub(r"(=[^,\s]+),\S+", r"\1", short.replace("1-200", "1"))
+        told = run(f"{short} --vary duration=1")
+        assert re.search(r"^passed +[01] of 1 ", told, re.MULTILINE), command
+
+
 @pytest.mark.parametrize(("name", "text"), tuple(pages()), ids=lambda value: value[:8])
 def test_the_reference_is_what_parsers_and_rules_make(
     name: str, text: str, update_golden: bool

@@ -10,6 +10,8 @@ from mars_asp.execution.campaign.summary import (
     Cell,
     Share,
     cells,
+    control_shares,
+    fixed_values,
     requirement_shares,
     share_passed,
     worst,
@@ -39,10 +41,14 @@ def print_table(
 
 
 def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
-    """Yield what passed in each cell, and what held; requirements that always held are one line."""
+    """Yield what passed in each cell, what held, and who was in control.
+
+    Requirements that always held are one line, and so are controllers that always or never were in
+    control.
+    """
     passed, shares = share_passed(results), requirement_shares(results)
     groups = cells(results)
-    labels = [_label(cell, _fixed(groups)) for cell in groups]
+    labels = [_label(cell, fixed_values(groups)) for cell in groups]
     rows = [("", "passed", passed)]
     rows += [(label, "passed", cell.passed) for label, cell in zip(labels, groups, strict=True)]
     always = []
@@ -56,7 +62,17 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
             for label, cell in zip(labels, groups, strict=True)
             if name in cell.requirements
         ]
-    fixed = ", ".join(written_change(*each) for each in _fixed(groups).items())
+    controls = control_shares(results)
+    for name, share in controls.items():
+        if 0 < share.held < share.of:
+            title = f"{name} in control"
+            rows.append(("", title, share))
+            rows += [
+                (label, title, cell.in_control[name])
+                for label, cell in zip(labels, groups, strict=True)
+                if name in cell.in_control
+            ]
+    fixed = ", ".join(written_change(*each) for each in fixed_values(groups).items())
     head = f"{counted(passed.of, 'run')}{' with ' * bool(fixed)}{fixed}"
     yield from map(visible, wrapped(f"{head}, intervals of 95 % (Wilson)", width, "", "  "))
     # One cell has what all have.
@@ -64,16 +80,12 @@ def _table(results: Sequence[_Result], width: int) -> Iterator[str]:
     if always:
         text = f"{Share(passed.of, passed.of).text}: {', '.join(always)}"
         yield from map(visible, wrapped(text, width, "held in all, ", "  "))
-
-
-def _fixed(groups: Sequence[Cell]) -> dict[str, Any]:
-    """Return the values that all cells have."""
-    first = groups[0].vary if groups else {}
-    return {
-        key: value
-        for key, value in first.items()
-        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
-    }
+    for told, among in (
+        ("in control in each run: ", [n for n, s in controls.items() if 0 < s.held == s.of]),
+        ("in control in no run: ", [n for n, s in controls.items() if s.held == 0]),
+    ):
+        if among:
+            yield from map(visible, wrapped(", ".join(among), width, told, "  "))
 
 
 def _aligned(rows: Sequence[tuple[str, str, Share]]) -> Iterator[str]:

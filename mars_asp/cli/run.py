@@ -204,7 +204,7 @@ def _print_plan(
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
-    executor, clearance = trial.executor, trial.clearance
+    executor, times = trial.executor, trial.control_time
     return {
         "verdict": judgement.verdict,
         "requirements": [
@@ -215,8 +215,11 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "events": executor.schedule.events,
         "messages": sum(link.delivered for link in executor.links),
         "collisions": trial.collisions,
-        "min_clearance_mm": _millimetres(clearance),
-        "control_time": {name: round(t, 6) for name, t in trial.control_time.items()},
+        "min_clearance_mm": _millimetres(trial.clearance),
+        # A controller that was never in control has none, and is listed, too.
+        "control_time": {
+            name: round(times.get(name, 0.0), 6) for name in sorted({*times, *_speakers(trial)})
+        },
         "driven_mm": round(sum(body.driven for body in trial.bodies), 3),
         "turn_while_driving_s": round(sum(body.both for body in trial.bodies), 6),
         "robots": [_robot_json(trial, *each) for each in trial.robots],
@@ -399,10 +402,8 @@ def _links(trial: "Trial") -> "Table":
 
 
 def _controllers(trial: "Trial") -> "Table":
-    links, plan = trial.executor.links, trial.executor.plan
     # One that never said anything has a row, too.
-    speakers = (link.source for link in links if plan.kind(link.source) == "control_out")
-    suppressed = Counter(dict.fromkeys(speakers, 0))
+    suppressed = Counter(dict.fromkeys(_speakers(trial), 0))
     for arbiter in trial.executor.arbiters.values():
         suppressed.update(_suppressed(arbiter))
     times, duration = trial.control_time, trial.scenario.duration
@@ -411,6 +412,12 @@ def _controllers(trial: "Trial") -> "Table":
         for name in sorted({*times, *suppressed})
     )
     return _table(("controller", "in control", "suppressed"), rows)
+
+
+def _speakers(trial: "Trial") -> Iterator[str]:
+    """Yield the modules that send commands and are not arbiters, once for each link."""
+    links, plan = trial.executor.links, trial.executor.plan
+    return (link.source for link in links if plan.kind(link.source) == "control_out")
 
 
 def _table(heads: tuple[str, ...], rows: Any) -> "Table":

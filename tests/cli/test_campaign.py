@@ -236,7 +236,12 @@ def test_a_grid_is_drawn_and_shown_by_cell(campaign: Campaign, capsys: Captured)
     assert re.search(r"(?m)^held in all, 8 of 8 .*no$|^held in all, 8 of 8 ", told)
     assert Path("p.svg").read_text().count('r="4"') == 2
     assert run_here(campaign.words("--seeds", "1-4", *vary, "--format", "json")) == 1
-    assert json.loads(capsys.readouterr().out) == campaign.lines()[-1]
+    _, *lines, summary = campaign.lines()
+    assert json.loads(capsys.readouterr().out) == summary
+    assert summary["in_control"]
+    for name, share in summary["in_control"].items():
+        assert re.search(rf"(?m)^{name} in control |^in control in .* run: .*{name}", told)
+        assert share["held"] == sum(line["control_time"][name] > 0 for line in lines)
 
 
 def left(folder: Path) -> Iterator[str]:

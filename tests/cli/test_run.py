@@ -125,7 +125,8 @@ def test_level_0_runs_and_same_seed_is_same_trace_to_the_byte(
         status = _run(*words)
         result = json.loads(capfd.readouterr().out)
         assert (status, result["verdict"], result["collisions"]) == (0, "pass", 0)
-        assert set(result["control_time"]) <= {"Turn", "Forward", "Collide"}
+        assert set(result["control_time"]) == {"Turn", "Forward", "Collide"}
+        assert result["control_time"]["Collide"] == 0  # never in control, and listed
         traces.append(out.read_bytes() + svg.read_bytes())
     assert traces[0] == traces[1]
     assert len(traces[0]) > 10_000

@@ -3,6 +3,8 @@
 from math import atan2, cos, degrees, hypot, inf, radians, sin
 from typing import NamedTuple
 
+from mars_asp.behaviour import Context
+
 
 class SonarData(list):
     """Ranges in mm of a ring of beams; beam k looks at k * 360 / n degrees; a miss is inf."""
@@ -84,12 +86,17 @@ _before = [inf]
 # @module_start
 # @module_name Collide
 # @ControlOut Trans_Z
-def collide(obstacles: SonarMap) -> tuple[str, float] | None:
-    """Halt while something immediately ahead comes nearer; then let the robot turn away."""
+def collide(obstacles: SonarMap, ctx: Context) -> tuple[str, float] | None:
+    """Halt while something immediately ahead comes nearer; then let the robot turn away.
+
+    It comes nearer where it has done so by more than the parameter `closing`, in mm, since the
+    last map; 12 is more than most noise. With a value below 0, such as -10000, whatever is near
+    halts the robot.
+    """
     ahead = min((r for bearing, r in obstacles if abs(bearing) <= 40), default=inf)
     closing = _before[0] - ahead
     _before[0] = ahead
-    if ahead < 450 and closing > 12:
+    if ahead < 450 and closing > ctx.parameters.get("closing", 12):
         return "Trans_Z", 0.0
     return None
 # @module_end

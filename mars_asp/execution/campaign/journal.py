@@ -14,8 +14,8 @@ from mars_asp.execution.campaign.grid import Run, run_name
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
 
 FORMAT, VERSION = "mars-campaign", 1
-#: What else of a run is compared.
-COUNTED = ("collisions", "min_clearance_mm", "error")
+#: What else of a run is compared and counted.
+COUNTED = ("collisions", "min_clearance_mm", "control_time", "error")
 
 
 class Ended(NamedTuple):
@@ -122,9 +122,14 @@ def _is_run(found: Mapping[str, Any]) -> bool:
         and found.get("verdict") in (PASS, FAIL, NOT_DECIDED)
         and isinstance(found.get("collisions"), int | None)
         and isinstance(found.get("min_clearance_mm"), int | float | None)
+        and _is_times(found.get("control_time"))
         and isinstance(judged, list)
         and all(map(_is_requirement, judged))
     )
+
+
+def _is_times(found: object) -> bool:
+    return isinstance(found, dict) and all(isinstance(t, int | float) for t in found.values())
 
 
 def _is_requirement(found: object) -> bool:

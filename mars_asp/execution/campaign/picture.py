@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
 from mars_asp.draw.shapes import FONT
-from mars_asp.execution.campaign.summary import Cell
+from mars_asp.execution.campaign.summary import Cell, fixed_values
 from mars_asp.execution.scenario.vary import Axis, written_change
 from mars_asp.output import visible
 
@@ -33,9 +33,11 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
     axis = plotted_axis(axes)
     # A cell of an earlier grid may lack the parameter.
     shown = [cell for cell in cells if axis.key in cell.vary]
+    fixed = fixed_values(shown)
+    told = ", ".join(written_change(*each) for each in fixed.items() if each[0] != axis.key)
     series: dict[str, list[Cell]] = {}
     for cell in shown:
-        rest = {key: value for key, value in cell.vary.items() if key != axis.key}
+        rest = {k: value for k, value in cell.vary.items() if k != axis.key and k not in fixed}
         series.setdefault(", ".join(written_change(*each) for each in rest.items()), []).append(
             cell
         )
@@ -47,7 +49,8 @@ def campaign_picture(cells: Sequence[Cell], axes: Sequence[Axis], title: str) ->
         f"<title>{_shown(title)}</title>",
         '<rect width="100%" height="100%" fill="white"/>',
         f'<text x="{_LEFT:g}" y="20" font-weight="bold">{_shown(title)}</text>',
-        f'<text x="{_LEFT:g}" y="37">runs that passed, with 95 % intervals (Wilson)</text>',
+        f'<text x="{_LEFT:g}" y="37">runs that passed{_shown(told and f" with {told}")}; '
+        "intervals of 95 % (Wilson)</text>",
         *_frame(axis, positions),
     ]
     for number, (name, each) in enumerate(series.items()):

@@ -42,11 +42,15 @@ class Share(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """The runs with one combination of values: how many passed, and what held in how many."""
+    """The runs with one combination of values: how many passed, and what held in how many.
+
+    `in_control` has in how many a controller was in control at some time.
+    """
 
     vary: Mapping[str, Any]
     passed: Share
     requirements: Mapping[str, Share]
+    in_control: Mapping[str, Share]
 
 
 def share_passed(results: Iterable[_Result]) -> Share:
@@ -66,15 +70,37 @@ def requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
     return {name: Share(*count) for name, count in counts.items()}
 
 
+def control_shares(results: Sequence[_Result]) -> dict[str, Share]:
+    """Return in how many runs each controller was in control, of those that came to their end."""
+    times = [result["control_time"] for result in results if not result.get("error")]
+    names = sorted({name for each in times for name in each})
+    return {name: Share(sum(each.get(name, 0) > 0 for each in times), len(times)) for name in names}
+
+
 def cells(results: Iterable[_Result]) -> list[Cell]:
     """Return the runs by what they vary, in the order of their first lines."""
     groups: dict[str, list[_Result]] = {}
     for result in results:
         groups.setdefault(json.dumps(result["vary"], sort_keys=True), []).append(result)
     return [
-        Cell(group[0]["vary"], share_passed(group), requirement_shares(group))
+        Cell(
+            group[0]["vary"],
+            share_passed(group),
+            requirement_shares(group),
+            control_shares(group),
+        )
         for group in groups.values()
     ]
+
+
+def fixed_values(groups: Sequence[Cell]) -> dict[str, Any]:
+    """Return the values that all cells have."""
+    first = groups[0].vary if groups else {}
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in cell.vary and cell.vary[key] == value for cell in groups)
+    }
 
 
 def worst(results: Iterable[_Result]) -> list[_Result]:
@@ -104,14 +130,16 @@ def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) 
         "runs": passed.of,
         "passed": passed.held,
         **_interval_json(passed),
-        "requirements": _requirements_json(requirement_shares(results)),
+        "requirements": _shares_json(requirement_shares(results)),
+        "in_control": _shares_json(control_shares(results)),
         "cells": [
             {
                 "vary": cell.vary,
                 "runs": cell.passed.of,
                 "passed": cell.passed.held,
                 **_interval_json(cell.passed),
-                "requirements": _requirements_json(cell.requirements),
+                "requirements": _shares_json(cell.requirements),
+                "in_control": _shares_json(cell.in_control),
             }
             for cell in cells(results)
         ],
@@ -122,7 +150,7 @@ def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) 
     }
 
 
-def _requirements_json(shares: Mapping[str, Share]) -> dict[str, object]:
+def _shares_json(shares: Mapping[str, Share]) -> dict[str, object]:
     return {
         name: {"held": share.held, "of": share.of, **_interval_json(share)}
         for name, share in shares.items()

@@ -20,6 +20,7 @@ HEADER = header_of("c", "s", "1.0")
 RESULT: dict[str, Any] = {
     "verdict": "pass",
     "requirements": [{"name": "r", "holds": True, "message": "none"}],
+    "control_time": {"Turn": 1.5},
     "seed": 0,
 }
 LINES = [ended_run(Run(seed, {}), {**RESULT, "seed": seed}).line for seed in (3, 1, 2)]
@@ -97,6 +98,8 @@ def test_runs_of_an_earlier_grid_follow() -> None:
         (HEADER + b'{"seed": 1}\n', "o.jsonl:2", "this line is not a run"),
         (HEADER + LINES[0].replace(b"true", b"1"), "o.jsonl:2", "this line is not a run"),
         (HEADER + LINES[0].replace(b"pass", b"PASS"), "o.jsonl:2", "this line is not a run"),
+        (HEADER + LINES[0].replace(b"1.5", b'"1.5"'), "o.jsonl:2", "this line is not a run"),
+        (HEADER + LINES[0].replace(b"control_time", b"x"), "o.jsonl:2", "this line is not a run"),
         (HEADER + b'{"runs": 3}\n' + LINES[0], "o.jsonl:2", "a summary is the last line"),
     ],
 )

@@ -43,7 +43,8 @@ def test_without_a_run_nothing_is_known() -> None:
 def result(seed: int, verdict: str, vary: Any = None, **more: Any) -> dict[str, Any]:
     holds = {"pass": True, "fail": False}.get(verdict)
     judged = [{"name": "r", "holds": holds}, {"name": "always", "holds": True}]
-    return {"seed": seed, "verdict": verdict, "vary": vary or {}, "requirements": judged, **more}
+    run = {"seed": seed, "verdict": verdict, "vary": vary or {}, "requirements": judged}
+    return {**run, "control_time": {}, **more}
 
 
 def test_what_is_not_decided_is_not_counted_for_its_requirement() -> None:
@@ -81,3 +82,18 @@ def test_each_combination_of_values_is_a_cell() -> None:
     first, second = cells(results)
     assert (first.vary, first.passed, second.passed) == ({"x": 1}, Share(1, 2), Share(0, 1))
     assert first.requirements == {"r": Share(1, 2), "always": Share(2, 2)}
+
+
+def test_a_controller_counts_in_the_runs_that_it_was_in_control_in() -> None:
+    results = [
+        result(1, "pass", {"x": 1}, control_time={"Collide": 0.0, "Turn": 0.1}),
+        result(2, "fail", {"x": 1}, control_time={"Collide": 0.0, "Turn": 0.0}),
+        result(1, "pass", {"x": 2}, control_time={"Collide": 0.0, "Turn": 20.0}),
+        result(2, "fail", {"x": 2}, error="it took too long"),  # what it would have done is unknown
+    ]
+    found = summary_json(results, lambda each: "")
+    assert {name: (c["held"], c["of"]) for name, c in found["in_control"].items()} == {
+        "Collide": (0, 3),
+        "Turn": (2, 3),
+    }
+    assert [cell.in_control["Turn"] for cell in cells(results)] == [Share(1, 2), Share(1, 1)]
