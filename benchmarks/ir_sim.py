@@ -16,7 +16,7 @@ import numpy as np
 with contextlib.redirect_stdout(io.StringIO()):  # it tells which displays it has tried
     import irsim
 
-from mars_asp.execution.simulator import Body, Circle, Pose, World, sonar
+from mars_asp.execution.simulator import Body, Circle, Fleet, Pose, World, sonar
 from mars_asp.execution.simulator.devices import mounted
 
 BEAMS, REACH, STEP, STEPS = 24, 3000.0, 0.1, 100
@@ -79,7 +79,7 @@ def compare(count: int) -> tuple[float, float]:
     """
     circles = crowd(count)
     env, world = theirs(circles), World(circles=circles)
-    body = Body(world, Pose(0.0, 0.0, 0.0), 200.0, up="z")
+    (body,) = Fleet([Body(world, Pose(0.0, 0.0, 0.0), 200.0, up="z")]).bodies
     body.obey({"Trans_X": AHEAD, "Rotn_Z": degrees(TURN)}, 0.0)
     read = sonar(body, mounted(body), Random(1), beams=BEAMS, rays=1, reach=REACH)
     env.step([AHEAD / 1000, TURN])

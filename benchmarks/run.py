@@ -4,11 +4,15 @@ Times are processor time of the one thread, so that what else a machine does mat
 """
 
 import heapq
+import re
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from math import ceil, hypot
 from pathlib import Path
+from random import Random
+from typing import Any
 from unittest.mock import patch
 
 from mars_asp.execution.executor import Behaviour, Executor, modules
@@ -54,6 +58,58 @@ def level0(specification: Configuration, obstacles: int) -> float:
     crowded = replace(scenario, world={"scatter": scatter})
     trials = [stage_trial(specification, {}, crowded) for _ in range(3)]
     return 60.0 / best_of_three(lambda: trials.pop().run_until(60.0))
+
+
+def moving(specification: Configuration, obstacles: int) -> float:
+    """Return the same speed, to real time, where all obstacles move along ways of three points."""
+    scenario = load_scenario(LEVEL0 / "scenario.toml")
+    random, within = Random(1), 1000.0 * (obstacles / 2) ** 0.5
+    circles: list[dict[str, Any]] = []
+    while len(circles) < obstacles:
+        way = [[random.uniform(-within, within) for _ in "xy"] for _ in range(3)]
+        if hypot(*way[0]) > 900:
+            circles.append({"way": way, "radius": random.uniform(100, 300), "speed": 80})
+    crowded = replace(scenario, world={"moving": circles})
+    trials = [stage_trial(specification, {}, crowded) for _ in range(3)]
+    return 60.0 / best_of_three(lambda: trials.pop().run_until(60.0))
+
+
+def fleet(robots: int) -> float:
+    """Return seconds of processor time a robot for 10 s of level 0, on 4 square metres each."""
+    scenario, text = load_scenario(LEVEL0 / "scenario.toml"), (LEVEL0 / "config.mars").read_text()
+    names = [name.text for name in parse_text(text, "case.mars").configuration.modules]
+    word = re.compile(rf"\b({'|'.join(names)})\b")
+    lines = [line for line in text.splitlines() if re.search(" is_| uses_", line)]
+    several = ["@configuration hierarchical", "@modules " + ", ".join(_each(names, robots))]
+    several += [word.sub(rf"r{k}/\1", line) for k in range(robots) for line in lines]
+    side, (one,) = ceil(robots**0.5), scenario.robots
+    low, high = -1000, 2000 * side - 1000
+    wall = [[low, low], [high, low], [high, high], [low, high], [low, low]]
+    placed = [
+        replace(
+            one,
+            name=f"r{k}",
+            module=f"r{k}/{one.module}",
+            start=(2000.0 * (k // side), 2000.0 * (k % side), 40.0 * k),
+        )
+        for k in range(robots)
+    ]
+    many = replace(
+        scenario,
+        world={"walls": [wall]},
+        robots=tuple(placed),
+        devices=_each(scenario.devices, robots),
+        bindings=_each(scenario.bindings, robots),
+    )
+    specification = specified("\n".join(several))
+    trials = [stage_trial(specification, {}, many) for _ in range(3)]
+    return best_of_three(lambda: trials.pop().run_until(10.0)) / robots
+
+
+def _each(names: Iterable[str], robots: int) -> dict[str, Any]:
+    """Return names, or tables by name, once for each robot."""
+    tables = names if isinstance(names, Mapping) else dict.fromkeys(names)
+    return {f"r{k}/{name}": table for k in range(robots) for name, table in tables.items()}
 
 
 def copying(specification: Configuration) -> float:
@@ -121,6 +177,12 @@ def main() -> None:
     few, many = level0(specification, 200), level0(specification, 2000)
     print(f"level 0, 24 beams at 10 Hz, 200 obstacles: {few:.0f} times real time (goal: 300)")
     print(f"the same with 2,000 obstacles: {many / few:.2f} of that (goal: 0.5)")
+    for count in (200, 2000):
+        speed = moving(specification, count)
+        print(f"{count:,} moving along ways: {speed:.0f} times real time (goal: 60)")
+    alone = fleet(1)
+    for count in (10, 100):
+        print(f"{count} robots: {fleet(count) / alone:.2f} times as long a robot as one alone")
     shared = copying(specification)
     print(
         f"20 obstacles, with messages that are shared instead of copied: {shared:.2f} times as fast"

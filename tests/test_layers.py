@@ -86,7 +86,7 @@ FILES = {
     "execution/executor": (
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
-    "execution/simulator": "motion world body approach devices",
+    "execution/simulator": "motion ramp world body fleet approach devices",
     "execution/scenario": (
         "schema contradictions toml_places toml_tables vary read functions agreement devices"
     ),

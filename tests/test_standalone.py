@@ -25,6 +25,7 @@ EXAMPLES = [
 SCENARIOS = [
     ("level0/python.mars", "level0/scenario.toml"),
     ("level1/config.mars", "level1/scenario.toml"),
+    ("fleet/config.mars", "fleet/scenario.toml"),
 ]
 #: What a node resolves; other consequences are about mounts, and stay.
 RESOLVED = {

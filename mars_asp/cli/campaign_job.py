@@ -36,7 +36,7 @@ def code_of(
         scenario = read_scenario(text, path, cell)
         bound = dict(bound_functions(modules, scenario, names))
         files |= dict.fromkeys(file for file, _ in bound.values())
-        able = {*bound, *scenario.devices} - {scenario.robot["module"]}
+        able = {*bound, *scenario.devices} - {robot.module for robot in scenario.robots}
         for name in switched_off(cell):
             if name not in able:
                 near = nearest(name, able)

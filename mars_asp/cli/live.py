@@ -61,12 +61,12 @@ def _columns() -> int:
 
 def run_line(trial: "Trial", wall: float) -> str:
     """Return where a run stands after `wall` seconds of computing."""
-    effector = trial.executor.effectors.get(trial.scenario.robot["module"])
-    holder = effector.message.origin if effector and effector.message else ""
+    effectors = [trial.executor.effectors.get(each.module) for each in trial.scenario.robots]
+    holders = (each.message.origin or "nobody" for each in effectors if each and each.message)
     dropped = sum(link.dropped.total() for link in trial.executor.links)
-    seconds = trial.body.seconds
+    seconds = trial.bodies[0].seconds
     return (
         f"{seconds:6.1f} of {trial.scenario.duration:g} s  {seconds / max(wall, 1e-9):5.0f}x  "
-        f"least clearance {trial.body.clearance:6.0f} mm  dropped {dropped}  "
-        f"in control: {holder or 'nobody'}"
+        f"least clearance {trial.clearance:6.0f} mm  dropped {dropped}  "
+        f"in control: {', '.join(holders) or 'nobody'}"
     )

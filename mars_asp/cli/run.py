@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from mars_asp.execution.executor import Link
     from mars_asp.execution.executor.link import Failures
     from mars_asp.execution.judgement import Judgement
-    from mars_asp.execution.scenario.read import Scenario
+    from mars_asp.execution.scenario.read import Robot, Scenario
+    from mars_asp.execution.simulator import Body
     from mars_asp.execution.trial import Trial
 
 #: Who holds control where no controller does.
@@ -203,8 +204,7 @@ def _print_plan(
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
     """Return a run with the keys of the command line's contract."""
-    body, executor, times = trial.body, trial.executor, trial.control_time
-    clearance = body.clearance
+    executor, times = trial.executor, trial.control_time
     return {
         "verdict": judgement.verdict,
         "requirements": [
@@ -214,14 +214,15 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
         "seed": trial.scenario.seed,
         "events": executor.schedule.events,
         "messages": sum(link.delivered for link in executor.links),
-        "collisions": body.collisions,
-        "min_clearance_mm": round(clearance, 3) if clearance < float("inf") else None,
+        "collisions": trial.collisions,
+        "min_clearance_mm": _millimetres(trial.clearance),
         # A controller that was never in control has none, and is listed, too.
         "control_time": {
             name: round(times.get(name, 0.0), 6) for name in sorted({*times, *_speakers(trial)})
         },
-        "driven_mm": round(body.driven, 3),
-        "turn_while_driving_s": round(body.both, 6),
+        "driven_mm": round(sum(body.driven for body in trial.bodies), 3),
+        "turn_while_driving_s": round(sum(body.both for body in trial.bodies), 6),
+        "robots": [_robot_json(trial, *each) for each in trial.robots],
         "links": _links_json(trial),
         "control": [
             {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
@@ -229,6 +230,27 @@ def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
             for h in arbiter.holdings
         ],
         "failures": [_failures_json(*each) for each in executor.failures.items()],
+    }
+
+
+def _millimetres(clearance: float) -> float | None:
+    return round(clearance, 3) if clearance < float("inf") else None
+
+
+def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
+    reached = None if robot.reach is None else trial.reached(robot)
+    return {
+        "name": robot.name,
+        "module": robot.module,
+        "collisions": [
+            {"seconds": at, "with": other or None}
+            for at, other in zip(body.contacts, body.struck, strict=True)
+        ],
+        "min_clearance_mm": _millimetres(body.clearance),
+        "nearest": body.beside or None,
+        "reached_s": None if reached is None else round(reached, 6),
+        "driven_mm": round(body.driven, 3),
+        "turn_while_driving_s": round(body.both, 6),
     }
 
 
@@ -306,14 +328,15 @@ def _print_tables(
     for requirement in judgement.requirements:
         word = _WORDS[requirement.holds]
         _say(console, f"{word:8} {requirement.name}  ", requirement.message)
-    body = trial.body
+    bodies, clearance = trial.bodies, trial.clearance
     # Where there is nothing to come near to, there is no clearance.
-    clear = f"least clearance {body.clearance:.0f} mm, " if body.clearance < float("inf") else ""
+    clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
     _say(
         console,
         f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
-        f"{counted(body.collisions, 'collision')}, {clear}{body.driven:.0f} mm driven, "
-        f"{body.both:.2f} s turning while driving",
+        f"{counted(trial.collisions, 'collision')}, {clear}"
+        f"{sum(body.driven for body in bodies):.0f} mm driven, "
+        f"{sum(body.both for body in bodies):.2f} s turning while driving",
         "  ",
     )
 

@@ -128,10 +128,10 @@ def _page(title: str) -> str:
 
 def _state(trial: "Trial", judgement: "Judgement | None") -> str:
     """Return a sentence for those who read, and do not see, what is shown."""
-    body, clearance = trial.body, trial.body.clearance
+    clearance = trial.clearance
     near = f", least clearance {clearance:.0f} mm" if clearance < float("inf") else ""
     spent = f"{trial.executor.schedule.now / 1e9:.1f} of {trial.scenario.duration:g} s"
-    told = f"{spent}: {counted(body.collisions, 'collision')}{near}"
+    told = f"{spent}: {counted(trial.collisions, 'collision')}{near}"
     return told if judgement is None else f"{judgement.verdict}, after {told}"
 
 

@@ -1,12 +1,12 @@
 """What a run was like, as facts, and the requirements that `rules/run` judges by them."""
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
@@ -18,7 +18,9 @@ from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.promises import promises
+from mars_asp.execution.scenario.read import Robot
 from mars_asp.execution.simulator.approach import least_approach
+from mars_asp.execution.simulator.body import THING, Body
 from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
@@ -151,29 +153,57 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     for name, failures in trial.executor.failures.items():
         first = failure_text(failures), failures.at // MILLISECOND
         yield _seen("failed", name, failures.count, *first)
-    body, scenario = trial.body, trial.scenario
+    scenario = trial.scenario
     asked = scenario.requirements
     for name in _asked(trial):
-        yield _fact(scenario.places.get(name, scenario.span), "asked", Atom(name))
-    yield from _contacts(trial)
-    if "clearance" in asked:
-        least = least_approach(body)
-        numbers = body.clearance, asked["clearance"], least.at if least else 0.0
-        yield _seen("clearance", *(_whole(number * 1000) for number in numbers))
-    if "reach" in asked and trial.reached is None:
-        within = asked["reach"].get("within", scenario.duration)
-        yield _fact(scenario.places["reach"], "deadline", _whole(within * 1000))
-        yield _seen("never_reached", _whole(min(within, scenario.duration) * 1000))
-        x, y = asked["reach"]["at"]
-        distance, at = trial.nearest
-        # Whole millimetres are as much as a reader wants.
-        told = _whole(round(distance) * 1000), _whole(at * 1000)
-        yield _seen("came_nearest", f"({x:g}, {y:g})", *told)
+        place = next(
+            (r.places["reach"] for r in scenario.robots if name in r.places), scenario.span
+        )
+        yield _fact(scenario.places.get(name, place), "asked", Atom(name))
+    yield from _robots(trial)
     for first, second in asked.get("exclusive", ()):
         seconds, since = trial.together(first, second)
         yield _seen("together", first, second, _whole(seconds * 1000), _whole(since * 1000))
     if "coverage" in asked:
         yield _seen("coverage", _whole(trial.coverage * 1000), _whole(asked["coverage"] * 1000))
+
+
+def _robots(trial: Trial) -> Iterator[Fact]:
+    """Yield what robots came near to, and which places they did not come to."""
+    scenario = trial.scenario
+    yield _seen("called", THING, "something")
+    for robot in scenario.robots:
+        yield _seen("called", robot.name, scenario.called(robot))
+    for robot, body in trial.robots:
+        yield from _contacts(trial, robot, body)
+    if "clearance" in scenario.requirements:
+        told = set[frozenset[str]]()
+        for body in sorted(trial.bodies, key=lambda body: body.clearance):
+            pair = frozenset({body.name, body.beside})
+            if pair not in told:
+                told.add(pair)
+                least, asked = least_approach(body), scenario.requirements["clearance"]
+                numbers = body.clearance, asked, least.at if least else 0.0
+                told_so = (_whole(number * 1000) for number in numbers)
+                yield _seen("clearance", body.name, body.beside, *told_so)
+    for robot in scenario.robots:
+        if robot.reach is not None and trial.reached(robot) is None:
+            yield from _missed(trial, robot, robot.reach)
+
+
+def _missed(trial: Trial, robot: Robot, reach: Mapping[str, Any]) -> Iterator[Fact]:
+    """Yield by when a robot was to come to its place, and how near it came."""
+    scenario = trial.scenario
+    within = reach.get("within", scenario.duration)
+    place = robot.places.get("reach") or scenario.places["reach"]
+    yield _fact(place, "deadline", robot.name, _whole(within * 1000))
+    ended = _whole(min(within, scenario.duration) * 1000)
+    yield _seen("never_reached", robot.name, ended)
+    x, y = reach["at"]
+    distance, at = trial.nearest(robot)
+    # Whole millimetres are as much as a reader wants.
+    told = _whole(round(distance) * 1000), _whole(at * 1000)
+    yield _seen("came_nearest", robot.name, f"({x:g}, {y:g})", *told)
 
 
 def _written(facts: Iterable[Fact]) -> Iterator[Fact]:
@@ -231,7 +261,11 @@ def raised_at(failures: Failures) -> tuple[str | None, int | None]:
 
 
 def _asked(trial: Trial) -> Iterator[str]:
-    return (name for name, value in trial.scenario.requirements.items() if value is not False)
+    for name, value in trial.scenario.requirements.items():
+        if value is not False:
+            yield name
+    if any("reach" in robot.places for robot in trial.scenario.robots):
+        yield "reach"
 
 
 def _services(trial: Trial) -> Iterator[Fact]:
@@ -282,29 +316,28 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
                     yield _seen("coincided", name, holder, link.source, *both)
 
 
-def _contacts(trial: Trial) -> Iterator[Fact]:
-    """Yield when the robot came into contact, and whom it obeyed up to then."""
-    commands = tuple(trial.commands)
+def _contacts(trial: Trial, robot: Robot, body: Body) -> Iterator[Fact]:
+    """Yield when a robot came into contact, with whom, and whom it obeyed up to then."""
+    commands = tuple(trial.commands(robot))
     starts = [since for since, *_ in commands]
-    for at in trial.body.contacts:
+    for at, other in zip(body.contacts, body.struck, strict=True):
         instant = _whole(at * 1000)
-        yield _seen("collided", instant)
+        yield _seen("collided", robot.name, other, instant)
         number = bisect_left(starts, at) - 1
         if number < 0:
             continue
         since, until, origin, command = commands[number]
         for function in command:
             told = _whole(since * 1000), _whole(until * 1000)
-            yield _seen("obeyed", instant, origin, function, *told)
+            yield _seen("obeyed", robot.name, instant, origin, function, *told)
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:
-    modules, robot = trial.executor.plan.modules, trial.scenario.robot["module"]
+    modules = trial.executor.plan.modules
     places = {(m.name, f.name): f.span for m in modules.values() for f in m.functions}
-    places |= {
-        (robot, function): trial.scenario.places[function]
-        for function in trial.scenario.robot.get("limits", ())
-    }
+    for robot in trial.scenario.robots:
+        for function in robot.limits:
+            places[robot.module, function] = robot.places[f"limits.{function}"]
     for name, effector in trial.executor.effectors.items():
         peaks: dict[str, tuple[float, int]] = {}
         for at, _, command in effector.applied:

@@ -1,10 +1,10 @@
 """A specification in a scenario: world, robot, devices and executor, put together and run."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, hypot, inf, radians, sin
+from math import cos, dist, inf, radians, sin
 from random import Random
 from typing import Any
 
@@ -19,13 +19,15 @@ from mars_asp.execution.parts import in_parts
 from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions
-from mars_asp.execution.scenario.read import Scenario
+from mars_asp.execution.scenario.read import Robot, Scenario
 from mars_asp.execution.simulator import (
     Body,
     Circle,
+    Fleet,
     Joint,
     Mark,
     Pose,
+    Ramp,
     World,
 )
 from mars_asp.execution.simulator.body import planar_functions
@@ -35,7 +37,7 @@ from mars_asp.model.declarations import GRASP, Configuration, Function, Module
 
 @dataclass(frozen=True)
 class Trial:
-    """A run: `executor` and `body` hold what happened.
+    """A run: `executor` and `bodies`, in the order of the scenario's robots, hold what happened.
 
     `limits` are rates by module, `joints` the simulated joints and grippers by module, `moves` the
     functions that each simulated device carries out, `remarks` warnings about the scenario.
@@ -43,7 +45,7 @@ class Trial:
 
     scenario: Scenario
     executor: Executor
-    body: Body
+    bodies: tuple[Body, ...]
     limits: Mapping[str, Mapping[str, float]]
     joints: Mapping[str, Joint]
     moves: Mapping[str, tuple[str, ...]]
@@ -52,17 +54,45 @@ class Trial:
     def run_until(self, seconds: float) -> None:
         """Run events and motion up to a time."""
         self.executor.step_until(round(seconds * SECOND))
-        self.body.advance(seconds)
+        self.bodies[0].advance(seconds)  # and all others with it
         for joint in self.joints.values():
             joint.advance(seconds)
 
     @property
+    def robots(self) -> Iterator[tuple[Robot, Body]]:
+        """Yield each robot of the scenario with its body."""
+        return zip(self.scenario.robots, self.bodies, strict=True)
+
+    @property
+    def collisions(self) -> int:
+        """Return how often a robot came into contact; of two with each other once."""
+        return len(self.contacts)
+
+    @property
+    def contacts(self) -> list[tuple[float, Body, str]]:
+        """Return when (s) which robot came into contact with whom; two with each other once."""
+        names = {body.name: k for k, body in enumerate(self.bodies)}
+        found = [
+            (at, body, other)
+            for k, body in enumerate(self.bodies)
+            for at, other in zip(body.contacts, body.struck, strict=True)
+            if names.get(other, k) >= k
+        ]
+        return sorted(found, key=lambda contact: contact[0])
+
+    @property
+    def clearance(self) -> float:
+        """Return the least clearance (mm) of any robot; inf where nothing was to come near to."""
+        return min(body.clearance for body in self.bodies)
+
+    @property
     def control_time(self) -> dict[str, float]:
-        """Return for how many seconds each module's command was in force at the robot."""
+        """Return for how many seconds each module's command was in force at a robot."""
         times: defaultdict[str, float] = defaultdict(float)
-        for since, until, origin, _ in self.commands:
-            if origin:
-                times[origin] += until - since
+        for robot in self.scenario.robots:
+            for since, until, origin, _ in self.commands(robot):
+                if origin:
+                    times[origin] += until - since
         return dict(sorted(times.items()))
 
     def together(self, first: str, second: str) -> tuple[float, float]:
@@ -92,10 +122,9 @@ class Trial:
                 if command.get(function):
                     yield since, until
 
-    @property
-    def commands(self) -> Iterator[tuple[float, float, str, dict[str, float]]]:
-        """Yield from when (s) until when the robot obeyed which module, and its command."""
-        effector = self.executor.effectors.get(self.scenario.robot["module"])
+    def commands(self, robot: Robot) -> Iterator[tuple[float, float, str, dict[str, float]]]:
+        """Yield from when (s) until when a robot obeyed which module, and its command."""
+        effector = self.executor.effectors.get(robot.module)
         if effector is not None:
             yield from self._obeyed(effector)
 
@@ -104,11 +133,10 @@ class Trial:
         for (since, origin, command), (until, _, _) in pairwise([*effector.applied, end]):
             yield since / SECOND, until / SECOND, origin, command
 
-    @property
-    def reached(self) -> float | None:
-        """Return when (s) the robot first came to the place it was to reach, in time."""
-        place, radius, within = self._to_reach
-        for stretch, until in self.body.stretches:
+    def reached(self, robot: Robot) -> float | None:
+        """Return when (s) a robot first came to the place that it was to reach, in time."""
+        place, radius, within = _to_reach(robot)
+        for stretch, until in self._body(robot).stretches:
             if stretch.since > within:
                 return None
             at = stretch.enters(place, radius, min(until, within))
@@ -116,36 +144,32 @@ class Trial:
                 return at
         return None
 
-    @property
-    def nearest(self) -> tuple[float, float]:
-        """Return how near (mm) the robot came to the place it was to reach, in time, and when."""
-        place, _, within = self._to_reach
+    def nearest(self, robot: Robot) -> tuple[float, float]:
+        """Return how near (mm) a robot came to the place it was to reach, in time, and when."""
+        place, _, within = _to_reach(robot)
         return min(
             stretch.nearest(place, min(until, within))
-            for stretch, until in self.body.stretches
+            for stretch, until in self._body(robot).stretches
             if stretch.since <= within
         )
 
-    @property
-    def _to_reach(self) -> tuple[Point, float, float]:
-        """Return the place, how near (mm) is near enough, and until when (s)."""
-        asked = self.scenario.requirements["reach"]
-        x, y = asked["at"]
-        return (x, y), asked.get("radius", 200.0), asked.get("within", inf)
+    def _body(self, robot: Robot) -> Body:
+        return self.bodies[self.scenario.robots.index(robot)]
 
     @property
     def coverage(self) -> float:
-        """Return which share of squares of the robot's width its centre has been in.
+        """Return which share of squares, as wide as the widest robot, a robot's centre has been in.
 
         Squares lie side by side in the rectangle around all walls, whole ones alone.
         """
-        segments, size = self.body.world.segments, 2 * self.body.radius
+        segments = self.bodies[0].world.segments
+        size = 2 * max(body.radius for body in self.bodies)
         if not len(segments) or not size:
             return 0.0
         low = segments.reshape(-1, 2).min(axis=0)
         rows, columns = ((segments.reshape(-1, 2).max(axis=0) - low) // size).astype(int)
         been = set()
-        for stretch, until in self.body.stretches:
+        for stretch, until in (each for body in self.bodies for each in body.stretches):
             # Between two times at which it passes a line, it is in one square.
             passed = {stretch.since, until}
             for axis in (0, 1):
@@ -155,6 +179,13 @@ class Trial:
                 been.add((int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size)))
         inside = sum(0 <= row < rows and 0 <= column < columns for row, column in been)
         return float(inside / (rows * columns)) if rows * columns else 0.0
+
+
+def _to_reach(robot: Robot) -> tuple[Point, float, float]:
+    """Return the place that a robot is to reach, how near (mm) is enough, and until when (s)."""
+    asked = robot.reach or {}
+    x, y = asked["at"]
+    return (x, y), asked.get("radius", 200.0), asked.get("within", inf)
 
 
 def stage_trial(
@@ -182,14 +213,8 @@ def _stage(
 ) -> Trial:
     specification, every = in_parts(specification, modules)
     limits = _limits(every, scenario)
-    robot = scenario.robot
-    body = Body(
-        make_world(scenario),
-        Pose(*map(float, robot.get("start", (0, 0, 0)))),
-        float(robot.get("radius", 200.0)),
-        scenario.up,
-        limits.get(robot["module"], {}),
-    )
+    world = make_world(scenario)
+    fleet = Fleet([_body(robot, world, scenario.up, limits) for robot in scenario.robots])
     running: list[Executor] = []
 
     def clock() -> float:
@@ -201,36 +226,61 @@ def _stage(
         raise MarsError(problems)
     behaviours = bind_functions(plan, scenario, clock)
     joints = make_joints(scenario)
-    behaviours |= bind_devices(plan, scenario, body, joints, clock)
-    _check_start(body, scenario)
+    bodies = {r.module: body for r, body in zip(scenario.robots, fleet.bodies, strict=True)}
+    behaviours |= bind_devices(plan, scenario, bodies, joints, clock)
+    _check_starts(fleet.bodies, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
     running.append(Executor(specification, every, behaviours, timeout, observe))
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
-    moves[robot["module"]] = planar_functions(scenario.up)
-    return Trial(scenario, running[0], body, limits, joints, moves, remarks)
+    moves |= dict.fromkeys(bodies, planar_functions(scenario.up))
+    return Trial(scenario, running[0], fleet.bodies, limits, joints, moves, remarks)
 
 
-def _check_start(body: Body, scenario: Scenario) -> None:
-    """Refuse a robot that starts in something solid: it would have to be let out first."""
-    gap = body.gap()
-    if gap >= 0:
-        return
-    place = scenario.places.get("start", scenario.places["robot"])
-    message = (
-        f"the robot starts {measured(round(-gap * 1000), 'micrometres')} inside of something solid"
+def _body(robot: Robot, world: World, up: str, limits: Mapping[str, Mapping[str, float]]) -> Body:
+    """Return a robot where it starts."""
+    ramps = {
+        function: Ramp(float(up), float(robot.deceleration.get(function, up)))
+        for function, up in robot.acceleration.items()
+    }
+    return Body(
+        world,
+        Pose(*robot.start),
+        robot.radius,
+        up,
+        limits.get(robot.module, {}),
+        name=robot.name,
+        ramps=ramps,
     )
-    help_text = "start it elsewhere, or move what is there; its `radius` counts"
-    raise MarsError([Diagnostic("scenario", "error", message, place, (), help_text)])
+
+
+def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
+    """Refuse robots that start in something solid: they would have to be let out first."""
+    problems = []
+    for k, body in enumerate(bodies):
+        gaps = [(body.gap(), "something solid")]
+        for other in bodies[:k]:
+            gap = dist(body.place, other.place) - body.radius - other.radius
+            gaps.append((gap, f"`{other.name}`"))
+        gap, inside = min(gaps)
+        if gap >= 0:
+            continue
+        robot = scenario.robots[k]
+        place = robot.places.get("start", robot.places["module"])
+        deep = measured(round(-gap * 1000), "micrometres")
+        message = f"{scenario.called(robot)} starts {deep} inside of {inside}"
+        help_text = "start it elsewhere, or move what is there; its `radius` counts"
+        problems.append(Diagnostic("scenario", "error", message, place, (), help_text))
+    if problems:
+        raise MarsError(problems)
 
 
 def make_world(scenario: Scenario) -> World:
     """Build the world; scattered circles are drawn from the seed."""
     world = scenario.world
     circles = [Circle((x, y), float(r)) for x, y, r in world.get("circles", ())]
-    circles += [
-        Circle(_point(m["from"]), m["radius"], (_point(m["to"]),), m["speed"])
-        for m in world.get("moving", ())
-    ]
+    for moving in world.get("moving", ()):
+        first, *others = map(_point, moving.get("way") or (moving["from"], moving["to"]))
+        circles.append(Circle(first, moving["radius"], tuple(others), moving["speed"]))
     if "scatter" in world:
         circles += list(_scattered(world["scatter"], scenario))
     seen = [Mark(_point(m["at"]), m["colour"]) for m in world.get("marks", ())]
@@ -247,9 +297,8 @@ def _point(at: Any) -> tuple[float, float]:
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
-    """Yield circles that leave `free` mm around the start, the last `moving` of them moving."""
+    """Yield circles that leave `free` mm around each start, the last `moving` of them moving."""
     random = Random(f"{scenario.seed}/world")
-    x, y, *_ = scenario.robot.get("start", (0, 0, 0))
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
     count, low_high = scatter.get("count", 10), scatter.get("radius", (100.0, 300.0))
     made = tries = 0
@@ -259,7 +308,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
             raise ValueError(f"`scatter` finds no room for {count} circles: lower `free`")
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
-        if hypot(at[0] - x, at[1] - y) - radius < free:
+        if any(dist(at, robot.start[:2]) - radius < free for robot in scenario.robots):
             continue
         made += 1
         if made > count - scatter.get("moving", 0):
@@ -281,6 +330,6 @@ def _limits(modules: Mapping[str, Module], scenario: Scenario) -> dict[str, dict
         name: {f.name: limit for f in module.functions if (limit := _limit(f)) is not None}
         for name, module in modules.items()
     }
-    stated = scenario.robot.get("limits", {})
-    limits.setdefault(scenario.robot["module"], {}).update(stated)
+    for robot in scenario.robots:
+        limits.setdefault(robot.module, {}).update(robot.limits)
     return limits

@@ -215,7 +215,7 @@ def run(case: Case) -> Trial:
 def difference(case: Case) -> str:
     """Return what the judge and the samples do not agree on, beyond what a step may hide."""
     made, seen, off = run(case), sample(case), 2 * FASTEST * STEP
-    first = next(iter(made.body.contacts), None)
+    first = next(iter(made.bodies[0].contacts), None)
     if (first is None) != (seen.contact is None):
         # A touch between two samples: they saw it come as near as that.
         return (
@@ -225,9 +225,10 @@ def difference(case: Case) -> str:
         # A glancing touch is found at once, but by samples only once it is as deep as they see.
         late = seen.contact - first
         return "" if -1e-6 <= late <= 0.05 else f"contact at {first}, sampled at {seen.contact}"
-    if made.body.clearance < inf and not -off <= seen.least - made.body.clearance <= off:
-        return f"clearance {made.body.clearance}, sampled {seen.least}"
-    reached, (nearest, _) = made.reached, made.nearest
+    if made.bodies[0].clearance < inf and not -off <= seen.least - made.bodies[0].clearance <= off:
+        return f"clearance {made.bodies[0].clearance}, sampled {seen.least}"
+    (robot,) = made.scenario.robots
+    reached, (nearest, _) = made.reached(robot), made.nearest(robot)
     if not -off <= seen.nearest - nearest <= off:
         return f"nearest {nearest}, sampled {seen.nearest}"
     edge = abs(nearest - case.near) <= off

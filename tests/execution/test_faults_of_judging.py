@@ -26,7 +26,7 @@ def link_to(made: Trial, client: str) -> Link:
 def test_a_place_between_two_samples_is_reached_when_the_way_enters_it() -> None:
     made = trial(f"{BASE}{FAST}{ASKED}reach = {{ at = [30_500, 3], radius = 5 }}\n")
     assert verdicts(made)["reach"] is True
-    assert made.reached == pytest.approx((30_500 - 4) / 20_000)
+    assert made.reached(made.scenario.robots[0]) == pytest.approx((30_500 - 4) / 20_000)
 
 
 def test_a_place_is_reached_in_time_or_not() -> None:
@@ -40,7 +40,8 @@ def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
     assert judge(made).verdict == "not decided"
     assert [d.message for d in made.remarks] == ["`within` is 60 s, and the run ends at 3 s"]
     assert message_of(made, "reach") == (
-        "the run ended at 3 s, and (2500, 800) is to be reached by 60 s; nearest 2.062 m, at 3 s"
+        "the run ended at 3 s, and the robot is to reach (2500, 800) by 60 s; "
+        "nearest 2.062 m, at 3 s"
     )
     failed = trial(
         f"{BASE}limits = {{ Trans_Z = 1 }}\n{HAND}{ASKED}reach = {{ at = [9, 9], within = 60 }}\n"
@@ -51,13 +52,15 @@ def test_a_place_that_may_still_be_reached_is_not_decided() -> None:
 def test_a_clearance_is_measured_however_far_things_are() -> None:
     world = "[world]\nwalls = [[[9000, -9000], [9000, 9000]]]\n"
     made = trial(f"{BASE}{HAND}{world}{ASKED}clearance = 8300\n")
-    assert message_of(made, "clearance") == "the least clearance was 8.2 m, and 8.3 m is required"
+    assert message_of(made, "clearance") == (
+        "the least clearance of the robot was 8.2 m, and 8.3 m is required"
+    )
 
 
 def test_clearance_between_two_readings_is_found() -> None:
     world = "[world]\ncircles = [[20_100, 300, 60]]\n"
     made = trial(f"{BASE}{FAST}{world}{ASKED}clearance = 45\n")
-    assert made.body.clearance == pytest.approx(40, abs=1e-3)
+    assert made.bodies[0].clearance == pytest.approx(40, abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -175,9 +178,9 @@ def test_an_effector_obeys_for_as_long_as_the_arbiter_said(
     (tmp_path / "b.py").write_text(once + "        return 'Trans_Z', 200\n")
     text = f'{BASE}[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
     made = trial(text, f"{HELD}ArbitrationNode is_controlled_by C 0 {hold}\n", tmp_path)
-    assert made.body.driven == pytest.approx(driven)
+    assert made.bodies[0].driven == pytest.approx(driven)
     made = trial(text, DRIVE, tmp_path)
-    assert made.body.driven == pytest.approx(100)
+    assert made.bodies[0].driven == pytest.approx(100)
 
 
 def test_squares_are_covered_that_the_way_crosses_between_samples() -> None:

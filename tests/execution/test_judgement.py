@@ -29,7 +29,7 @@ def test_requirements_on_request(asked: str, name: str, holds: bool) -> None:
 def test_commands_beyond_a_limit_are_reported_without_being_asked() -> None:
     made = trial(f"{BASE}limits = {{ Trans_Z = 100 }}\n{HAND}")
     assert verdicts(made)["commands within limits"] is False
-    assert made.body.driven == pytest.approx(300)
+    assert made.bodies[0].driven == pytest.approx(300)
 
 
 def test_two_controllers_without_an_arbiter_are_reported_without_being_asked() -> None:

@@ -10,7 +10,7 @@ from tests.support.trials import BASE, DRIVE, HAND, trial
 
 def test_a_joystick_drives_a_platform() -> None:
     made = trial(BASE + HAND)
-    assert made.body.driven == pytest.approx(600)
+    assert made.bodies[0].driven == pytest.approx(600)
     assert made.control_time == {"C": pytest.approx(3)}
 
 
@@ -45,7 +45,7 @@ def test_a_scenario_declares_a_processing_delay(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go():\n    return 'Trans_Z', 100\n")
     binding = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
     driven = [
-        trial(BASE + binding + delay, folder=tmp_path).body.driven
+        trial(BASE + binding + delay, folder=tmp_path).bodies[0].driven
         for delay in ("", "delay = 500\n")
     ]
     assert driven == pytest.approx([300, 250])

@@ -1,5 +1,6 @@
 """Where things stand in the picture of a run: the plane, and lanes along an axis of time."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,6 +10,7 @@ from mars_asp.draw.shapes import text_width
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.schedule import SECOND
 from mars_asp.execution.judgement import Judgement
+from mars_asp.execution.scenario.read import Robot
 from mars_asp.execution.trial import Trial
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666")
@@ -48,17 +50,14 @@ class Frame:
 
     @cached_property
     def _bounds(self) -> tuple["np.ndarray[tuple[int], np.dtype[np.float64]]", ...]:
-        """Return the least and the greatest (forward, side): walls or obstacles, goal, the way."""
-        world, body = self.trial.body.world, self.trial.body
-        places = [np.array([[p.forward, p.side] for _, p in body.way])]
-        goal = self.trial.scenario.requirements.get("reach")
-        for sign in (-1, 1):
-            places.append(places[0][:, :2] + sign * body.radius)
-            if not len(world.segments):
-                places.append(world.circles[:, :2] + sign * world.circles[:, 2:])
-            if goal:
-                radius = goal.get("radius", 200.0)
-                places.append(np.array([goal["at"]], dtype=float) + sign * radius)
+        """Return the least and the greatest (forward, side): walls or obstacles, goals, ways."""
+        world = self.trial.bodies[0].world
+        discs = [] if len(world.segments) else [world.circles]
+        for robot, body in self.trial.robots:
+            discs.append(np.array([[p.forward, p.side, body.radius] for _, p in body.way]))
+            if robot.reach:
+                discs.append(np.array([[*robot.reach["at"], robot.reach.get("radius", 200.0)]]))
+        places = [disc[:, :2] + sign * disc[:, 2:] for disc in discs for sign in (-1, 1)]
         every = np.concatenate([*places, world.segments.reshape(-1, 2)])
         return every.min(axis=0) - 100, every.max(axis=0) + 100
 
@@ -107,8 +106,14 @@ class Frame:
 
     @cached_property
     def held(self) -> tuple[tuple[float, float, str], ...]:
-        """Return from when until when (s) the robot obeyed whom."""
-        return tuple((since, until, name) for since, until, name, _ in self.trial.commands if name)
+        """Return from when until when (s) a robot obeyed whom."""
+        return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
+
+    def held_by(self, robot: Robot) -> Iterator[tuple[float, float, str]]:
+        """Yield from when until when (s) one robot obeyed whom."""
+        for since, until, name, _ in self.trial.commands(robot):
+            if name:
+                yield since, until, name
 
     @cached_property
     def wanted(self) -> tuple[tuple[float, float, str], ...]:

@@ -20,9 +20,9 @@ def draw_lanes(frame: Frame, instants: Iterator[tuple[float, str]]) -> Iterator[
     end = SIZE + MARGIN
     for name, y in rows.items():
         whole = escaped(visible(name))
-        cut = _cut(name, frame.left - 18)
-        title = "" if cut == whole else f"<title>{whole}</title>"
-        yield f'<text x="{MARGIN / 2:g}" y="{y + 12:g}">{title}{cut}</text>'
+        shown = escaped(cut(name, frame.left - 18))
+        title = "" if shown == whole else f"<title>{whole}</title>"
+        yield f'<text x="{MARGIN / 2:g}" y="{y + 12:g}">{title}{shown}</text>'
         yield (
             f'<rect class="lane" data-name="{whole}" x="{frame.left:g}" y="{y:g}" '
             f'width="{end - frame.left:g}" height="{LANE - 6:g}" fill="#f4f4f4"/>'
@@ -72,11 +72,11 @@ def round_step(least: float) -> float:
     return next(k * power for k in (1, 2, 5, 10) if k * power >= least * (1 - 1e-9))
 
 
-def _cut(name: str, wide: float) -> str:
-    """Return a name, as text of XML, that is no wider than so many pixels."""
+def cut(name: str, wide: float) -> str:
+    """Return a name that is no wider than so many pixels."""
     shown = visible(name)
     if text_width(shown, TEXT) > wide:
         while shown and text_width(f"{shown}…", TEXT) > wide:
             shown = shown[:-1]
         shown += "…"
-    return escaped(shown)
+    return shown

@@ -161,25 +161,28 @@ def _told(event: Event) -> Entry:
 
 
 def _motion(trial: Trial) -> Iterator[Entry]:
-    body = trial.body
-    fixed = [_cylinder(x, y, radius, _GREY) for x, y, radius in body.world.circles.tolist()]
-    yield _scene(0, "/world", "world", cylinders=fixed, lines=[_walls(body.world)])
-    rim = _cylinder(0.0, 0.0, body.radius, _BLUE)
-    nose = _line([(0.0, 0.0), (body.radius, 0.0)], _HEIGHT + 0.01)
-    yield _scene(0, "/robot", "robot", cylinders=[rim], lines=[nose])
-    for seconds, pose in body.way:
+    world = trial.bodies[0].world
+    fixed = [_cylinder(x, y, radius, _GREY) for x, y, radius in world.circles.tolist()]
+    yield _scene(0, "/world", "world", cylinders=fixed, lines=[_walls(world)])
+    for body in trial.bodies:
+        rim = _cylinder(0.0, 0.0, body.radius, _BLUE)
+        nose = _line([(0.0, 0.0), (body.radius, 0.0)], _HEIGHT + 0.01)
+        yield _scene(0, f"/{body.name}", body.name, cylinders=[rim], lines=[nose])
+        for seconds, pose in body.way:
+            at = round(seconds * SECOND)
+            yield Entry(at, "/tf", "foxglove.FrameTransform", _transform(at, body.name, pose))
+    for seconds, _ in trial.bodies[0].way:
         at = round(seconds * SECOND)
-        yield Entry(at, "/tf", "foxglove.FrameTransform", _transform(at, pose))
-        moving = [_cylinder(*c.at(seconds), c.radius, _RED) for c in body.world.moving]
+        moving = [_cylinder(*c.at(seconds), c.radius, _RED) for c in world.moving]
         if moving:
             yield _scene(at, "/moving", "world", cylinders=moving)
 
 
-def _transform(at: int, pose: Pose) -> dict[str, Any]:
+def _transform(at: int, frame: str, pose: Pose) -> dict[str, Any]:
     return {
         "timestamp": _time(at),
         "parent_frame_id": "world",
-        "child_frame_id": "robot",
+        "child_frame_id": frame,
         "translation": _vector(pose.forward, pose.side, 0.0),
         "rotation": _turn(pose.heading),
     }

@@ -7,7 +7,9 @@ from mars_asp.draw.shapes import FONT, escaped
 from mars_asp.execution.judgement import Judgement
 from mars_asp.execution.recording.frame import MARGIN, SIZE, TEXT, Frame
 from mars_asp.execution.recording.lanes import draw_lanes
-from mars_asp.execution.recording.signs import Signs, draw_goal, draw_head, draw_list, draw_signs
+from mars_asp.execution.recording.signs import Signs, draw_goals, draw_head, draw_list, draw_signs
+from mars_asp.execution.scenario.read import Robot
+from mars_asp.execution.simulator import Body
 from mars_asp.execution.trial import Trial
 from mars_asp.output import visible
 
@@ -35,11 +37,11 @@ def plot_run(trial: Trial, judgement: Judgement | None = None) -> str:
         f'<clipPath id="plane"><rect x="{MARGIN:g}" y="{frame.ceiling:g}" width="{SIZE:g}" '
         f'height="{frame.height:.1f}"/></clipPath>',
         '<g clip-path="url(#plane)">',
-        *draw_goal(signs, frame),
+        *draw_goals(signs, frame),
         *_world(frame),
-        *_way(frame),
+        *(part for each in trial.robots for part in _way(frame, *each)),
         *draw_signs(signs, frame),
-        *_robot(frame),
+        *(part for k in range(len(trial.bodies)) for part in _robot(frame, k)),
         "</g>",
         *draw_list(signs, frame),
         *draw_lanes(frame, signs.instants),
@@ -49,11 +51,11 @@ def plot_run(trial: Trial, judgement: Judgement | None = None) -> str:
 
 
 def _world(frame: Frame) -> Iterator[str]:
-    world = frame.trial.body.world
+    world = frame.trial.bodies[0].world
     for a, b, c, d in world.segments:
         (x, y), (u, v) = frame.at(a, b), frame.at(c, d)
         yield f'<path d="M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}" stroke="#333" stroke-width="2"/>'
-    now = frame.trial.body.seconds
+    now = frame.trial.bodies[0].seconds
     for cx, cy, radius in world.circles:
         yield _circle(frame, cx, cy, radius, 'fill="#999"')
     for moving in world.moving:
@@ -68,12 +70,12 @@ def _circle(frame: Frame, cx: float, cy: float, radius: float, look: str) -> str
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius * frame.scale:.1f}" {look}/>'
 
 
-def _way(frame: Frame) -> Iterator[str]:
-    """Yield a line for each stretch of the way in which the robot obeyed one module."""
-    left = iter(frame.held)
+def _way(frame: Frame, robot: Robot, body: Body) -> Iterator[str]:
+    """Yield a line for each stretch of the way in which a robot obeyed one module."""
+    left = frame.held_by(robot)
     span = next(left, None)
     colour, points = "", list[str]()
-    for (since, p), (_, q) in pairwise(frame.trial.body.way):
+    for (since, p), (_, q) in pairwise(body.way):
         while span is not None and span[1] < since:
             span = next(left, None)
         held = span is not None and span[0] <= since
@@ -97,11 +99,15 @@ def _line(points: list[str], colour: str) -> Iterator[str]:
         yield f'<polyline points="{way}" fill="none" stroke="{colour}" stroke-width="3"/>'
 
 
-def _robot(frame: Frame) -> Iterator[str]:
-    body = frame.trial.body
+def _robot(frame: Frame, number: int) -> Iterator[str]:
+    trial = frame.trial
+    body = trial.bodies[number]
     x, y = frame.at(body.pose.forward, body.pose.side)
     radius = max(body.radius * frame.scale, _LEAST)
     # Turned so that the line to the rim points where the robot heads.
-    yield f'<g id="robot" transform="translate({x:.1f} {y:.1f}) rotate({-body.pose.heading:.1f})">'
+    turn = f"translate({x:.1f} {y:.1f}) rotate({-body.pose.heading:.1f})"
+    yield f'<g id="robot{number + 1 if number else ""}" transform="{turn}">'
+    if len(trial.bodies) > 1:
+        yield f"<title>{escaped(visible(body.name))}</title>"
     yield f'<circle r="{radius:.1f}" fill="none" stroke="black" stroke-width="1.5"/>'
     yield f'<path d="M0 0V{-radius:.1f}" stroke="black" stroke-width="1.5"/></g>'

@@ -2,7 +2,7 @@
 const run = JSON.parse(document.getElementById("run").textContent);
 const [svg, slider, play, speed, why] = ["#picture svg", "#slider", "#play", "#speed", "#why"].map(
   (name) => document.querySelector(name));
-const [robot, moving] = [svg.querySelector("#robot"), svg.querySelectorAll(".moving")];
+const [robots, moving] = ['[id^="robot"]', ".moving"].map((name) => svg.querySelectorAll(name));
 const cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
 let [now, asked, frame, before] = [0, null, 0, 0];
 
@@ -22,9 +22,9 @@ function pixels(forward, side) {
   return [left + (corner[1] - side) * scale, top + (corner[0] - forward) * scale];
 }
 
-function poseAt(time) {
-  const index = Math.max(0, indexAt(run.poses, time));
-  const [from, to] = [run.poses[index], run.poses[index + 1] ?? run.poses[index]];
+function poseAt(poses, time) {
+  const index = Math.max(0, indexAt(poses, time));
+  const [from, to] = [poses[index], poses[index + 1] ?? poses[index]];
   const share = to[0] > from[0] ? Math.max(0, (time - from[0]) / (to[0] - from[0])) : 0;
   return from.map((value, k) => value + share * (to[k] - value)).slice(1);
 }
@@ -116,11 +116,24 @@ function explain(arbiter) {
   return section;
 }
 
+// Put a robot where it is now, and return what to say of it.
+function state({ called, poses, commands, contacts }, shape) {
+  const [forward, side, heading] = poseAt(poses, now);
+  const [x, y] = pixels(forward, side);
+  shape.setAttribute("transform", `translate(${x} ${y}) rotate(${-heading})`);
+  const command = commands[indexAt(commands, now)];
+  const rates = Object.entries(command ? command[2] : {});
+  const obeyed = rates.length
+    ? `${called} obeys ${command[1]}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}.`
+    : `${called} rests: no command is in force.`;
+  const collisions = indexAt(contacts.map((at) => [at]), now) + 1;
+  return `${obeyed} It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
+    `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
+}
+
 function show(time) {
   now = Math.min(Math.max(time, 0), run.duration);
-  const [forward, side, heading] = poseAt(now);
-  const [x, y] = pixels(forward, side);
-  robot.setAttribute("transform", `translate(${x} ${y}) rotate(${-heading})`);
+  const states = run.robots.map((robot, k) => state(robot, robots[k]));
   run.moving.forEach((circle, k) => {
     const [cx, cy] = placeAt(circle, now);
     moving[k].setAttribute("cx", cx);
@@ -130,15 +143,7 @@ function show(time) {
   cursor.setAttribute("d", `M${left + now * wide} ${top}V${bottom}`);
   slider.value = now;
   document.getElementById("time").textContent = seconds(now);
-  const command = run.commands[indexAt(run.commands, now)];
-  const rates = Object.entries(command ? command[2] : {});
-  const obeyed = rates.length
-    ? `The robot obeys ${command[1]}: ${rates.map(([name, rate]) => `${name} ${rate}`).join(", ")}.`
-    : "The robot rests: no command is in force.";
-  const collisions = indexAt(run.contacts.map((at) => [at]), now) + 1;
-  document.getElementById("state").textContent =
-    `${obeyed} It is at (${forward.toFixed(0)}, ${side.toFixed(0)}) mm, ` +
-    `heads ${heading.toFixed(0)} degrees, and has collided ${collisions} times.`;
+  document.getElementById("state").textContent = states.join(" ");
   const focused = document.activeElement?.dataset.key;
   why.replaceChildren(...run.arbiters.map(explain));
   if (focused) {

@@ -33,7 +33,7 @@ def _part(ending: str) -> str:
 
 def replay_json(trial: Trial, judgement: Judgement) -> dict[str, Any]:
     """Return what the page shows: times in s, lengths in mm, places in pixels of the picture."""
-    frame, world = framed(trial, judgement)[0], trial.body.world
+    frame, world = framed(trial, judgement)[0], trial.bodies[0].world
     return {
         "duration": trial.scenario.duration,
         "view": {
@@ -48,13 +48,21 @@ def replay_json(trial: Trial, judgement: Judgement) -> dict[str, Any]:
             "top": frame.top,
             "bottom": frame.bottom,
         },
-        "poses": [
-            [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
-            for at, pose in trial.body.way
+        "robots": [
+            {
+                "called": robot.name if len(trial.bodies) > 1 else "The robot",
+                "poses": [
+                    [_rounded(at), *map(_rounded, (pose.forward, pose.side, pose.heading))]
+                    for at, pose in body.way
+                ],
+                "contacts": body.contacts,
+                "commands": [
+                    [since, origin, command] for since, _, origin, command in trial.commands(robot)
+                ],
+            }
+            for robot, body in trial.robots
         ],
         "moving": [{"round": c.round, "speed": c.speed} for c in world.moving],
-        "contacts": trial.body.contacts,
-        "commands": [[since, origin, command] for since, _, origin, command in trial.commands],
         "arbiters": list(_arbiters(trial)),
     }
 

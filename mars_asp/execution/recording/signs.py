@@ -1,4 +1,4 @@
-"""What a picture of a run says beside its lines: the verdict, goal, contacts, the least clearance.
+"""What a picture of a run says beside its lines: the verdict, goals, contacts, the least clearance.
 
 In the plane there are signs alone; their texts are listed below it, so none covers another.
 """
@@ -6,21 +6,44 @@ In the plane there are signs alone; their texts are listed below it, so none cov
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from mars_asp.asp.units import measured
 from mars_asp.draw.shapes import escaped, text_width
 from mars_asp.execution.judgement import Judgement
 from mars_asp.execution.recording.frame import LINE, MARGIN, SIZE, TEXT, Frame
-from mars_asp.execution.recording.lanes import round_step
+from mars_asp.execution.recording.lanes import cut, round_step
 from mars_asp.execution.simulator.approach import Approach, approach_at, least_approach, pose_at
+from mars_asp.execution.simulator.body import THING, Body
+from mars_asp.execution.simulator.motion import Point
 from mars_asp.execution.trial import Trial
 
 _GOAL, _CONTACT, _LEAST, _INK = "#117733", "#cc0000", "#6a3d9a", "#333333"
 _VERDICTS = {"pass": _GOAL, "fail": _CONTACT, "not decided": "#9a6700"}
-#: As many instants of contacts are listed.
-_MOST = 6
+#: As many instants of contacts are listed, of so many pairs, and so many of each of several robots.
+_MOST, _MOST_OF = 6, 3
 #: Pixels of a sign before its text, and after a text.
 _SIGN, _GAP = 20.0, 18.0
+#: Pixels that a robot's name has at most in a text.
+_NAME = 110.0
+
+
+class Contact(NamedTuple):
+    """A contact: the part of a text that says of which robots it is, and where it was."""
+
+    of: str
+    approach: Approach
+
+
+class Goal(NamedTuple):
+    """What a robot is to reach (mm), and when (s) it was there, or else how near it came when."""
+
+    body: Body
+    place: Point
+    radius: float
+    when: float
+    distance: float
+    there: bool
 
 
 @dataclass(frozen=True)
@@ -31,35 +54,54 @@ class Signs:
     judgement: Judgement | None
 
     @cached_property
-    def contacts(self) -> list[Approach]:
-        """Return where the robot was, and what it touched, at each contact."""
-        return [approach_at(self.trial.body, at) for at in self.trial.body.contacts]
+    def contacts(self) -> list[Contact]:
+        """Return every contact; of two robots with each other once."""
+        return [
+            Contact(self._of(body, other), approach_at(body, at, other))
+            for at, body, other in self.trial.contacts
+        ]
+
+    @cached_property
+    def nearest(self) -> Body:
+        """Return the robot whose clearance was least."""
+        return min(self.trial.bodies, key=lambda body: body.clearance)
 
     @cached_property
     def least(self) -> Approach | None:
         """Return where the clearance was least; nothing where there was contact."""
-        body = self.trial.body
-        return None if body.contacts or self.judgement is None else least_approach(body)
+        if self.contacts or self.judgement is None:
+            return None
+        return least_approach(self.nearest)
 
     @cached_property
-    def came(self) -> tuple[float, float, bool] | None:
-        """Return when (s) and how near (mm) the robot came to its goal, and whether it is there."""
-        goal = self.trial.scenario.requirements.get("reach")
-        if not goal:
-            return None
-        at = self.trial.reached
-        distance, when = self.trial.nearest
-        return (when, distance, False) if at is None else (at, goal.get("radius", 200.0), True)
+    def goals(self) -> list[Goal]:
+        """Return the places that robots are to reach."""
+        found = []
+        for robot, body in self.trial.robots:
+            if robot.reach:
+                reached, (distance, at) = self.trial.reached(robot), self.trial.nearest(robot)
+                there = reached is not None
+                radius, when = robot.reach.get("radius", 200.0), at if reached is None else reached
+                found.append(Goal(body, tuple(robot.reach["at"]), radius, when, distance, there))
+        return found
+
+    def _of(self, *those: Body | str) -> str:
+        """Return the part of a text that says of which robots it is, if there are several."""
+        if len(self.trial.bodies) == 1:
+            return ""
+        names = [each if isinstance(each, str) else each.name for each in those]
+        return f" of {' and '.join(cut(name, _NAME) for name in names if name != THING)}"
 
     @property
     def instants(self) -> Iterator[tuple[float, str]]:
         """Yield when (s) something happened, with its colour."""
         if self.least:
             yield self.least.at, _LEAST
-        if self.came and self.came[2]:
-            yield self.came[0], _GOAL
+        for goal in self.goals:
+            if goal.there:
+                yield goal.when, _GOAL
         for contact in self.contacts:
-            yield contact.at, _CONTACT
+            yield contact.approach.at, _CONTACT
 
     @cached_property
     def head(self) -> list[tuple[str, str]]:
@@ -80,27 +122,31 @@ class Signs:
     def items(self) -> list[tuple[str, str]]:
         """Return each sign, drawn around (0, 0), and its text."""
         found = [('<circle r="3.5" fill="#333"/>', "start")]
-        goal, came = self.trial.scenario.requirements.get("reach"), self.came
-        if goal and came:
-            at, distance, there = came
-            x, y = goal["at"]
-            told = f"goal: {_length(goal.get('radius', 200.0))} around ({x:g}, {y:g})"
-            instant = f"at {_time(at)}"
-            told += f", reached {instant}" if there else ", not reached"
+        for goal in self.goals:
+            (x, y), instant = goal.place, f"at {_time(goal.when)}"
+            told = f"goal{self._of(goal.body)}: {_length(goal.radius)} around ({x:g}, {y:g})"
+            told += f", reached {instant}" if goal.there else ", not reached"
             found.append((_ring(6), told))
-            if not there:
-                found.append((_NEAREST, f"nearest to it: {_length(distance)}, {instant}"))
+            if not goal.there:
+                found.append((_NEAREST, f"nearest to it: {_length(goal.distance)}, {instant}"))
         if self.least:
-            text = f"least clearance: {_length(self.least.gap)}, at {_time(self.least.at)}"
+            of = self._of(self.nearest, self.nearest.beside)
+            text = f"least clearance{of}: {_length(self.least.gap)}, at {_time(self.least.at)}"
             found.append(
                 (f'<path d="M-6 0H6M-6 -4V4M6 -4V4" stroke="{_LEAST}" fill="none"/>', text)
             )
-        if self.contacts:
-            instants = ", ".join(f"{each.at:.2f}" for each in self.contacts[:_MOST])
-            more = len(self.contacts) - _MOST
-            rest = f" and {more} more" if more > 0 else ""
-            word = "contact" if len(self.contacts) == 1 else f"{len(self.contacts)} contacts"
-            found.append((_CROSS, f"{word}: at {instants} s{rest}"))
+        touched: dict[str, list[str]] = {}
+        for contact in self.contacts:
+            touched.setdefault(contact.of, []).append(f"{contact.approach.at:.2f}")
+        for of, instants in [*touched.items()][:_MOST]:
+            listed = instants[: _MOST_OF if of else _MOST]
+            more = len(instants) - len(listed)
+            rest = f" and {more} more" if more else ""
+            found.append(
+                (_CROSS, f"{_contacts(len(instants))}{of}: at {', '.join(listed)} s{rest}")
+            )
+        if more := sum(map(len, [*touched.values()][_MOST:])):
+            found.append((_CROSS, f"{_contacts(more)} of others"))
         return found
 
     def listed(self, scale: float) -> list[tuple[float, int, str, str]]:
@@ -136,32 +182,30 @@ def draw_list(signs: Signs, frame: Frame) -> Iterator[str]:
         yield f'<g transform="translate({x:.1f} {y:.1f})">{sign}{text}</g>'
 
 
-def draw_goal(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the place that is to be reached, below what moves."""
-    goal = signs.trial.scenario.requirements.get("reach")
-    if goal:
-        x, y = frame.at(*goal["at"])
-        radius = goal.get("radius", 200.0) * frame.scale
-        yield f'<g class="goal" transform="translate({x:.1f} {y:.1f})">{_ring(radius)}</g>'
+def draw_goals(signs: Signs, frame: Frame) -> Iterator[str]:
+    """Yield the places that are to be reached, below what moves."""
+    for goal in signs.goals:
+        x, y = frame.at(*goal.place)
+        ring = _ring(goal.radius * frame.scale)
+        yield f'<g class="goal" transform="translate({x:.1f} {y:.1f})">{ring}</g>'
 
 
 def draw_signs(signs: Signs, frame: Frame) -> Iterator[str]:
     """Yield what happened where, in the plane."""
-    body = signs.trial.body
-    start = body.motion[0].pose
-    x, y = frame.at(start.forward, start.side)
-    yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="#333"/>'
+    for body in signs.trial.bodies:
+        start = body.motion[0].pose
+        x, y = frame.at(start.forward, start.side)
+        yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="#333"/>'
     if signs.least:
-        yield from _least(signs.least, frame, body.radius)
-    if signs.came:
-        at, _, there = signs.came
-        pose = pose_at(body, at)
+        yield from _least(signs.least, frame, signs.nearest.radius)
+    for goal in signs.goals:
+        pose = pose_at(goal.body, goal.when)
         x, y = frame.at(pose.forward, pose.side)
-        sign = f'<circle r="3.5" fill="{_GOAL}"/>' if there else _NEAREST
+        sign = f'<circle r="3.5" fill="{_GOAL}"/>' if goal.there else _NEAREST
         yield f'<g transform="translate({x:.1f} {y:.1f})">{sign}</g>'
-    for contact in signs.contacts:
-        x, y = frame.at(*contact.thing)
-        title = f"<title>contact at {_time(contact.at)}</title>"
+    for of, approach in signs.contacts:
+        x, y = frame.at(*approach.thing)
+        title = f"<title>{escaped(f'contact{of} at {_time(approach.at)}')}</title>"
         yield f'<g transform="translate({x:.1f} {y:.1f})">{title}{_CROSS}</g>'
 
 
@@ -195,6 +239,10 @@ def _ring(radius: float) -> str:
 def _round_below(most: float) -> float:
     """Return the greatest of 1, 2 and 5 times powers of ten that is not above a number."""
     return 1.0 / round_step(1.0 / most)
+
+
+def _contacts(count: int) -> str:
+    return "contact" if count == 1 else f"{count} contacts"
 
 
 def _length(millimetres: float) -> str:

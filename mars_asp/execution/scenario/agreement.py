@@ -1,11 +1,11 @@
 """Whether a scenario and a specification are about the same modules."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.scenario.functions import bound_functions, converting
-from mars_asp.execution.scenario.read import Scenario
+from mars_asp.execution.scenario.read import Robot, Scenario
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
 from mars_asp.spelling import nearest
 
@@ -20,15 +20,15 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     of another specification that the scenario serves as well, which is a warning.
     """
     modules = [name for name in plan.names if name in plan.modules or node_kind(name) is None]
-    unfit = list(_robot(plan, scenario))
+    unfit = [each for robot in scenario.robots for each in _unfit(plan, robot)]
     yield from unfit
-    robot = None if unfit else scenario.robot["module"]
+    robots = [] if unfit else [robot.module for robot in scenario.robots]
     run = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
-    left = set(modules) - run - scenario.devices.keys() - {robot}
+    left = set(modules) - run - scenario.devices.keys() - {*robots}
     for name, device in scenario.devices.items():
         if name not in modules:
             yield _unknown("devices", name, modules, left, scenario)
-        elif wrong := _unlike(plan, robot, name, device["kind"]):
+        elif wrong := _unlike(plan, robots, name, device["kind"]):
             place = scenario.places[f"devices.{name}"]
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
     bound = {*modules, *converting(plan)}
@@ -37,13 +37,14 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
         if name not in bound and not (has_parts and "python" not in stated):
             yield _unknown("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
-    within = scenario.requirements.get("reach", {}).get("within", 0)
-    if within > scenario.duration:
-        end = f"{scenario.duration:g} s"
-        message = f"`within` is {within:g} s, and the run ends at {end}"
-        help_text = "lengthen the duration: a place that is not reached by then is not decided"
-        place = scenario.places["reach"]
-        yield Diagnostic("scenario", "warning", message, place, (), help_text)
+    for robot in scenario.robots:
+        within = (robot.reach or {}).get("within", 0)
+        if within > scenario.duration:
+            end = f"{scenario.duration:g} s"
+            message = f"`within` is {within:g} s, and the run ends at {end}"
+            help_text = "lengthen the duration: a place that is not reached by then is not decided"
+            place = robot.places.get("reach") or scenario.places["reach"]
+            yield Diagnostic("scenario", "warning", message, place, (), help_text)
 
 
 def _unknown(
@@ -60,13 +61,15 @@ def _unknown(
     return Diagnostic("scenario", "warning", message, place, (), "remove it, or add the module")
 
 
-def _unlike(plan: Plan, robot: str | None, name: str, device: str) -> tuple[str, str] | None:
-    """Return why a device cannot be that of a module, and what to do."""
+def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[str, str] | None:
+    """Return why a device cannot be that of a module, and what to do; `robots` move robots."""
     kind = plan.kind(name).replace("_", " ")
-    if robot is not None and (name == robot) != (device == "platform"):
-        if name == robot:
+    if robots and (name in robots) != (device == "platform"):
+        if name in robots:
             return f"`{name}` moves the robot, and a {device} does not", "remove the device"
-        return f"`{name}` is a platform, and `{robot}` moves the robot", "give it another kind"
+        moving = "`, `".join(robots)
+        told = f"`{moving}` moves the robot" if len(robots) == 1 else f"`{moving}` move the robots"
+        return f"`{name}` is a platform, and {told}", "give it another kind"
     if device in _OBEYING and kind != "effector":
         return f"a {device} obeys commands, and `{name}` does not ({kind})", "give it another kind"
     if device in (*_OBEYING, "platform"):
@@ -80,9 +83,9 @@ def _unlike(plan: Plan, robot: str | None, name: str, device: str) -> tuple[str,
     return None
 
 
-def _robot(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
+def _unfit(plan: Plan, robot: Robot) -> Iterator[Diagnostic]:
     """Yield what is wrong with a robot that cannot move: a plan knows a module's own kind."""
-    name = scenario.robot["module"]
+    name = robot.module
     kind = plan.kind(name).replace("_", " ")
     functions = plan.modules[name].functions if name in plan.modules else ()
     help_text = "name the effector that moves the robot"
@@ -96,14 +99,14 @@ def _robot(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
         message = f"the robot's `module` moves, and `{name}` has no motion function"
     else:
         return
-    yield Diagnostic("scenario", "error", message, scenario.places["robot"], (), help_text)
+    yield Diagnostic("scenario", "error", message, robot.places["module"], (), help_text)
 
 
 def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     """Yield faults that would not be injected: a trial of them would prove nothing."""
     able = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
     reading = (n for n, d in scenario.devices.items() if d["kind"] not in (*_OBEYING, "platform"))
-    able = (able | {*reading}) - {scenario.robot["module"]}
+    able = (able | {*reading}) - {robot.module for robot in scenario.robots}
     for name in sorted(scenario.faults.keys() - able):
         near = nearest(name, able)
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"

@@ -86,6 +86,7 @@ def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
                 message = f"an entry of `{key}` has fewer than {least} different points"
                 yield Mistake(("world", key, number), message, "its corners, one after the other")
     for number, moving in enumerate(world.get("moving", ())):
-        if moving is not None and moving["from"] == moving["to"]:
+        ends = (moving or {}).get("way") or [(moving or {}).get(key, key) for key in ("from", "to")]
+        if all(end == ends[0] for end in ends):
             message = "an obstacle of `moving` ends where it begins"
             yield Mistake(("world", "moving", number), message, "list it under `circles`")

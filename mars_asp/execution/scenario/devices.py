@@ -1,10 +1,11 @@
 """Simulated devices of a scenario: what reads a sensor and obeys commands."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from random import Random
 from typing import Any
 
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.execution.executor import Behaviour
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND
@@ -23,6 +24,8 @@ from mars_asp.execution.simulator import (
 from mars_asp.execution.simulator.devices import Place, mounted
 
 _DEFAULT_PERIOD = 100.0
+#: Devices that belong to a robot.
+_CARRIED = ("sonar", "lidar", "bumper", "odometry", "marks")
 _JOINT = (("low", -inf), ("high", inf), ("rate", inf), ("value", 0.0))
 
 
@@ -40,22 +43,64 @@ def make_joints(scenario: Scenario) -> dict[str, Joint]:
 
 
 def bind_devices(
-    plan: Plan, scenario: Scenario, body: Body, joints: Mapping[str, Joint], clock: Clock
+    plan: Plan,
+    scenario: Scenario,
+    bodies: Mapping[str, Body],
+    joints: Mapping[str, Joint],
+    clock: Clock,
 ) -> dict[str, Behaviour]:
-    """Return what reads or obeys for each module that a device or the robot itself runs."""
+    """Return what reads or obeys for each module that a device or a robot itself runs.
+
+    `bodies` are by the module that moves them.
+
+    Raises:
+        MarsError: devices that are mounted on none of several robots; all of them.
+    """
     found: dict[str, Behaviour] = {name: _jointed(joint, clock) for name, joint in joints.items()}
-    platform = scenario.robot["module"]
     # Its rates are along and about the body, wherever that has come to.
-    found[platform] = Behaviour(lambda command: body.obey(command, clock()), position=dict)
+    found |= {module: _moved(body, clock) for module, body in bodies.items()}
+    problems = []
     for name, table in scenario.devices.items():
         if name in found or table.get("kind") == "platform":
             continue
-        place = mounted(body, _way(plan, name, scenario, joints))
+        chain, robot = _mounted_on(plan, name, bodies)
+        if robot is None and table["kind"] in _CARRIED:
+            problems.append(_loose(name, scenario))
+            continue
+        body = bodies[robot or scenario.robots[0].module]
+        place = mounted(body, _way(plan, chain, scenario, joints))
         read = _sensor(table, body, place, Random(f"{scenario.seed}/{name}"))
         period = round(table.get("period", _DEFAULT_PERIOD) * MILLISECOND)
         behaviour = Behaviour(lambda read=read: read(clock()), period)
         found[name] = faulty(behaviour, scenario, name, clock)
+    if problems:
+        raise MarsError(problems)
     return found
+
+
+def _moved(body: Body, clock: Clock) -> Behaviour:
+    return Behaviour(lambda command: body.obey(command, clock()), position=dict)
+
+
+def _mounted_on(plan: Plan, name: str, bodies: Mapping[str, Body]) -> tuple[list[str], str | None]:
+    """Return what a device is mounted on, itself first, up to a robot, and whose that is.
+
+    Without a mount that is the only robot, or of several none. A part is where its module is.
+    """
+    whole = name.rpartition(".")[0]
+    chain = plan.inheriting.chain(whole if whole in plan.inheriting.mounts else name)
+    for number, module in enumerate(chain):
+        if module in bodies:
+            return chain[: number + 1], module
+    return chain, next(iter(bodies)) if len(bodies) == 1 else None
+
+
+def _loose(name: str, scenario: Scenario) -> Diagnostic:
+    message = f"no mount leads from `{name}` to a robot, and there are {len(scenario.robots)}"
+    robot = scenario.robots[0].module
+    help_text = f"mount it in the configuration, as in `{name} is_mounted_on {robot}`"
+    place = scenario.places[f"devices.{name}"]
+    return Diagnostic("scenario", "error", message, place, (), help_text)
 
 
 def _jointed(joint: Joint, clock: Clock) -> Behaviour:
@@ -91,15 +136,12 @@ def _held(function: str, rate: float | None = None) -> tuple[str, float] | None:
 
 
 def _way(
-    plan: Plan, name: str, scenario: Scenario, joints: Mapping[str, Joint]
+    plan: Plan, chain: Sequence[str], scenario: Scenario, joints: Mapping[str, Joint]
 ) -> list[tuple[float, float, float, Joint | None]]:
-    """Return the mounts from the robot out to a device, as the plane sees them.
+    """Return the mounts from a robot out to a device, as the plane sees them.
 
     A turn about the up axis counts; tilts and the vertices of modules are left out.
     """
-    chain = plan.inheriting.chain(name)
-    if scenario.robot["module"] in chain:
-        chain = chain[: chain.index(scenario.robot["module"]) + 1]
     ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
     way = []
     for mounting in reversed(chain[:-1]):

@@ -31,12 +31,13 @@ class Functions:
 
     Each file is imported once, afresh for every run, so that its state never leaks from one run
     into the next. Each module has an object of its own of a class; the parts of a module share one.
+    Of several robots, the modules of each include have imports of their own.
     """
 
     plan: Plan
     scenario: Scenario
     clock: Clock
-    folders: dict[Path, Folder] = field(default_factory=dict)
+    folders: dict[tuple[str, Path], Folder] = field(default_factory=dict)
     made: dict[tuple[str, type], Made] = field(default_factory=dict)
     contexts: dict[str, Context] = field(default_factory=dict)
     problems: list[Diagnostic] = field(default_factory=list)
@@ -46,7 +47,7 @@ class Functions:
         stated = self.scenario.bindings.get(name, {})
         shown = f"{normpath(path)}:{called}"
         try:
-            folder = self._folder(path)
+            folder = self._folder(path, name)
             call, place = self._found(name, folder, path.resolve(), called)
         except UnfitError as error:
             message, help_text = error.args[0], error.help.replace("NAME", name)
@@ -66,11 +67,12 @@ class Functions:
         )
         return None
 
-    def _folder(self, path: Path) -> Folder:
-        folder = folder_of(path.resolve())
-        if folder not in self.folders:
-            self.folders[folder] = Folder(folder)
-        return self.folders[folder]
+    def _folder(self, path: Path, name: str) -> Folder:
+        several = len(self.scenario.robots) > 1 and "/" in name
+        key = name.partition("/")[0] if several else "", folder_of(path.resolve())
+        if key not in self.folders:
+            self.folders[key] = Folder(key[1])
+        return self.folders[key]
 
     def _found(
         self, name: str, folder: Folder, path: Path, called: str

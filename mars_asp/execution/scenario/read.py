@@ -1,6 +1,6 @@
 """Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -12,6 +12,7 @@ from mars_asp.execution.scenario.schema import mistakes
 from mars_asp.execution.scenario.toml_places import Places
 from mars_asp.execution.scenario.toml_tables import read_tables
 from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
+from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
 
 #: Whoever mends these reads no more.
@@ -19,11 +20,30 @@ _MOST_PROBLEMS = 200
 
 
 @dataclass(frozen=True, slots=True)
+class Robot:
+    """A robot: the effector that moves it, and what is asked of it; mm, degrees, s.
+
+    `start` is forward, side and heading; `acceleration` and `deceleration` are by function.
+    `places` has those of its keys, and of limits and accelerations; `span` is the robot's own.
+    """
+
+    name: str
+    module: str
+    span: Span
+    radius: float = 200.0
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    limits: Mapping[str, float] = field(default_factory=dict)
+    acceleration: Mapping[str, float] = field(default_factory=dict)
+    deceleration: Mapping[str, float] = field(default_factory=dict)
+    reach: Mapping[str, Any] | None = None
+    places: Mapping[str, Span] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` has those of requirements, the robot's module, start and limits, and of the tables of
-    bindings, devices and faults.
+    `places` has those of requirements, devices, bindings and faults.
     """
 
     path: Path
@@ -33,12 +53,16 @@ class Scenario:
     up: str = "y"
     command_timeout: float = 500.0
     world: Mapping[str, Any] = field(default_factory=dict)
-    robot: Mapping[str, Any] = field(default_factory=dict)
+    robots: tuple[Robot, ...] = ()
     devices: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     bindings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     faults: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     requirements: Mapping[str, Any] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
+
+    def called(self, robot: Robot) -> str:
+        """Return what a sentence calls a robot: one of several by its name."""
+        return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
 
 def load_scenario(path: Path, changes: Changes = UNCHANGED) -> Scenario:
@@ -68,16 +92,81 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
         raise MarsError(problems)
     tables = changed(tables, changes)
     places = {key: where.of("requirements", key) for key in tables.get("requirements", ())}
-    limits = tables["robot"].get("limits", ())
-    places |= {function: where.of("robot", "limits", function) for function in limits}
-    places["robot"] = where.of("robot", "module")
-    if "start" in tables["robot"]:
-        places["start"] = where.of("robot", "start")
-    for table in ("bindings", "devices", "faults"):
+    for table in ("devices", "bindings", "faults"):
         named = tables.get(table, ())
         places |= {f"{table}.{module}": where.of(table, module) for module in named}
+    stated, up = tables.pop("robot"), tables.get("up", "y")
+    reach = tables.get("requirements", {}).get("reach")
+    robots = tuple(
+        _robot(table, "robot", reach, where, ("robot",))
+        if table is stated
+        else _robot(table, table["module"], None, where, ("robot", number))
+        for number, table in enumerate(stated if isinstance(stated, list) else [stated])
+    )
+    problems = [*_unclear(robots, reach is not None, places), *_unmoved(robots, up)]
+    if problems:
+        raise MarsError(problems)
     places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}
-    return Scenario(path, point(str(path), 1, 1), **tables, places=places)
+    return Scenario(path, point(str(path), 1, 1), **tables, robots=robots, places=places)
+
+
+def _robot(
+    table: Mapping[str, Any],
+    name: str,
+    reach: Mapping[str, Any] | None,
+    where: Places,
+    path: tuple[str | int, ...],
+) -> Robot:
+    """Return a checked robot; `name` is that of one without a name of its own."""
+    settings = {key: value for key, value in table.items() if key not in ("name", "start")}
+    x, y, heading = map(float, table.get("start", (0, 0, 0)))
+    places = {key: where.of(*path, key) for key in table}
+    for key in ("limits", "acceleration", "deceleration"):
+        stated = table.get(key, ())
+        places |= {f"{key}.{function}": where.of(*path, key, function) for function in stated}
+    return Robot(
+        table.get("name", name),
+        span=where.of(*path),
+        start=(x, y, heading),
+        places=places,
+        **{"reach": reach, **settings},
+    )
+
+
+def _unclear(
+    robots: Sequence[Robot], reach: bool, places: Mapping[str, Span]
+) -> Iterator[Diagnostic]:
+    """Yield what leaves open which robot is meant."""
+    for key in ("name", "module"):
+        seen = set[str]()
+        for robot in robots:
+            word = robot.name if key == "name" else robot.module
+            if word in seen:
+                place = robot.places.get(key, robot.span)
+                message = f"two robots have the {key} `{word}`"
+                yield _problem(place, message, f"give each robot a `{key}` of its own")
+            seen.add(word)
+    if reach and len(robots) > 1:
+        message = "`reach` does not state which of several robots is meant"
+        yield _problem(places["reach"], message, "write it into the table of a robot")
+    if reach and any("reach" in robot.places for robot in robots):
+        message = "`reach` is also stated for the robot"
+        yield _problem(places["reach"], message, "remove one of them")
+
+
+def _unmoved(robots: Sequence[Robot], up: str) -> Iterator[Diagnostic]:
+    """Yield the accelerations of functions that no platform carries out."""
+    able = planar_functions(up)
+    for robot in robots:
+        for key in ("acceleration", "deceleration"):
+            for function in getattr(robot, key):
+                place = robot.places[f"{key}.{function}"]
+                if function not in able:
+                    message = f'a platform does not carry out `{function}` with `up = "{up}"`'
+                    yield _problem(place, message, f"one of {', '.join(able)}")
+                elif key == "deceleration" and function not in robot.acceleration:
+                    message = f"`{function}` has a deceleration, and no acceleration"
+                    yield _problem(place, message, "state both, or the acceleration alone")
 
 
 def _problem(span: Span, message: str, help_text: str | None = None) -> Diagnostic:

@@ -90,11 +90,21 @@ _ENTRY = _told(
     {"anyOf": [_row(_number(0), _FUNCTION, _number()), _row(_number(0), {"enum": [RELEASE]})]},
 )
 _MOVING = _told(
-    "a table `{ from, to, radius, speed }`",
+    "a table `{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points",
     _table(
-        {"from": _POINT, "to": _POINT, "radius": _POSITIVE, "speed": _POSITIVE},
-        *("from", "to", "radius", "speed"),
-    ),
+        {
+            "from": _POINT,
+            "to": _POINT,
+            "way": _told("a list of at least two points", _list(_PAIR) | {"minItems": 2}),
+            "radius": _POSITIVE,
+            "speed": _POSITIVE,
+        },
+        *("radius", "speed"),
+    )
+    | {
+        "anyOf": [{"required": ["from", "to"]}, {"required": ["way"]}],
+        "not": {"anyOf": [{"required": [end, "way"]} for end in ("from", "to")]},
+    },
 )
 _MARK = _told("a table `{ at, colour }`", _table({"at": _POINT, "colour": _WORD}, "at", "colour"))
 _SCATTER = _table(
@@ -117,12 +127,18 @@ _WORLD = _table(
         "scatter": _SCATTER,
     }
 )
+_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
+_GRADUAL = _table(dict.fromkeys(MOTION_FUNCTIONS, _number(0.001)))
 _ROBOT = _table(
     {
+        "name": _told("a name of at least one character", _WORD | {"minLength": 1}),
         "module": _WORD,
         "radius": _POSITIVE,
         "start": _told("`[forward, side, heading]`", _row(*3 * [_number()])),
         "limits": _table(dict.fromkeys(_FUNCTIONS, _number())),
+        "acceleration": _GRADUAL,
+        "deceleration": _GRADUAL,
+        "reach": _REACH,
     },
     "module",
 )
@@ -179,7 +195,6 @@ _FAULT = _one_of(
         "babbling": "by",
     },
 )
-_REACH = _table({"at": _POINT, "radius": _POSITIVE, "within": _POSITIVE}, "at")
 _REQUIREMENTS = _table(
     {
         "no_collision": {"type": "boolean"},
@@ -191,26 +206,31 @@ _REQUIREMENTS = _table(
         "coverage": _number(0, 1),
     }
 )
-SCHEMA: _Schema = {
-    "$schema": "http://json-schema.org/draft-04/schema#",
-    "title": "A scenario of mars-asp",
-    **_table(
-        {
-            "seed": _whole(-(2**63), 2**63 - 1),
-            "duration": _number(0.001),
-            "up": {"enum": ["y", "z"]},
-            "command_timeout": _POSITIVE,
-            "world": _WORLD,
-            "robot": _ROBOT,
-            "devices": _named(_DEVICE),
-            "bindings": _named(_BINDING),
-            "faults": _named(_FAULT),
-            "requirements": _REQUIREMENTS,
-        },
-        *("robot", "duration"),
-    ),
-}
-_VALIDATOR = Draft4Validator(SCHEMA)
+
+
+def _scenario(robot: _Schema) -> _Schema:
+    """Return the schema of scenarios with such a `robot`."""
+    keys = {
+        "seed": _whole(-(2**63), 2**63 - 1),
+        "duration": _number(0.001),
+        "up": {"enum": ["y", "z"]},
+        "command_timeout": _POSITIVE,
+        "world": _WORLD,
+        "robot": robot,
+        "devices": _named(_DEVICE),
+        "bindings": _named(_BINDING),
+        "faults": _named(_FAULT),
+        "requirements": _REQUIREMENTS,
+    }
+    draft = "http://json-schema.org/draft-04/schema#"
+    title = "A scenario of mars-asp"
+    return {"$schema": draft, "title": title, **_table(keys, "robot", "duration")}
+
+
+_ROBOTS = _told("a table or a list of tables, at least one", _list(_ROBOT) | {"minItems": 1})
+#: Of one robot, or of several.
+_ONE, _SEVERAL = _scenario(_ROBOT), _scenario(_ROBOTS)
+SCHEMA = _scenario({"anyOf": [_ROBOT, _ROBOTS]})
 #: What the schema calls types of TOML.
 _TYPES = {
     "object": "a table",
@@ -237,7 +257,7 @@ class Mistake(NamedTuple):
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
     """Yield all that the schema finds wrong with a scenario, each once."""
     told: set[Mistake] = set()
-    for error in _VALIDATOR.iter_errors(_as_json(tables)):
+    for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
         path = tuple(error.instance_path)
         for mistake in _mistakes(error, path, tables):
             if mistake not in told:  # of one form several parts can be wrong
@@ -291,6 +311,11 @@ def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) ->
         yield Mistake(path, f"`{key}` must be {_TYPES[wanted]}")
 
 
+def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
+    """Return the schema of scenarios with as many robots as are stated, which tells more."""
+    return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
+
+
 def _unknown(
     path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
 ) -> Mistake:
@@ -313,7 +338,7 @@ def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
     """Return what the schema says of a place, before it is known which of several kinds it has."""
-    schema = SCHEMA
+    schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:
             schema = _of_kind(schema, _value(path[: count - 1], tables))

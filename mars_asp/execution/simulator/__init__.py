@@ -15,15 +15,19 @@ from mars_asp.execution.simulator.devices import (
     odometry,
     sonar,
 )
+from mars_asp.execution.simulator.fleet import Fleet
 from mars_asp.execution.simulator.motion import Pose, Stretch, move
+from mars_asp.execution.simulator.ramp import Ramp
 from mars_asp.execution.simulator.world import Circle, Mark, World, regular_polygon
 
 __all__ = [
     "Body",
     "Circle",
+    "Fleet",
     "Joint",
     "Mark",
     "Pose",
+    "Ramp",
     "Stretch",
     "World",
     "bumper",

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mars_asp.execution.simulator.body import Body
-from mars_asp.execution.simulator.motion import Point, Pose
+from mars_asp.execution.simulator.body import THING, Body
+from mars_asp.execution.simulator.motion import Point, Pose, Stretch
 from mars_asp.execution.simulator.world import World
 
 #: So much nearer (mm) than found it may have been.
@@ -19,7 +19,7 @@ _MOST_LOOKS = 20_000
 
 
 class Approach(NamedTuple):
-    """At a time (s) the robot was at a pose, and the nearest thing at a point, `gap` mm away."""
+    """At a time (s) a robot was at a pose, and what was nearest at a point, `gap` mm away."""
 
     at: float
     pose: Pose
@@ -29,8 +29,7 @@ class Approach(NamedTuple):
 
 def pose_at(body: Body, seconds: float) -> Pose:
     """Return where a body was at a time up to now."""
-    number = bisect_right(body.motion, seconds, key=lambda stretch: stretch.since) - 1
-    return body.motion[max(number, 0)].at(seconds)
+    return _stretch(body, seconds).at(seconds)
 
 
 def least_approach(body: Body) -> Approach | None:
@@ -42,28 +41,47 @@ def least_approach(body: Body) -> Approach | None:
     if body.clearance == inf:
         return None
     at, until = body.closest
-    stretch = body.motion[bisect_right(body.motion, at, key=lambda each: each.since) - 1]
-    closing = stretch.speed + body.world.fastest
+    other = _robot(body, body.beside)
+    fastest = body.world.fastest if other is None else _stretch(other, at).speed
+    closing = _stretch(body, at).speed + fastest
     step = max(_EXACT, closing * (until - at) / _MOST_LOOKS)
     while at < until:
-        left = approach_at(body, at).gap - body.clearance
+        left = approach_at(body, at, body.beside).gap - body.clearance
         if left <= _EXACT or not closing:
             break
         at = min(until, at + max(left, step) / closing)
-    least, stride = approach_at(body, at), until - at
+    least, stride = approach_at(body, at, body.beside), until - at
     while stride > _INSTANT:
-        further = approach_at(body, min(until, least.at + stride))
+        further = approach_at(body, min(until, least.at + stride), body.beside)
         nearer = further.gap < least.gap
         least, stride = (further, stride) if nearer else (least, stride / 2)
     return least
 
 
-def approach_at(body: Body, seconds: float) -> Approach:
-    """Return how near the nearest thing was at a time; in contact the gap is 0."""
-    pose = pose_at(body, seconds)
-    thing = _nearest(body.world, (pose.forward, pose.side), seconds)
-    gap = dist((pose.forward, pose.side), thing) - body.radius
-    return Approach(seconds, pose, thing, max(gap, 0.0))
+def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
+    """Return how near the robot of a name was at a time, or else the nearest thing of the world.
+
+    In contact the gap is 0.
+    """
+    pose, other = pose_at(body, seconds), _robot(body, beside)
+    place = pose.forward, pose.side
+    if other is None:
+        thing = _nearest(body.world, place, seconds)
+    else:
+        there = pose_at(other, seconds)
+        thing = _rim(place, there.forward, there.side, other.radius)
+    return Approach(seconds, pose, thing, max(dist(place, thing) - body.radius, 0.0))
+
+
+def _robot(body: Body, name: str) -> Body | None:
+    """Return the robot of a name among those that a robot moves with."""
+    others = () if body.company is None else body.company.bodies
+    return next((other for other in others if other.name == name != THING), None)
+
+
+def _stretch(body: Body, seconds: float) -> Stretch:
+    number = bisect_right(body.motion, seconds, key=lambda stretch: stretch.since) - 1
+    return body.motion[max(number, 0)]
 
 
 def _nearest(world: World, point: Point, seconds: float) -> Point:
@@ -77,7 +95,11 @@ def _nearest(world: World, point: Point, seconds: float) -> Point:
         x, y = places[np.hypot(*(places - np.array(point)).T).argmin()].tolist()
         found.append((x, y))
     circles = [*world.circles.tolist(), *((*c.at(seconds), c.radius) for c in world.moving)]
-    for x, y, radius in circles:
-        way = hypot(point[0] - x, point[1] - y) or inf
-        found.append((x + radius * (point[0] - x) / way, y + radius * (point[1] - y) / way))
+    found += [_rim(point, *circle) for circle in circles]
     return min(found, key=lambda place: dist(place, point))
+
+
+def _rim(point: Point, x: float, y: float, radius: float) -> Point:
+    """Return the point of a circle's rim that is nearest to a point."""
+    way = hypot(point[0] - x, point[1] - y) or inf
+    return x + radius * (point[0] - x) / way, y + radius * (point[1] - y) / way

@@ -97,7 +97,7 @@ def sonar(
     def read(seconds: float) -> list[float]:
         pose = place(seconds)
         angles = bearings + radians(pose.heading)
-        hits = body.world.rays((pose.forward, pose.side), angles, reach, seconds)
+        hits = body.rays((pose.forward, pose.side), angles, reach)
         nearest = hits.reshape(beams, rays).min(axis=1)
         return [_noisy(float(hit), noise, sigma) for hit in nearest]
 
@@ -120,7 +120,7 @@ def lidar(
     def read(seconds: float) -> list[float]:
         pose = place(seconds)
         angles = bearings + radians(pose.heading)
-        hits = body.world.rays((pose.forward, pose.side), angles, reach, seconds)
+        hits = body.rays((pose.forward, pose.side), angles, reach)
         return [_noisy(float(hit), noise, sigma) for hit in hits]
 
     return read
@@ -169,7 +169,7 @@ def marks(
             if far > reach or abs(bearing) > view / 2:
                 continue
             way = np.array([atan2(dy, dx)])
-            hit = body.world.rays((pose.forward, pose.side), way, reach, seconds)[0]
+            hit = body.rays((pose.forward, pose.side), way, reach)[0]
             if hit >= far - 1.0:
                 seen.append((mark.colour, bearing, far))
         return seen

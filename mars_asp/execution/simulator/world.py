@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 from math import cos, dist, inf, pi, sin
@@ -14,6 +15,7 @@ from mars_asp.execution.simulator.motion import Floats, Point
 Booleans = npt.NDArray[np.bool_]
 #: How far (mm) things may move past each other before what is near is looked up again.
 _SLACK = 500.0
+_NONE: Floats = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,16 +125,23 @@ class World:
         self._reach = -inf
         self._beside: _Near | None = None
 
-    def rays(self, origin: Point, angles: Floats, reach: float, seconds: float) -> Floats:
+    def beside(self) -> "World":
+        """Return the same world for another robot, which is near to other things."""
+        return copy(self)
+
+    def rays(
+        self, origin: Point, angles: Floats, reach: float, seconds: float, discs: Floats = _NONE
+    ) -> Floats:
         """Return how far each ray (n,) of an angle in radians goes; a miss within reach is inf.
 
-        Exact line against segment and circle. From inside of something solid all rays are 0.
+        Exact line against segment and circle; `discs` (n, 3) are circles besides those of the
+        world. From inside of something solid all rays are 0.
         """
         near = self._seen
         if near is None or reach > self._reach or self._passed(near, origin, seconds) > _SLACK:
             near = self._seen = self._gather(origin, seconds, reach + _SLACK)
             self._reach = reach
-        circles = np.concatenate([near.circles, self._moved(near.moving, seconds)])
+        circles = np.concatenate([near.circles, self._moved(near.moving, seconds), discs])
         if self._is_inside(origin, circles):
             return np.zeros(angles.shape)
         ways = np.stack([np.cos(angles), np.sin(angles)])
@@ -192,7 +201,7 @@ class World:
             relative = np.concatenate([relative, passing], axis=1)
             radii = np.concatenate([radii, self._radii[which]])
         if len(radii):
-            best = np.minimum(best, (_origin_distances(relative) - radii).min(axis=1))
+            best = np.minimum(best, (origin_distances(relative) - radii).min(axis=1))
         return best
 
     def _around(self, point: Point, seconds: float) -> _Near:
@@ -230,7 +239,7 @@ class World:
     def _moved(self, which: Sequence[int], seconds: float) -> Floats:
         """Return moving circles (n, 3) as they are at a time."""
         if not which:
-            return np.empty((0, 3))
+            return _NONE
         self._renew(which, seconds)
         numbers = list(which)
         legs = self._legs[numbers]
@@ -265,10 +274,10 @@ def _circle_distances(point: Point, circles: Floats) -> Floats:
 
 def _segment_distances(point: Point, segments: Floats) -> Floats:
     ends = np.array(segments) - np.array((*point, *point))
-    return _origin_distances(ends)
+    return origin_distances(ends)
 
 
-def _origin_distances(segments: Floats) -> Floats:
+def origin_distances(segments: Floats) -> Floats:
     """Return how far segments (..., 4) are from the origin."""
     start, along = segments[..., :2], segments[..., 2:] - segments[..., :2]
     squared = np.maximum((along * along).sum(axis=-1), 1e-300)
@@ -284,7 +293,7 @@ def _chord_distances(chords: Floats, segments: Floats) -> Floats:
     a, b = segments[None, :, :2], segments[None, :, 2:]
     pairs = ((a - p, b - p), (a - q, b - q), (p - a, q - a), (p - b, q - b))
     ends = np.stack([np.concatenate(np.broadcast_arrays(*each), axis=-1) for each in pairs])
-    apart: Floats = _origin_distances(ends).min(axis=0)
+    apart: Floats = origin_distances(ends).min(axis=0)
     crossed = (_side(p, q, a) != _side(p, q, b)) & (_side(a, b, p) != _side(a, b, q))
     apart[crossed] = 0.0
     return apart

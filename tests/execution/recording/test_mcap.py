@@ -91,12 +91,12 @@ def test_the_robot_stands_where_the_run_left_it_in_metres_and_obstacles_where_th
     made, _, content = recorded()
     found = messages(content)
     last = [message for topic, _, _, message in found if topic == "/tf"][-1]
-    x, y = made.body.pose.forward / 1000, made.body.pose.side / 1000
+    x, y = made.bodies[0].pose.forward / 1000, made.bodies[0].pose.side / 1000
     assert last["translation"] == pytest.approx({"x": x, "y": y, "z": 0})
     rotation = last["rotation"]
     assert (rotation["x"], rotation["y"]) == (0, 0)
     heading = degrees(2 * atan2(rotation["z"], rotation["w"]))
-    assert heading == pytest.approx(made.body.pose.heading)
+    assert heading == pytest.approx(made.bodies[0].pose.heading)
     (world,) = [m["entities"][0] for topic, _, _, m in found if topic == "/world"]
     assert [c["pose"]["position"]["y"] for c in world["cylinders"]] == [-0.7]
     ends = [(p["x"], p["y"]) for p in world["lines"][0]["points"]]

@@ -13,6 +13,7 @@ from mars_asp.execution.judgement import judge
 from mars_asp.execution.recording.lanes import round_step
 from mars_asp.execution.recording.picture import framed, plot_run
 from mars_asp.execution.recording.signs import Signs
+from mars_asp.execution.simulator import Body, Fleet, Pose, World
 from mars_asp.execution.simulator.approach import approach_at, least_approach, pose_at
 from mars_asp.execution.trial import Trial
 from tests.support.trials import BASE, HAND, WALL, trial
@@ -102,7 +103,7 @@ def test_the_instant_of_the_least_clearance_is_that_of_fine_sampling(seed: int) 
     ]
     hand = f'[devices.C]\nkind = "joystick"\nscript = [{", ".join(turns)}]\n'
     made = trial(f"seed = {seed}\n" + BASE + scatter + hand)
-    body, least = made.body, least_approach(made.body)
+    body, least = made.bodies[0], least_approach(made.bodies[0])
     assert least is not None
     assert least.gap == pytest.approx(body.clearance, abs=1e-3)
     sampled = [(approach_at(body, k / 500).gap, k / 500) for k in range(1501)]
@@ -187,6 +188,141 @@ def test_a_scale_is_a_bar_of_a_round_length() -> None:
 )
 def test_a_step_is_the_least_round_one(least: float, step: float) -> None:
     assert round_step(least) == pytest.approx(step)
+
+
+#: Two robots face to face, each with a place to reach, and a wall at the side of one.
+TWO = """\
+duration = 3
+[[robot]]
+name = "left"
+module = "left/P"
+radius = 100
+reach = { at = [400, 0], radius = 10 }
+[[robot]]
+name = "right"
+module = "right/P"
+radius = 100
+start = [{start}, 180]
+reach = { at = [0, 0], within = 2 }
+[world]
+walls = [[[-500, -160], [100, -160]]]
+[devices]
+"left/C" = { kind = "joystick", script = [[0, "Trans_Z", 200]] }
+"right/C" = { kind = "joystick", script = [[0, "Trans_Z", 100]] }
+"""
+DRIVES = """\
+@specification
+@modules left/P, left/C, right/P, right/C
+left/P is_controlled_by left/C
+right/P is_controlled_by right/C
+"""
+
+
+def two(start: str) -> Trial:
+    return trial(TWO.replace("{start}", start), DRIVES)
+
+
+def test_of_two_robots_each_goal_is_shown_and_who_came_near_to_whom() -> None:
+    # They pass side by side, 230 mm apart, and the wall is 60 mm from the rim of `left`.
+    made = two("500, 230")
+    picture, told = drawn(made), texts(drawn(made))
+    assert "goal of left: 10 mm around (400, 0), reached at 1.95 s" in told
+    assert "goal of right: 200 mm around (0, 0), not reached" in told
+    assert f"nearest to it: {round(hypot(300, 230))} mm, at 2.00 s" in told
+    # Of 500 mm, 300 pass in each second.
+    assert "least clearance of left and right: 30 mm, at 1.67 s" in told
+    (line,) = [e for e in picture.iterfind(".//{*}path") if e.get("class") == "least"]
+    frame, x = framed(made, judge(made))[0], 1000 / 3
+    ends = [float(number) for number in re.findall(r"[\d.]+", line.attrib["d"])]
+    # `left` came to it first, or `right` did: the line goes from one rim to the other.
+    assert sorted([ends[:2], ends[2:]]) == [
+        pytest.approx(each, abs=0.6) for each in sorted([frame.at(x, 100), frame.at(x, 130)])
+    ]
+    lanes = [e.get("data-name") for e in picture.iterfind(".//{*}rect") if e.get("class") == "lane"]
+    assert lanes == ["left/C", "right/C"]
+    ways = [e.get("stroke") for e in picture.iterfind(".//{*}polyline")]
+    assert ways == list(frame.colours.values())
+    robots = [e for e in picture.iterfind(".//{*}g") if e.get("id", "").startswith("robot")]
+    assert [each.findtext("{*}title") for each in robots] == ["left", "right"]
+    assert_apart(picture)
+
+
+def test_a_contact_of_two_robots_is_one_sign_between_them() -> None:
+    made = two("1000, 0")
+    told = texts(drawn(made))
+    assert "contact of left and right: at 2.67 s" in told
+    assert not [each for each in told if each.startswith("least clearance")]
+    x, y = framed(made, judge(made))[0].at(1600 / 3 + 100, 0)
+    title = "contact of left and right at 2.67 s"
+    (found,) = re.findall(
+        rf'translate\(([\d.]+) ([\d.]+)\)"><title>{title}<', plot_run(made, judge(made))
+    )
+    assert [float(each) for each in found] == pytest.approx([x, y], abs=0.1)
+    assert_apart(drawn(made))
+
+
+def test_of_several_robots_the_least_clearance_may_be_to_a_wall() -> None:
+    told = texts(drawn(two("2000, 900")))
+    assert "least clearance of left: 60 mm, at 0.00 s" in told
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_two_robots_come_nearest_when_fine_sampling_says(seed: int) -> None:
+    random = Random(seed)
+    bodies = Fleet(
+        [
+            Body(
+                World(),
+                Pose(random.uniform(-900, 900), 900 * k, random.uniform(-180, 180)),
+                100,
+                name=f"r{k}",
+                command={"Trans_Z": random.uniform(50, 400), "Rotn_Y": random.uniform(-40, 40)},
+            )
+            for k in range(3)
+        ]
+    ).bodies
+    bodies[0].advance(4)
+    for body in bodies:
+        if body.contacts:
+            continue
+        least, others = least_approach(body), [b for b in bodies if b is not body]
+        assert least is not None
+        sampled = [
+            min(approach_at(body, k / 200, other.name).gap for other in others) for k in range(801)
+        ]
+        # A hundredth of a millimetre is as exact as the instant is looked for.
+        assert least.gap == pytest.approx(body.clearance, abs=0.011)
+        assert min(sampled) >= body.clearance - 0.001
+        assert all(
+            gap > body.clearance + 0.001
+            for k, gap in enumerate(sampled)
+            if k / 200 < least.at - 0.02
+        )
+
+
+def test_many_contacts_of_many_robots_are_listed_in_few_lines() -> None:
+    made = trial(
+        "duration = 60\n"
+        + "".join(
+            f'[[robot]]\nname = "r{k}{"o" * 40}"\nmodule = "P{k}"\nradius = 50\n'
+            f"start = [{250 * k}, 0, {180 * (k % 2)}]\n"
+            for k in range(20)
+        )
+        + "[devices]\n"
+        + "".join(
+            f'C{k} = {{ kind = "joystick", script = [[0, "Trans_Z", 100], [5, "Trans_Z", -100],'
+            ' [10, "Trans_Z", 100], [20, "Trans_Z", -100], [30, "Trans_Z", 100]] }\n'
+            for k in range(20)
+        ),
+        "@specification\n@modules "
+        + ", ".join(f"P{k}, C{k}" for k in range(20))
+        + "\n"
+        + "".join(f"P{k} is_controlled_by C{k}\n" for k in range(20)),
+    )
+    told = [each for each in texts(drawn(made)) if "contact" in each]
+    assert len(told) == 7
+    assert told[-1].endswith(" of others")
+    assert_apart(drawn(made))
 
 
 def test_a_run_that_goes_on_has_a_picture_without_a_verdict(tmp_path: Path) -> None:

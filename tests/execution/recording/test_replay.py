@@ -84,8 +84,8 @@ def hostile_page() -> str:
 
 def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     told = replay_json(*judged())
-    assert told["poses"][0] == [0, 0, 0, 0]
-    assert told["poses"][-1][0] == 3
+    assert told["robots"][0]["poses"][0] == [0, 0, 0, 0]
+    assert told["robots"][0]["poses"][-1][0] == 3
     assert told["moving"] == [{"round": ((0, 800), (1000, 800), (0, 800)), "speed": 500}]
     (arbiter,) = told["arbiters"]
     assert arbiter["holdings"] == [
@@ -98,7 +98,7 @@ def test_a_page_holds_the_way_the_commands_and_who_won_and_why() -> None:
     assert (low["name"], low["priority"], low["in_force"]) == ("Low", 3, [[0, 3.25]])
     assert (high["name"], high["priority"]) == ("High", 7)
     assert high["in_force"] == [[0, 1.15], [2, 3.25]]
-    assert [c[1] for c in told["commands"]] == ["High", "Low", "High"]
+    assert [c[1] for c in told["robots"][0]["commands"]] == ["High", "Low", "High"]
 
 
 def test_a_page_fetches_nothing_and_lets_only_its_own_script_run() -> None:
@@ -122,7 +122,7 @@ def test_no_text_of_others_becomes_markup() -> None:
         assert text.count(f"</{tag}>") == plain.count(f"</{tag}>")
     assert not re.search("[\u202e\x00]", text)
     (data,) = re.findall(r'id="run">(.*?)</script>', text, re.DOTALL)
-    assert json.loads(data)["commands"][0][2] == {HOSTILE: 1.0}
+    assert json.loads(data)["robots"][0]["commands"][0][2] == {HOSTILE: 1.0}
 
 
 def test_the_same_run_gives_the_same_page() -> None:
@@ -131,7 +131,7 @@ def test_the_same_run_gives_the_same_page() -> None:
 
 def test_a_picture_is_seen_from_above_forward_up_and_side_left() -> None:
     made = trial()
-    made.body.pose = Pose(0, 0, 30)
+    made.bodies[0].pose = Pose(0, 0, 30)
     at = [Frame(made).at(*point) for point in ((0, 0), (100, 0), (0, 100))]
     assert at[1][1] < at[0][1]
     assert at[2][0] < at[0][0]
@@ -275,11 +275,50 @@ def test_scrubbing_and_playing_move_the_robot_and_the_obstacles(
     made = trial()
     assert start[2] == 0
     assert [(start[1] - end[1]) / scale, (start[0] - end[0]) / scale, -end[2]] == pytest.approx(
-        [made.body.pose.forward, made.body.pose.side, made.body.pose.heading], abs=0.01
+        [made.bodies[0].pose.forward, made.bodies[0].pose.side, made.bodies[0].pose.heading],
+        abs=0.01,
     )
     # 750 mm ahead after 1.5 s, and back to 500 mm of 1,000 after 3 s.
     moved = [(start[3] - each[3]) / scale for each in (middle, end)]
     assert moved == pytest.approx([750, 500], abs=0.01)
+
+
+TWO = """duration = 3
+[[robot]]
+name = "one"
+module = "P"
+[[robot]]
+name = "two"
+module = "Q"
+start = [3000, 0, 180]
+[devices]
+A = { kind = "joystick", script = [[0, "Trans_Z", 200]] }
+B = { kind = "joystick", script = [[0, "Trans_Z", 100]] }
+"""
+
+
+@in_a_browser
+def test_a_page_moves_each_of_two_robots_and_tells_of_both(
+    browser: Browser, tmp_path: Path
+) -> None:
+    lines = "@specification\n@modules P, Q, A, B\nP is_controlled_by A\nQ is_controlled_by B\n"
+    specification = parse_text(lines, "x.mars").configuration
+    made = stage_trial(specification, {}, read_scenario(TWO, Path("s.toml")))
+    made.run_until(3.0)
+    shown(browser, tmp_path / "run.html", replay_page(made, judge(made), "two"))
+    browser.run("show(2)")
+    assert text_of(browser, "#state") == [
+        "one obeys A: Trans_Z 200. It is at (400, 0) mm, heads 0 degrees, and has collided 0 times."
+        " two obeys B: Trans_Z 100. It is at (2800, 0) mm, heads 180 degrees, and has collided"
+        " 0 times."
+    ]
+    places = browser.run(
+        """[...robots].map((each) =>
+          each.getAttribute("transform").match(/-?[\\d.]+/g).slice(0, 2).map(Number))"""
+    )
+    frame = framed(made, judge(made))[0]
+    assert places == [pytest.approx(frame.at(x, 0), abs=1e-3) for x in (400, 2800)]
+    assert not browser.complaints
 
 
 #: There and back, past points, in a circuit, past one point twice, and off at once.
@@ -297,7 +336,7 @@ def test_obstacles_go_their_rounds_as_the_simulator_moves_them(
     browser: Browser, tmp_path: Path
 ) -> None:
     made = trial()
-    made.body.world.moving = ROUNDS
+    made.bodies[0].world.moving = ROUNDS
     shown(browser, tmp_path / "run.html", replay_page(made, judge(made), "rounds"))
     times = [0, 0.1, 1, 2.5, 3.0030030030030033, 7.25, 60.1, 1234.5]
     found = browser.run(f"run.moving.map((circle) => {times}.map((time) => placeAt(circle, time)))")

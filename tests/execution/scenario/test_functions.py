@@ -13,7 +13,7 @@ def test_module_state_does_not_leak_from_one_run_into_the_next(tmp_path: Path) -
         "count = [0]\ndef go():\n    count[0] += 1\n    return 'Trans_Z', count[0]\n"
     )
     text = BASE + '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'
-    driven = {trial(text, folder=tmp_path).body.driven for _ in range(2)}
+    driven = {trial(text, folder=tmp_path).bodies[0].driven for _ in range(2)}
     assert len(driven) == 1
 
 

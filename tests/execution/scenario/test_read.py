@@ -68,7 +68,8 @@ def test_values_of_a_wrong_form_are_reported_where_they_stand() -> None:
     told = {d.span.line: d.message for d in found}
     assert told[4] == "`start` must be `[forward, side, heading]`"
     assert told[8] == "an entry of `walls` must be a list of 2 or more points `[forward, side]`"
-    assert told[20] == "`moving` has no `to`"
+    form = "`{ from, to, radius, speed }`, or `{ way, radius, speed }` with a way of points"
+    assert told[20] == f"an entry of `moving` must be a table {form}"
     assert told[28] == "`reach` has no `at`"
 
 

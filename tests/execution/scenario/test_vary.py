@@ -36,7 +36,7 @@ def varied(*stated: str) -> Any:
 @pytest.mark.parametrize(
     ("stated", "value"),
     [
-        ("robot.radius=150", lambda s: s.robot["radius"] == 150),
+        ("robot.radius=150", lambda s: s.robots[0].radius == 150),
         ("duration = 1.5", lambda s: s.duration == 1.5),
         ('up="z"', lambda s: s.up == "z"),
         ("world.moving.0.speed=80", lambda s: s.world["moving"][0]["speed"] == 80),

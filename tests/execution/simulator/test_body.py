@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.execution.simulator import (
-    Body,
     Circle,
     Joint,
     Mark,
@@ -25,6 +24,7 @@ from mars_asp.execution.simulator import (
 )
 from mars_asp.execution.simulator.approach import least_approach
 from mars_asp.execution.simulator.devices import mounted
+from tests.support.bodies import alone
 
 WALL = ((1000.0, -5000.0), (1000.0, 5000.0))
 
@@ -47,7 +47,7 @@ def test_many_small_steps_are_one_large_one(w: float, n: int) -> None:
 
 
 def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
-    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200, command={"Trans_Z": 5000.0})
+    body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200, command={"Trans_Z": 5000.0})
     body.advance(10.0)
     assert body.pose.forward == pytest.approx(800, abs=0.01)
     assert [body.collisions, *body.contacts] == pytest.approx([1, 0.16], abs=1e-3)
@@ -59,7 +59,7 @@ def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
 
 def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
     world = World(circles=[Circle((1000, 0), 100, ((0, 0),), 100)])
-    body = Body(world, Pose(0, 0, 0), 200)
+    body = alone(world, Pose(0, 0, 0), 200)
     body.advance(6.9)
     assert [body.collisions, body.clearance] == pytest.approx([0, 10], abs=0.1)
     least = least_approach(body)
@@ -70,7 +70,7 @@ def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
 
 
 def test_rates_are_limited_and_turning_while_driving_is_timed() -> None:
-    body = Body(World(), Pose(0, 0, 0), 200, limits={"Trans_Z": 100})
+    body = alone(World(), Pose(0, 0, 0), 200, limits={"Trans_Z": 100})
     body.obey({"Trans_Z": 900}, 0)
     body.obey({"Trans_Z": 100, "Rotn_Y": 10}, 1)
     body.advance(3)
@@ -78,7 +78,7 @@ def test_rates_are_limited_and_turning_while_driving_is_timed() -> None:
 
 
 def test_functions_that_a_command_does_not_name_are_zero() -> None:
-    body = Body(World(), Pose(0, 0, 0), 200)
+    body = alone(World(), Pose(0, 0, 0), 200)
     body.obey({"Trans_Z": 100}, 0)
     body.obey({"Rotn_Y": 10}, 1)
     body.advance(2)
@@ -88,13 +88,13 @@ def test_functions_that_a_command_does_not_name_are_zero() -> None:
 
 
 def test_either_axis_may_be_up() -> None:
-    body = Body(World(), Pose(0, 0, 0), 200, up="z", command={"Trans_Y": 10})
+    body = alone(World(), Pose(0, 0, 0), 200, up="z", command={"Trans_Y": 10})
     body.advance(1)
     assert [body.pose.forward, body.pose.side] == pytest.approx([0, 10])
 
 
 def test_a_sonar_cone_is_the_least_over_its_rays_and_a_miss_is_infinite() -> None:
-    body = Body(World(circles=[Circle((1000, 120), 20)]), Pose(0, 0, 0), 100)
+    body = alone(World(circles=[Circle((1000, 120), 20)]), Pose(0, 0, 0), 100)
     read = sonar(body, mounted(body), Random(1), beams=4, cone=15, rays=5)
     assert read(0.0) == [pytest.approx(np.hypot(1000, 120), abs=25), inf, inf, inf]
     assert sonar(body, mounted(body), Random(1), beams=4, rays=1)(0.0)[0] == inf
@@ -102,7 +102,7 @@ def test_a_sonar_cone_is_the_least_over_its_rays_and_a_miss_is_infinite() -> Non
 
 def test_devices_see_bump_and_reckon() -> None:
     world = World(walls=[WALL], marks=[Mark((900, 0), "red"), Mark((1100, 0), "blue")])
-    body = Body(world, Pose(0, 0, 0), 200)
+    body = alone(world, Pose(0, 0, 0), 200)
     assert lidar(body, mounted(body), Random(1), beams=3)(0.0) == [inf, pytest.approx(1000), inf]
     assert marks(body, mounted(body))(0.0) == [("red", 0.0, 900.0)]
     assert bumper(body)(0.0) == 0
@@ -113,14 +113,14 @@ def test_devices_see_bump_and_reckon() -> None:
 
 
 def test_noise_is_seeded_for_each_device() -> None:
-    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200)
+    body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200)
     first = sonar(body, mounted(body), Random("1/a"), sigma=5)(0.0)
     assert first == sonar(body, mounted(body), Random("1/a"), sigma=5)(0.0)
     assert first != sonar(body, mounted(body), Random("1/b"), sigma=5)(0.0)
 
 
 def test_joints_turn_what_is_mounted_on_them_within_their_bounds() -> None:
-    body = Body(World(walls=[WALL]), Pose(0, 0, 0), 200)
+    body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200)
     joint = Joint("Rotn_Y", -60, 60, 30)
     place = mounted(body, [(100, 0, 0, joint)])
     joint.obey({"Rotn_Y": 90}, 0.0)

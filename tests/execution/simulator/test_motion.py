@@ -7,8 +7,9 @@ from random import Random
 import numpy as np
 import pytest
 
-from mars_asp.execution.simulator import Body, Circle, Pose, Stretch, World, regular_polygon
+from mars_asp.execution.simulator import Circle, Pose, Stretch, World, regular_polygon
 from mars_asp.execution.simulator.motion import Floats
+from tests.support.bodies import alone
 
 SEEDS = range(60)
 
@@ -99,7 +100,7 @@ def test_the_least_clearance_and_the_first_contact_of_one_long_step(seed: int) -
     gaps = np.array([plain_gap(walls, circles, p, t) for p, t in zip(places, times, strict=True)])
     gaps -= 100
     command = {"Trans_Z": way.ahead, "Trans_X": way.aside, "Rotn_Y": way.turn}
-    body = Body(world, way.pose, 100, command=command, seconds=way.since)
+    body = alone(world, way.pose, 100, command=command, seconds=way.since)
     body.advance(way.since + seconds)
     hit = times[gaps <= 0]
     slow = 1e-3 * (way.speed + 300)
@@ -161,7 +162,7 @@ def test_a_polygon_is_solid_and_a_circle_too() -> None:
 
 
 def test_what_is_far_away_is_measured_as_well() -> None:
-    body = Body(World(circles=[Circle((50_000, 0), 1000)]), Pose(0, 0, 0), 200)
+    body = alone(World(circles=[Circle((50_000, 0), 1000)]), Pose(0, 0, 0), 200)
     assert body.clearance == 48_800
     body.obey({"Trans_Z": 1000}, 0)
     body.advance(30)

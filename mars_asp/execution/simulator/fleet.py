@@ -1,0 +1,225 @@
+"""Robots that move on together, in a world and among each other.
+
+No device can ask one of them for a time that the others have not come to, so what they do to each
+other does not depend on who is asked first.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import dist, inf, nextafter
+
+import numpy as np
+
+from mars_asp.execution.simulator.body import APART, THING, TOUCH, Body, bend, least_gap
+from mars_asp.execution.simulator.motion import Floats, Point, Stretch
+from mars_asp.execution.simulator.world import origin_distances
+
+#: For so long (s) a robot that touches something goes on as it does.
+_HALTED = 0.005
+_NONE: Floats = np.empty((0, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """What might come near: the least gap in so many seconds from now, and who is to note it."""
+
+    least: Callable[[float], float]
+    closing: float
+    note: Callable[[float], None]
+
+
+class Fleet:
+    """Robots of different names in one world, at one time."""
+
+    def __init__(self, bodies: Sequence[Body]) -> None:
+        """Join robots, and note how near they are to each other."""
+        self.bodies = tuple(bodies)
+        self._numbers = {body.name: k for k, body in enumerate(self.bodies)}
+        self._radii: Floats = np.array([body.radius for body in self.bodies])
+        self._seen: tuple[float, Floats] = -inf, _NONE
+        for body in self.bodies:
+            body.company = self
+            if len(self.bodies) > 1:
+                # What is near is kept by a world for the one robot that asks.
+                body.world = body.world.beside()
+                body.berth = -inf
+        for body in self.bodies:
+            self._measure(body)
+
+    @property
+    def seconds(self) -> float:
+        """Return the time (s) to which all have come."""
+        return self.bodies[0].seconds
+
+    def discs(self, name: str, place: Point, reach: float) -> Floats:
+        """Return the robots (n, 3) within reach of a place, but for the named one."""
+        if len(self.bodies) == 1:
+            return _NONE
+        every = self._discs()
+        near = np.hypot(every[:, 0] - place[0], every[:, 1] - place[1]) - self._radii <= reach
+        near[self._numbers[name]] = False
+        return every[near]
+
+    def _discs(self) -> Floats:
+        """Return all robots (n, 3) as they are now."""
+        if self._seen[0] != self.seconds:
+            places = [(*body.place, body.radius) for body in self.bodies]
+            self._seen = self.seconds, np.array(places)
+        return self._seen[1]
+
+    def advance(self, seconds: float) -> None:
+        """Move all on to a time (s).
+
+        No point of a disc moves faster than its centre, so what is further away than both can go is
+        not looked at. Otherwise ways are searched for the least gap: a step without contact is
+        taken whole, one with contact is halved until the contact is at its end.
+        """
+        while self.seconds < seconds:
+            fastest = self._fastest([body.most for body in self.bodies])
+            if all(body.is_far(seconds, fastest) for body in self.bodies):
+                for body in self.bodies:
+                    body.go(seconds, fastest)
+                return
+            self._step(seconds)
+
+    def _fastest(self, speeds: Sequence[float]) -> float:
+        """Return the greatest speed (mm/s) at which another robot can come; 0 for one alone."""
+        return max(speeds) if len(speeds) > 1 else 0.0
+
+    def _step(self, seconds: float) -> None:
+        """Go on until a time, a change of rates or a contact, whichever is first."""
+        now = self.seconds
+        ways = [Stretch(now, body.pose, *body.rates()) for body in self.bodies]
+        fastest = self._fastest([way.speed for way in ways])
+        until = min(seconds, *(body.until for body in self.bodies))
+        near, pairs = self._look(ways, until, fastest)
+        held = [k for k in near if self.bodies[k].room <= TOUCH]
+        met = [pair for pair, gap in pairs.items() if gap <= TOUCH]
+        if held or met:
+            until = min(until, now + _HALTED)
+            ways = self._halted(ways, held, met, until)
+        step = until - now
+        searches = []
+        for k in near:
+            if k not in held:
+                step = min(step, self._horizon(k, ways[k]))
+                searches.append(self._search(k, ways[k]))
+        searches += [self._search_pair(*pair, ways) for pair in pairs if pair not in met]
+        while True:
+            found = [search.least(step) for search in searches]
+            if not any(
+                gap <= TOUCH and search.closing * step > TOUCH / 2
+                for gap, search in zip(found, searches, strict=True)
+            ):
+                break
+            step /= 2
+        at = until if step == until - now else max(now + step, nextafter(now, inf))
+        for body, way in zip(self.bodies, ways, strict=True):
+            body.take(way, at, fastest)
+        for gap, search in zip(found, searches, strict=True):
+            search.note(gap)
+
+    def _horizon(self, k: int, way: Stretch) -> float:
+        return self.bodies[k].world.horizon(self.bodies[k].place, way.since, way.speed)
+
+    def _look(
+        self, ways: Sequence[Stretch], until: float, fastest: float
+    ) -> tuple[list[int], dict[tuple[int, int], float]]:
+        """Return which robots may come near something, and the gaps of which to each other."""
+        near, pairs = list[int](), dict[tuple[int, int], float]()
+        for k, (body, way) in enumerate(zip(self.bodies, ways, strict=True)):
+            spent = until - way.since
+            closing = way.speed + body.world.fastest
+            if closing and body.room - closing * spent < body.least:
+                body.measure()
+                near.append(k)
+            closing = way.speed + fastest
+            if closing and body.berth - closing * spent < body.least:
+                gaps = self._measure(body)
+                for other in np.flatnonzero(gaps - closing * spent < body.least).tolist():
+                    pairs[min(k, other), max(k, other)] = float(gaps[other])
+        return near, pairs
+
+    def _measure(self, body: Body) -> Floats:
+        """Return how far the others are from a robot, inf for itself, and note it."""
+        every = self._discs()
+        away = np.hypot(every[:, 0] - body.pose.forward, every[:, 1] - body.pose.side)
+        gaps: Floats = away - self._radii - body.radius
+        gaps[self._numbers[body.name]] = inf
+        body.berth = float(gaps.min())
+        body.note(body.berth, self.bodies[int(gaps.argmin())].name)
+        for name in {*body.on, *(self.bodies[k].name for k in np.flatnonzero(gaps <= APART))}:
+            if name != THING:
+                number = self._numbers[name]
+                _note(body, self.bodies[number], float(gaps[number]))
+        return gaps
+
+    def _halted(
+        self,
+        ways: Sequence[Stretch],
+        held: Sequence[int],
+        met: Sequence[tuple[int, int]],
+        until: float,
+    ) -> list[Stretch]:
+        """Return ways for a moment: a motion that leads into what is touched stays where it is.
+
+        Each robot is judged by where the others are now.
+        """
+        halted = list(ways)
+
+        def stay(k: int) -> None:
+            way = ways[k]
+            halted[k] = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
+
+        for k in held:
+            body, after = self.bodies[k], ways[k].at(until)
+            there = body.world.distance((after.forward, after.side), until) - body.radius
+            if there < min(body.room, 0.0) + 1e-9:
+                stay(k)
+        for pair in met:
+            for k, other in (pair, pair[::-1]):
+                after, apart = ways[k].at(until), self._radii[k] + self._radii[other]
+                there = dist((after.forward, after.side), self.bodies[other].place) - apart
+                here = dist(self.bodies[k].place, self.bodies[other].place) - apart
+                if there < min(here, 0.0) + 1e-9:
+                    stay(k)
+        return halted
+
+    def _search(self, k: int, way: Stretch) -> _Search:
+        """Return the search for the world on a way."""
+        body = self.bodies[k]
+
+        def note(gap: float) -> None:
+            body.note(gap, THING, way.since)
+            if gap <= APART:
+                body.measure()
+
+        return _Search(partial(body.nearest, way), way.speed + body.world.fastest, note)
+
+    def _search_pair(self, first: int, second: int, ways: Sequence[Stretch]) -> _Search:
+        """Return the search for each other on two ways, by chords of one seen from the other."""
+        one, other = self.bodies[first], self.bodies[second]
+        way, passing = ways[first], ways[second]
+        least, apart = max(one.least, other.least), one.radius + other.radius
+
+        def gaps(edges: Floats) -> Floats:
+            times = edges.ravel()
+            chords = (way.points(times) - passing.points(times)).reshape(-1, 4)
+            return origin_distances(chords) - apart
+
+        def search(step: float) -> float:
+            return least_gap(gaps, bend(way) + bend(passing), least, way.since, way.since + step)
+
+        def note(gap: float) -> None:
+            _note(one, other, gap, way.since)
+            if gap <= APART:
+                _note(one, other, dist(one.place, other.place) - apart)
+
+        return _Search(search, way.speed + passing.speed, note)
+
+
+def _note(one: Body, other: Body, gap: float, since: float | None = None) -> None:
+    """Let two robots note the gap that there is between them, or was since a time (s)."""
+    one.note(gap, other.name, since)
+    other.note(gap, one.name, since)
