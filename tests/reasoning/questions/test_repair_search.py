@@ -205,10 +205,12 @@ def test_solving_takes_the_time_that_is_left(
     begun: list[float] = []
     asked: list[float | None] = []
 
-    def analysed(facts: Sequence[Fact], rulebook: Rulebook, span: Span) -> Analysis:
+    def analysed(
+        facts: Sequence[Fact], rulebook: Rulebook, span: Span, with_labels: bool
+    ) -> Analysis:
         clock[0] += 3.0 * len(begun)
         begun.append(clock[0])
-        return analyse(facts, rulebook, span)
+        return analyse(facts, rulebook, span, with_labels=with_labels)
 
     def solved(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> dict[int, int]:
         asked.append(budget.seconds)
