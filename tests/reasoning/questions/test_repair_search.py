@@ -206,7 +206,7 @@ def test_solving_takes_the_time_that_is_left(
     asked: list[float | None] = []
 
     def analysed(
-        facts: Sequence[Fact], rulebook: Rulebook, span: Span, with_labels: bool
+        facts: Sequence[Fact], rulebook: Rulebook, span: Span, with_labels: bool = False
     ) -> Analysis:
         clock[0] += 3.0 * len(begun)
         begun.append(clock[0])
