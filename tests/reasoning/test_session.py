@@ -69,9 +69,9 @@ def counted(monkeypatch: pytest.MonkeyPatch, name: str) -> list[tuple[object, ..
     calls: list[tuple[object, ...]] = []
     own: Callable[..., object] = getattr(session, name)
 
-    def call(*arguments: object) -> object:
+    def call(*arguments: object, **settings: object) -> object:
         calls.append(arguments)
-        return own(*arguments)
+        return own(*arguments, **settings)
 
     monkeypatch.setattr(session, name, call)
     return calls
