@@ -113,11 +113,11 @@ def test_cases_notice_a_mutant_that_changes_an_answer_and_no_other() -> None:
     (file,) = (file for file in files if file.path == "rules/data.lp")
     place = next(n for n, s in enumerate(file.statements) if s.text.startswith("repeats("))
     statement = file.statements[place]
-    bodies = ["R' > R", "R' <= R", "R < R'", "R' < R; R' < R", "R' < R; not 1 > 2"]
+    bodies = ["R' > R", "R' <= R", "R = R'", "R != R'; R' != R", "R' != R; not 1 > 2"]
     mutants = [
         Mutant(file.path, statement.line, "", statement.text, after, place)
         for body in bodies
-        if (after := statement.text.replace("R' < R", body)) != statement.text
+        if (after := statement.text.replace("R' != R", body)) != statement.text
     ]
     cases = ROOT / "tests" / "rules" / "data"
     judged = judge_rules(files, mutants, jobs=1, cases=cases, stronger=False)
