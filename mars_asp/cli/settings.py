@@ -37,7 +37,7 @@ class Settings(NamedTuple):
 
     def place(self, *key: str | int) -> Span:
         """Return where a key stands, or an entry of its list."""
-        from mars_asp.execution.scenario.toml_places import Places
+        from mars_asp.toml_text import Places
 
         return Places(self.text, self.path).of(*self.table, *key)
 
@@ -70,7 +70,7 @@ def _text(path: Path) -> str:
 
 
 def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
-    from mars_asp.execution.scenario.toml_tables import read_tables
+    from mars_asp.toml_text import read_tables
 
     # People know their files from where they are.
     path = Path(os.path.relpath(path))

@@ -9,11 +9,10 @@ from typing import Any
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
-from mars_asp.execution.scenario.toml_places import Places
-from mars_asp.execution.scenario.toml_tables import read_tables
 from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
+from mars_asp.toml_text import Places, read_tables
 
 #: Whoever mends these reads no more.
 _MOST_PROBLEMS = 200

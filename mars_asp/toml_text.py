@@ -1,23 +1,51 @@
-"""Where the keys of a TOML text stand, and the entries of its lists; its reader keeps no places."""
+"""TOML texts that people wrote: their tables, where their keys are, and the entries of lists.
+
+Python's own reader keeps no places; another one finds them, in texts that are wrong somewhere.
+"""
 
 import re
+import tomllib
 from collections.abc import Iterable
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import tree_sitter_toml
-from tree_sitter import Language, Node, Parser
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
-from mars_asp.diagnostic import Span, point
+if TYPE_CHECKING:
+    from tree_sitter import Node
 
 #: Keys of tables and numbers of entries, from the top of a text.
 Path: TypeAlias = tuple[str | int, ...]
-_LANGUAGE = Language(tree_sitter_toml.language())
 _TABLES = ("table", "table_array_element")
 #: No key of ours has more parts.
 _DEEPEST = 4
 #: One escape of a key in double quotes.
 _ESCAPE = re.compile(r"\\(?:u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))")
 _CONTROL = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
+#: A key of so many parts is none of ours, and takes its reader a time that grows as their square.
+_DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}")
+
+
+def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; `code` is that of what is wrong with it.
+
+    Raises:
+        MarsError: it is no TOML.
+    """
+    deep = _DEEP.search(text)
+    if deep is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        raise _wrong(point(path, line, 1), "a key with more than 100 parts", code)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
+        raise _wrong(point(path, line, column), str(error).split(" (at")[0], code) from None
+    except RecursionError:
+        message = "its lists and tables are nested too deep"
+        raise _wrong(point(path, 1, 1), message, code) from None
+    except ValueError as error:  # a number of more digits than Python reads
+        raise _wrong(point(path, 1, 1), str(error).split(";")[0], code) from None
 
 
 class Places:
@@ -25,13 +53,17 @@ class Places:
 
     def __init__(self, text: str, path: str) -> None:
         """Read the text; of its tables only the headers and the keys."""
+        # Most texts are right, and need no places.
+        import tree_sitter_toml  # noqa: PLC0415
+        from tree_sitter import Language, Parser  # noqa: PLC0415
+
         self._lines, self._path = text.split("\n"), path
         self._stands: dict[Path, Node] = {}
         #: Values that were not looked into yet.
         self._closed: dict[Path, Node] = {}
         #: How many tables each header in double brackets has begun.
         self._begun: dict[Path, int] = {}
-        root = Parser(_LANGUAGE).parse(text.encode()).root_node
+        root = Parser(Language(tree_sitter_toml.language())).parse(text.encode()).root_node
         self._pairs(root, ())
         for table in root.named_children:
             if table.type in _TABLES:
@@ -52,20 +84,20 @@ class Places:
                 self._value(value, path[:count])
         return path in self._stands
 
-    def _value(self, value: Node, under: Path) -> None:
+    def _value(self, value: "Node", under: Path) -> None:
         if value.type == "inline_table":
             self._pairs(value, under)
         entries = value.named_children if value.type == "array" else ()
         for number, entry in enumerate(each for each in entries if each.type != "comment"):
             self._stands[*under, number] = self._closed[*under, number] = entry
 
-    def _pairs(self, table: Node, under: Path) -> None:
+    def _pairs(self, table: "Node", under: Path) -> None:
         for pair in table.named_children:
             if pair.type == "pair":
                 key, value, *_ = pair.named_children  # a comment may follow
                 self._closed[self._keys(key, under)] = value
 
-    def _table(self, table: Node) -> None:
+    def _table(self, table: "Node") -> None:
         """Read a table with a header, which may be one more of its name."""
         under = self._keys(table.named_children[0], ())
         if table.type == "table_array_element":
@@ -74,7 +106,7 @@ class Places:
             self._stands[under] = table
         self._pairs(table, under)
 
-    def _keys(self, written: Node, under: Path) -> Path:
+    def _keys(self, written: "Node", under: Path) -> Path:
         """Return the path of a key below a table, each part of it noted where it first stands."""
         path = under
         for part in _parts(written):
@@ -84,14 +116,14 @@ class Places:
             self._stands.setdefault(path, part)
         return path
 
-    def _span(self, node: Node) -> Span:
+    def _span(self, node: "Node") -> Span:
         """Return a node's place; the column counts characters, where the node counts bytes."""
         line, column = node.start_point
         before = self._lines[line].encode()[:column].decode()
         return point(self._path, line + 1, len(before) + 1)
 
 
-def _parts(key: Node) -> Iterable[Node]:
+def _parts(key: "Node") -> Iterable["Node"]:
     """Return the first parts of a key, whose node holds all but the last in another node."""
     found: list[Node] = []
     while key.type == "dotted_key":
@@ -101,7 +133,7 @@ def _parts(key: Node) -> Iterable[Node]:
     return [key, *reversed(found)][:_DEEPEST]
 
 
-def _meant(part: Node) -> str:
+def _meant(part: "Node") -> str:
     """Return what a part of a key means."""
     text = (part.text or b"").decode()
     if part.type != "quoted_key":
@@ -112,3 +144,7 @@ def _meant(part: Node) -> str:
 def _unescaped(match: re.Match[str]) -> str:
     code = match[1] or match[2]
     return chr(int(code, 16)) if code else _CONTROL.get(match[3], match[3])
+
+
+def _wrong(span: Span, message: str, code: str) -> MarsError:
+    return MarsError([Diagnostic(code, "error", message, span)])
