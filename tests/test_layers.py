@@ -28,7 +28,7 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate statements rule computed expansions checks symbols arithmetic outline declarations "
-        "metadata read rulebook consistency risks names sorts"
+        "metadata read namespaces rulebook consistency risks names sorts"
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
@@ -51,7 +51,7 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings rules cases analysis includes project sample synthesis verification "
+        "budget facts findings packs rules cases analysis includes project sample synthesis verification "
         "session questions capability"
     ),
     "reasoning/facts": (

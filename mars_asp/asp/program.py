@@ -15,7 +15,7 @@ import clingo
 from mars_asp.asp.messages import predicate_of, said, saying
 from mars_asp.asp.rules.consistency import minimal_conflict
 from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.read import RuleFile, read_file, read_rules, told_apart
+from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, read_rules, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
@@ -61,7 +61,8 @@ class Program:
         """
         problems: list[Diagnostic] = []
         found = [read_file(Path(path), str(path), _STAGE, problems, True) for path in paths]
-        return cls._checked(tuple(told_apart(filter(None, found))), problems)
+        (space,) = told_apart([NameSpace("", tuple(filter(None, found)))])
+        return cls._checked(space.files, problems)
 
     @classmethod
     def from_text(cls, text: str, path: str = "program.lp") -> "Program":

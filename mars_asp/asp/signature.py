@@ -1,8 +1,18 @@
 """What names a predicate, wherever rules, atoms and facts are spoken of."""
 
+import re
 from typing import NamedTuple
 
 import clingo
+
+#: What stands between the name of a predicate and that of its name space.
+SPACE = "''"
+_SPACED = re.compile(r"(?<=\w)''[A-Za-z]\w*")
+
+
+def plain(text: str) -> str:
+    """Return a text about atoms without the name spaces of their predicates."""
+    return _SPACED.sub("", text) if SPACE in text else text
 
 
 class Signature(NamedTuple):

@@ -218,7 +218,8 @@ def unknown_verb(words: Iterable[str]) -> NoReturn:
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
     """Add the options of every verb, of which a verb may print its result in more `formats`."""
     add = parser.add_argument
-    add("--rules", metavar="DIR", action="append", default=[], help="more rule files; repeatable")
+    add("--rules", metavar="DIR", action="append", default=[], help="a rule pack; repeatable")
+    add("--trust", action="store_true", help="a rule pack may rank its costs above ours")
     add(
         "--sources",
         metavar="PATH",

@@ -4,7 +4,6 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from mars_asp.asp.rules.read import pack_files
 from mars_asp.cli.campaign_runner import Job
 from mars_asp.cli.limits import memory_limit
 from mars_asp.diagnostic import refusal
@@ -14,6 +13,7 @@ from mars_asp.execution.scenario.functions import bound_functions
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.vary import CHANGED, switched_off
 from mars_asp.model.declarations import Configuration, Module
+from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
 
@@ -78,7 +78,9 @@ def hashes(
         *(line.span for line in configuration.relationships),
         *(module.span for module in project.modules.values()),
     ]
-    packs = map(str, pack_files(map(Path, arguments.rules), []))
+    given = find_packs(map(Path, arguments.rules), [])
+    packs = [str(file.path) for pack in given for file in pack.files]
+    packs += [str(pack.folder / MANIFEST) for pack in given if pack.manifest is not None]
     paths = {*arguments.files, *(span.path for span in spans), *packs}
     files = {each: Path(each).read_bytes() for each in paths if Path(each).is_file()}
     return hash_of(project.text, files), hash_of(text, code)

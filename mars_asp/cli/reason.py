@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -16,6 +17,7 @@ from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.packs import find_packs, kinds_of
 from mars_asp.reasoning.project import Project, described, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 
@@ -58,6 +60,7 @@ def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
             path = SHOWN_INPUT
             text = read_input(path)
         parsed, _, foreign = _parse(arguments, path, text)
+    parsed = _with_kinds(parsed, arguments)
     if foreign is None:
         return parsed
     from mars_asp.exchange.lift import lifted
@@ -80,6 +83,14 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
     project = load(arguments, path, text, further)
     report(project.diagnostics, arguments)
     return project
+
+
+def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
+    """Return what was parsed, with the kinds of nodes that packs bring; their faults come later."""
+    if not arguments.rules:
+        return parsed
+    kinds = kinds_of(find_packs(map(Path, arguments.rules), []))
+    return parsed._replace(configuration=replace(parsed.configuration, kinds=kinds))
 
 
 def _parse(
@@ -163,7 +174,7 @@ def load(
     """
     with stage(arguments, f"reading {visible(path)}"):
         parsed, text, foreign = _parse(arguments, path, text, further)
-        return described(parsed, text, arguments.sources, foreign)
+        return described(_with_kinds(parsed, arguments), text, arguments.sources, foreign)
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
@@ -172,7 +183,8 @@ def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("reso
     Raises:
         MarsError: what is wrong with rule files.
     """
-    return load_rulebook([Path(path) for path in arguments.rules], stages)
+    packs = [Path(path) for path in arguments.rules]
+    return load_rulebook(packs, stages, trusted=arguments.trust)
 
 
 def analyse_project(

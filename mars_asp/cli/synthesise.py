@@ -21,7 +21,6 @@ from mars_asp.model.declarations import (
     Data,
     Module,
     Mount,
-    node_kind,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.rates import as_number
@@ -130,7 +129,7 @@ def _modules_json(project: Project, found: Synthesis) -> list[dict[str, object]]
     stands_for = {each.node: each.module for each in found.specification.configuration.stand_ins}
     listed: list[dict[str, object]] = []
     for name in (name.text for name in configuration.modules):
-        kind = node_kind(name) if configuration.kind == "specification" else None
+        kind = configuration.node_kind(name) if configuration.kind == "specification" else None
         listed.append(
             {
                 "name": name,

@@ -19,4 +19,5 @@ def box_colours(box: Box) -> tuple[str, str]:
     """Return the colours of a box's inside and outline."""
     if box.node is None:
         return _MODULE
-    return _DATA_NODE if box.node.startswith("data") else _CONTROL_NODE
+    inside, outline = _DATA_NODE if box.carries == "data" else _CONTROL_NODE
+    return box.colour or inside, outline

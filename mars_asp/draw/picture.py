@@ -14,9 +14,7 @@ from mars_asp.model.declarations import (
     Data,
     Module,
     Mount,
-    NodeKind,
     Relationship,
-    node_kind,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.ports import inputs, outputs
@@ -32,7 +30,10 @@ class Box:
 
     name: str
     note: str
-    node: NodeKind | None
+    node: str | None
+    #: The colour that a rule pack gives nodes of this kind.
+    colour: str | None = None
+    carries: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,14 +81,25 @@ def depict(configuration: Configuration, modules: Mapping[str, Module]) -> Pictu
         Box(
             _shown(name),
             _note(described.get(name), conversions.get(name)),
-            node_kind(name) if introduces and name not in described else None,
+            *_node(name, configuration),
         )
+        if introduces and name not in described
+        else Box(_shown(name), _note(described.get(name), conversions.get(name)), None)
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
     lines = [_line(relationship, number, described) for relationship in configuration.relationships]
     stated = f"{configuration.architecture} " if configuration.stated else ""
     return Picture(f"{stated}{configuration.kind}", tuple(boxes), tuple(lines))
+
+
+def _node(name: str, configuration: Configuration) -> tuple[str | None, str | None, str | None]:
+    """Return the kind of a node, the colour that a pack gives it, and what it carries."""
+    kind = configuration.node_kind(name)
+    brought = next((each for each in configuration.kinds if each.kind == kind), None)
+    if brought is not None:
+        return kind, brought.colour, brought.carries
+    return kind, None, kind and ("data" if kind.startswith("data") else "control")
 
 
 def _ends(relationship: Relationship) -> tuple[str, str]:

@@ -5,7 +5,7 @@ modules by mounts, control and data relationships. Nothing here decides anything
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
@@ -259,6 +259,24 @@ class StandIn:
 
 
 @dataclass(frozen=True, slots=True)
+class PackKind:
+    """A kind of node that a rule pack brings, and how its nodes are named and drawn.
+
+    Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
+    what they do.
+    """
+
+    kind: str
+    name: str
+    carries: str
+    takes_several: bool
+    gives_several: bool
+    colour: str | None
+    behaves: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Configuration:
     """A configuration or a specification, which has the same body.
 
@@ -268,6 +286,7 @@ class Configuration:
     `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
     could be read; `includes` are other configurations that are still to be taken in. `format` is
     what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
+    `kinds` are those of nodes that rule packs bring.
     """
 
     path: str
@@ -287,6 +306,11 @@ class Configuration:
     opaque: tuple[Name, ...] = ()
     includes: tuple[Include, ...] = ()
     format: str | None = None
+    kinds: tuple[PackKind, ...] = ()
+
+    def node_kind(self, name: str) -> str | None:
+        """Return the kind of node that a name stands for in a specification, if any."""
+        return node_kind(name) or pack_kind(name, self.kinds)
 
 
 NodeKind: TypeAlias = Literal[
@@ -313,3 +337,18 @@ def node_kind(name: str) -> NodeKind | None:
         return None
     stem = match["stem"] or match["arbiter"]
     return next(kind for kind, word in NODE_NAMES.items() if word == stem)
+
+
+def node_names(kinds: Iterable[PackKind]) -> Mapping[str, str]:
+    """Return how nodes are named, by their kinds, those of packs among them."""
+    names: dict[str, str] = dict(NODE_NAMES.items())
+    return names | {each.kind: each.name for each in kinds}
+
+
+def pack_kind(name: str, kinds: Iterable[PackKind]) -> str | None:
+    """Return the kind, of those that packs bring, of which a node has a name, if any has."""
+    stem = name.rstrip("0123456789")
+    number = name.removeprefix(stem)
+    if not number or number.startswith("0"):
+        return None
+    return next((each.kind for each in kinds if each.name == stem), None)

@@ -13,6 +13,8 @@ from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.spelling import nearest
 
+#: Below this level packs may minimise what they like: the lines of a specification come above it.
+LEAST_COST = 10
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 #: What rules find: kind, severity, subject and case.
 CONSEQUENCE = Signature("consequence", 4)
@@ -51,7 +53,14 @@ EXPANSIONS = {
     "at": Expansion(CONSEQUENCE, "concerns", (0, 2, 3), False, is_labelled=True),
 }
 #: What a rule pack from elsewhere may do.
-CONTRACT = Contract(CONSEQUENCE, "consequences", wrong_severities, EXPANSIONS)
+CONTRACT = Contract(
+    CONSEQUENCE,
+    "consequences",
+    wrong_severities,
+    EXPANSIONS,
+    choosing=frozenset({"resolve"}),
+    free_below=LEAST_COST,
+)
 
 
 def check_severities(said: Iterable[Said]) -> None:

@@ -1,6 +1,7 @@
 """The rules of MARS: where they are, their stages, and what packs of others may do beside them."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,15 +10,19 @@ from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
-from mars_asp.asp.rules.read import RuleFile, pack_files, read_file, told_apart, wrong_packs
+from mars_asp.asp.rules.namespaces import apart
+from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, told_apart, wrong_packs
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constant_names, defined
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.atoms import Atom
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.model.declarations import PackKind
 from mars_asp.reasoning import findings
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
+from mars_asp.reasoning.packs import Pack, find_packs, kinds_of
 
 #: What the rules of the base, in `rules/*.lp`, are for.
 BASE = "what follows from a configuration: its consequences, each with its reason"
@@ -41,8 +46,24 @@ STAGES: Mapping[str, str] = {
 #: Of a stage, the one that reads what it decides, and without which nobody asks for it.
 FOLLOWING: Mapping[str, str] = {"resolve": "specify"}
 
+#: Of each stage in which packs have rules, the stages whose predicates these can read.
+SEES: Mapping[str, frozenset[str]] = {
+    "base": frozenset({"base"}),
+    "resolve": frozenset({"base", "resolve"}),
+    "specify": frozenset({"base", "resolve", "specify"}),
+    "verify": frozenset({"base", "verify"}),
+    "run": frozenset({"run"}),
+    "repair": frozenset({"base", "repair"}),
+}
+#: The stages in which packs derive what a file of a stage lets them derive, too.
+EXTENDED_IN: Mapping[str, tuple[str, ...]] = {
+    "base": ("base", "run"),
+    "repair": ("base", "repair"),
+    **{stage: (stage,) for stage in ("resolve", "specify", "verify", "run")},
+}
+
 #: The levels of the minimisation in `rules/resolve` and `rules/cost`, the highest first.
-NODES, CONVERSION, RELATIONSHIPS = 30, 20, 10
+NODES, CONVERSION, RELATIONSHIPS = 30, 20, findings.LEAST_COST
 #: What is counted on each level, by the names that users know.
 COSTS: Mapping[str, int] = {
     "nodes": NODES,
@@ -81,12 +102,16 @@ def rules_directory() -> Path:
 
 
 def load_rulebook(
-    extra: Sequence[Path] = (), stages: Collection[str] = ("resolve",), strict: bool = False
+    extra: Sequence[Path] = (),
+    stages: Collection[str] = ("resolve",),
+    strict: bool = False,
+    trusted: bool = False,
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
     The stage that follows one of them is read, too. The holes of the built-in messages are checked
-    only when `strict`: the tests have done so.
+    only when `strict`: the tests have done so. Packs that are `trusted` may rank what they minimise
+    above nodes, conversions and lines.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
@@ -94,31 +119,66 @@ def load_rulebook(
     """
     problems: list[Diagnostic] = []
     following = (FOLLOWING[stage] for stage in stages if stage in FOLLOWING)
-    own = _built_in(tuple(dict.fromkeys((*stages, *following))), strict, problems)
-    packs: list[RuleFile] = []
-    for path in pack_files(extra, problems):
-        found = read_file(path, str(path), "base", problems, True, EXPANSIONS)
-        if found is not None:
-            packs.append(found)
-    if packs:
+    wanted = tuple(dict.fromkeys((*stages, *following)))
+    own = _built_in(wanted, strict, problems)
+    packs = find_packs(extra, problems)
+    spaces = tuple(filter(None, (_name_space(pack, problems) for pack in packs)))
+    if spaces:
+        sealed = seal()
         taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))
-        packs = list(told_apart(packs, taken))
-        problems += wrong_packs(packs, seal(), CONTRACT)
+        spaces = tuple(told_apart(spaces, taken))
+        problems += wrong_packs(spaces, sealed, replace(CONTRACT, trusted=trusted))
+        spaces = tuple(apart(spaces, sealed))
     if strict:
         problems += repeated_ids(own.rules)
     if problems:
         raise MarsError(problems)
     if not packs:
         return own
-    rules = tuple(rule for pack in packs for rule in pack.rules)
+    every = (file for space in spaces for file in space.files)
+    files = [file for file in every if file.stage in ("base", *wanted)]
+    rules = tuple(rule for file in files for rule in file.rules)
+    kinds = kinds_of(packs)
+    stated = tuple(map(_kind_rule, kinds))
     return Rulebook(
-        (*own.rules, *rules),
-        (*own.texts, *((pack.stage, pack.text) for pack in packs)),
-        len(packs),
+        (*own.rules, *stated, *rules),
+        (*own.texts, *((rule.stage, rule.text) for rule in stated), *_texts(files)),
+        len(files),
         len(rules),
-        (*own.paths, *(pack.shown for pack in packs)),
-        (*own.documented, *(pack.documented for pack in packs)),
+        (*own.paths, *(r.span.path for r in stated), *(file.shown for file in files)),
+        (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
+        kinds,
     )
+
+
+def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:
+    return ((file.stage, file.text) for file in files)
+
+
+def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace | None:
+    """Return the rules of a pack; `None` where one of its files cannot be read."""
+    read = [
+        read_file(file.path, str(file.path), file.stage, problems, True, EXPANSIONS)
+        for file in pack.files
+    ]
+    found = tuple(file for file in read if file is not None)
+    if len(found) < len(read):
+        return None
+    needs = None if pack.manifest is None else frozenset(n.name for n in pack.manifest.needs)
+    return NameSpace(pack.name, found, needs)
+
+
+def _kind_rule(kind: PackKind) -> Rule:
+    """Return the fact by which rules know a kind of node, at its place in the manifest."""
+    several, one = Atom("several"), Atom("one")
+    takes, gives = (several if each else one for each in (kind.takes_several, kind.gives_several))
+    atom = Atom("node_kind", (Atom(kind.kind), Atom(kind.carries), takes, gives))
+    name = f"{kind.span.path}:{kind.span.line}"
+    return Rule(name, None, None, kind.span, f"{atom}.", "base")
+
+
+def _undocumented(rule: Rule) -> Documented:
+    return Documented(rule.stage, rule.span.path, ())
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
@@ -142,19 +202,38 @@ def seal() -> Seal:
     files = _files(folder.name for folder in folders)
     read = _made(files)
     named = made_of("named", _makers(), dict.fromkeys(each.text for each in read), _named)
-    derived: dict[Signature, str] = {}
-    given: dict[Signature, str] = {}
+    derived: dict[Signature, set[str]] = {}
+    given: dict[Signature, set[str]] = {}
     ids: dict[str, Span] = {}
-    constants, extensible = set(CONSTANTS), set[Signature]()
+    constants, public = set(CONSTANTS), set[Signature]()
+    extensible: dict[Signature, set[str]] = {}
     for file, each in zip(files, read, strict=True):
         for rule in each.rules:
-            derived.update((head, file.stage) for head in rule.heads if head not in derived)
+            for head in rule.heads:
+                derived.setdefault(head, set()).add(file.stage)
             ids[rule.id] = rule.span
         own, names = named[each.text]
-        given.update((signature, file.stage) for signature in own if signature not in given)
+        for signature in own:
+            given.setdefault(signature, set()).add(file.stage)
         constants |= names
-        extensible |= {one.signature for one in each.documented.declarations if one.extensible}
-    return Seal(derived, given, frozenset(constants), ids, frozenset(extensible))
+        for one in each.documented.declarations:
+            if one.public:
+                public.add(one.signature)
+            if one.extensible:
+                extensible.setdefault(one.signature, set()).update(EXTENDED_IN[file.stage])
+    return Seal(
+        _frozen(derived),
+        _frozen(given),
+        frozenset(constants),
+        ids,
+        _frozen(extensible),
+        SEES,
+        frozenset(public),
+    )
+
+
+def _frozen(found: Mapping[Signature, set[str]]) -> dict[Signature, frozenset[str]]:
+    return {signature: frozenset(stages) for signature, stages in found.items()}
 
 
 def _made(files: Iterable[_File]) -> list[_Read]:

@@ -5,14 +5,14 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Resolution
-from mars_asp.model.declarations import Configuration
+from mars_asp.model.declarations import Configuration, PackKind
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
 from mars_asp.reasoning.project import Project, project_facts
@@ -69,6 +69,13 @@ class Reasoner:
     project: Project
     rulebook: Rulebook
     budget: Budget = ENDLESS
+
+    def __post_init__(self) -> None:
+        """Let the configuration know the kinds of nodes that the packs of the rulebook bring."""
+        kinds = tuple(each for each in self.rulebook.brought if isinstance(each, PackKind))
+        if kinds != self.project.configuration.kinds:
+            configuration = replace(self.project.configuration, kinds=kinds)
+            object.__setattr__(self, "project", replace(self.project, configuration=configuration))
 
     @cached_property
     def facts(self) -> tuple[Fact, ...]:

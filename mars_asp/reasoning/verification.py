@@ -1,6 +1,6 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import clingo
@@ -10,7 +10,7 @@ from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
@@ -89,16 +89,44 @@ def judge_specification(
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
-    It is found on facts and built-in rules alone: with rule packs `grounding` is not used.
+    It is found on facts and built-in rules alone. What rules of packs find besides is added; then
+    the grounding is that of the built-in rules.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
-    if rulebook.packs:
-        rulebook, grounding = rulebook.built_in, None
-    judges = [r for r in rulebook.rules if r.derives(_VIOLATION) or r.derives(_CAUTION)]
+    own = [rule for rule in rulebook.of_packs if rule.stage == _STAGE and _is_judge(rule)]
+    with_packs = bool(rulebook.packs)
+    found = _judged_by(
+        specification, project, rulebook.built_in, None if with_packs else grounding, None
+    )
+    if not own:
+        return found
+    # What packs find is added, and takes nothing away.
+    more = _judged_by(specification, project, rulebook, None, own)
+    return Verification(
+        tuple(sorted({*found.violations, *more.violations}, key=lambda v: (v.clause, v.message))),
+        (*found.cautions, *more.cautions),
+        found.grounding,
+    )
+
+
+def _is_judge(rule: Rule) -> bool:
+    return rule.derives(_VIOLATION) or rule.derives(_CAUTION)
+
+
+def _judged_by(
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    grounding: Grounding | None,
+    judges: Sequence[Rule] | None,
+) -> Verification:
+    """Return what rules find, or of them those that are named."""
+    if judges is None:
+        judges = [rule for rule in rulebook.rules if _is_judge(rule)]
     facts = facts_text(specification_facts(specification, project, rulebook))
-    text = f"{rulebook.text('verify')}\n{joined(saying(_STAGE, judges))}\n{facts}"
+    text = f"{rulebook.text(_STAGE)}\n{joined(saying(_STAGE, judges))}\n{facts}"
     if grounding is None:
         given = Fragment(facts_text(project_facts(project)), "facts")
         grounding = Grounding([*rulebook.fragments("base"), Fragment(text, "rules"), given])
@@ -108,7 +136,7 @@ def judge_specification(
     cautions: dict[str, Caution] = {}
     for told in said(grounding.control, _STAGE, judges):
         head = as_symbol(told.head)
-        message = told.message or str(head)
+        message = told.message or plain(str(head))
         if told.rule.derives(_CAUTION):
             cautions[message] = Caution(message, told.help, told.rule)
         else:

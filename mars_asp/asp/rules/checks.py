@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
@@ -16,16 +16,18 @@ from mars_asp.asp.rules.statements import (
     Place,
     Statement,
     calls,
+    costs,
     defined,
     head_pool,
     masked,
     replaced,
 )
 from mars_asp.asp.rules.statements import shown as shows
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.signature import SPACE, Signature
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
+_NUMBER = re.compile(r"-?[0-9]+")
 _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
 
 #: What is found in all packs together.
@@ -42,29 +44,37 @@ class Contract:
 
     They derive what is declared extensible, and predicates of their own. What they find they tell
     by `finding`, of which `findings` is the word for several. `judge` says what is wrong with a
-    head that tells of one. `expansions` are what keys of metadata stand for.
+    head that tells of one. `expansions` are what keys of metadata stand for. In the stages
+    `choosing` rules may choose, and minimise on levels below `free_below`; on others where packs
+    are `trusted`.
     """
 
     finding: Signature
     findings: str
     judge: Judge
     expansions: Expansions = field(default_factory=dict)
+    choosing: frozenset[str] = frozenset()
+    free_below: int = 0
+    trusted: bool = False
 
 
 @dataclass(frozen=True)
 class Seal:
     """What the built-in rules of all stages derive, are given and mean, whichever are loaded.
 
-    `derived` and `given` have the stage of each predicate, `base` where it has several.
+    `derived` and `given` have the stages of each predicate, `sees` the stages that the rules of one
+    can rest on. `extensible` are the predicates that packs derive, too, each with the stages in
+    which they do, `public` those that a pack with a name of its own may read.
     """
 
-    derived: Mapping[Signature, str]
-    given: Mapping[Signature, str]
+    derived: Mapping[Signature, frozenset[str]]
+    given: Mapping[Signature, frozenset[str]]
     constants: frozenset[str]
     #: Where the rules stand that have names.
     ids: Mapping[str, Span]
-    #: What packs may derive, too.
-    extensible: frozenset[Signature]
+    extensible: Mapping[Signature, frozenset[str]]
+    sees: Mapping[str, frozenset[str]]
+    public: frozenset[Signature]
 
     @cached_property
     def arities(self) -> Mapping[str, int]:
@@ -72,16 +82,30 @@ class Seal:
         return {each.name: each.arity for each in self.extensible}
 
     @cached_property
-    def early(self) -> frozenset[Signature]:
-        """Return the predicates that rules of the base can rest on."""
-        found = (*self.given.items(), *self.derived.items())
-        return frozenset(signature for signature, stage in found if stage == "base")
+    def named(self) -> Mapping[Signature, frozenset[str]]:
+        """Return the stages in which each predicate is derived or given."""
+        none: frozenset[str] = frozenset()
+        both = {*self.derived, *self.given}
+        return {each: self.derived.get(each, none) | self.given.get(each, none) for each in both}
 
     @cached_property
-    def later(self) -> Mapping[Signature, str]:
-        """Return the predicates that only later stages derive or are given, with their stages."""
-        every = {**self.given, **self.derived}
-        return {each: stage for each, stage in every.items() if each not in self.early}
+    def reserved(self) -> frozenset[Signature]:
+        """Return the predicates that no pack can have for itself: given ones, and public ones."""
+        return frozenset({*self.given, *self.extensible, *self.public})
+
+    def known(self, stage: str) -> frozenset[Signature]:
+        """Return the predicates that the rules of a stage can rest on."""
+        seen = self.sees[stage]
+        return frozenset(each for each, stages in self.named.items() if stages & seen)
+
+    def elsewhere(self, signature: Signature, stage: str) -> str | None:
+        """Return the stage that alone derives or is given a predicate, if a stage cannot see it."""
+        stages = self.named.get(signature, frozenset())
+        return None if not stages or stages & self.sees[stage] else min(stages)
+
+    def extended_in(self, stage: str) -> frozenset[Signature]:
+        """Return the predicates that packs derive in a stage, too."""
+        return frozenset(each for each, stages in self.extensible.items() if stage in stages)
 
 
 def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
@@ -103,25 +127,41 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
                 yield Diagnostic("rule-syntax", "error", said, place)
 
 
+class Reader(NamedTuple):
+    """What the rules of a stage may read: the predicates that are `known` to them.
+
+    Of other packs some predicates are `hidden`; each stands with the name of its pack.
+    """
+
+    stage: str
+    known: Set[Signature]
+    hidden: Mapping[Signature, str]
+
+
 def unknown_predicates(
-    rule: Iterable[Statement],
-    known: Set[Signature],
-    seal: Seal,
-    contract: Contract,
-    span: Span,
+    rule: Iterable[Statement], reader: Reader, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
     """Yield the predicates that a rule reads and nobody gives or derives, or none who comes before.
 
     A rule that is misspelt, or reads what is decided later, never fires. `span` is where it
     stands, for the places of what it says count from its beginning.
     """
+    stage, known, hidden = reader
     literals = {(each.place, each.signature.unsigned) for one in rule for each in one.read}
     for place, signature in sorted(literals):
-        if signature in seal.later:
-            # Of what packs derive, too, the head has been told.
-            if signature not in known or signature in seal.extensible:
-                yield _too_early(signature, seal, contract, placed(span, place))
-        elif signature not in known:
+        if signature in known:
+            continue
+        if seal.elsewhere(signature, stage) is not None:
+            yield _too_early(signature, stage, seal, contract, placed(span, place))
+        elif signature in seal.named:
+            yield _private(signature, placed(span, place))
+        elif signature in hidden:
+            message = f"`{signature}` belongs to the pack `{hidden[signature]}` alone"
+            advice = (
+                "it can be read where its pack documents it with `packs: read`, and yours needs it"
+            )
+            yield Diagnostic("rule-private", "error", message, placed(span, place), help=advice)
+        else:
             near = nearest(signature.name, sorted({other.name for other in known}))
             others = sorted(f"`{other}`" for other in known if other.name == near)
             yield Diagnostic(
@@ -136,17 +176,31 @@ def unknown_predicates(
             )
 
 
+def _private(signature: Signature, place: Span) -> Diagnostic:
+    return Diagnostic(
+        "rule-private",
+        "error",
+        f"`{signature}` belongs to the built-in rules alone",
+        place,
+        help="a pack reads what is given, and what is documented with `packs: read`: "
+        "`mars-asp rules show` tells for each",
+    )
+
+
 def misused_heads(
-    rule: Sequence[Statement], text: str, seal: Seal, contract: Contract, span: Span
+    rule: Sequence[Statement], text: str, stage: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
     """Yield what is wrong with a head that tells of a finding, such as a choice or a pool.
 
     `text` is that of the rule, `span` where it stands, for the places of what it says count from
     its beginning.
     """
+    extended = seal.extended_in(stage)
+    if stage in contract.choosing:
+        return
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:
-        told = sorted({each.unsigned for each in statement.derives} & seal.extensible)
+        told = sorted({each.unsigned for each in statement.derives} & extended)
         if told and not statement.forces:
             negated = len(statement.heads) == 1 and not statement.head.binds
             where = "after `not`" if negated else "in a choice, disjunction or condition"
@@ -179,12 +233,14 @@ def misused_heads(
 
 
 def misplaced_statements(
-    written: Iterable[Piece], seal: Seal, contract: Contract, shown: str
+    written: Iterable[Piece], stage: str, seal: Seal, contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
     """Yield the statements of a pack, rules apart, that would change what others mean."""
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
+            case "cost" if stage in contract.choosing:
+                yield from _too_high(piece, contract, place)
             case "cost":
                 message = (
                     f"a minimisation chooses between answers, and {contract.findings} have only one"
@@ -208,10 +264,23 @@ def misplaced_statements(
                 for signature in sorted(
                     {*(each.unsigned for each in shows(piece.text)), *defined(piece.text)}
                 ):
-                    if signature in seal.later:
-                        yield _too_early(signature, seal, contract, place)
+                    if seal.elsewhere(signature, stage) is not None:
+                        yield _too_early(signature, stage, seal, contract, place)
                     elif signature.name.startswith("_"):
-                        yield from _reserved(signature, seal, contract, place)
+                        yield from _reserved(signature, stage, seal, contract, place)
+
+
+def _too_high(piece: Piece, contract: Contract, place: Span) -> Iterator[Diagnostic]:
+    """Yield that a cost of a pack would outrank those of the built-in rules."""
+    for cost in costs(piece.text):
+        level = "" if cost.cost is None else cost.cost.level.partition("/")[0]
+        if contract.trusted or (_NUMBER.fullmatch(level) and int(level) < contract.free_below):
+            continue
+        message = f"the cost on level {level} outranks the cost of nodes, conversions and lines"
+        if not _NUMBER.fullmatch(level):
+            message = f"the level of this cost, `{level}`, is not a number"
+        advice = f"use a level below {contract.free_below}, or trust the pack: `--trust`"
+        yield Diagnostic("rule-cost", "error", message, place, help=advice)
 
 
 def repeated_constants(written: Iterable[tuple[str, Piece]]) -> Iterator[Diagnostic]:
@@ -236,7 +305,7 @@ def called_functions(text: str, span: Span) -> Iterator[Diagnostic]:
 
 
 def reserved_heads(
-    rule: Iterable[Statement], seal: Seal, contract: Contract, span: Span
+    rule: Iterable[Statement], stage: str, seal: Seal, contract: Contract, span: Span
 ) -> Iterator[Diagnostic]:
     """Yield the predicates that a rule of a pack may not derive, for others mean something by them.
 
@@ -244,42 +313,57 @@ def reserved_heads(
     """
     heads = {(head.literal.place, head.literal.signature) for one in rule for head in one.heads}
     for place, signature in sorted(heads):
-        yield from _reserved(signature.unsigned, seal, contract, placed(span, place))
+        yield from _reserved(signature.unsigned, stage, seal, contract, placed(span, place))
 
 
 def _reserved(
-    signature: Signature, seal: Seal, contract: Contract, place: Span
+    signature: Signature, stage: str, seal: Seal, contract: Contract, place: Span
 ) -> Iterator[Diagnostic]:
     name = signature.name
     advice = f"derive a predicate of your own, or `{contract.finding}`"
-    if signature in seal.extensible:
+    stages = seal.extensible.get(signature, frozenset())
+    if stage in stages:
         return
-    if signature in seal.derived:
+    if stages:
+        message = f"`{signature}` is not derived in this stage"
+        advice = f"derive it in {' or '.join(f'`{each}`' for each in sorted(stages))}"
+    elif name.startswith("_"):
+        message = f"`{signature}` begins with `_`, which is reserved"
+    elif SPACE in name:
+        message = f"`{signature}` has two primes in its name, which are reserved"
+    elif signature not in seal.reserved and name not in seal.arities:
+        return
+    elif signature in seal.derived:
         message = f"`{signature}` is derived only by the built-in rules"
     elif signature in seal.given:
         message = f"`{signature}` is given, and nothing derives it"
-    elif name.startswith("_"):
-        message = f"`{signature}` begins with `_`, which is reserved"
-    elif name in seal.arities:
+    else:
         message = f"`{name}` has {seal.arities[name]} arguments, not {signature.arity}"
         advice = "`docs/writing-rules.md` explains each of them"
-    else:
-        return
-    if signature in seal.later:
-        advice += f"; this one belongs to `rules/{seal.later[signature]}`"
+    elsewhere = seal.elsewhere(signature, stage)
+    if elsewhere is not None and not stages:
+        advice += f"; this one belongs to `{_folder(elsewhere)}`"
     yield Diagnostic("rule-reserved", "error", message, place, help=advice)
 
 
-def _too_early(signature: Signature, seal: Seal, contract: Contract, place: Span) -> Diagnostic:
-    stage = seal.later[signature]
+def _folder(stage: str) -> str:
+    return "rules" if stage == "base" else f"rules/{stage}"
+
+
+def _too_early(
+    signature: Signature, stage: str, seal: Seal, contract: Contract, place: Span
+) -> Diagnostic:
+    where = seal.elsewhere(signature, stage) or ""
     how = "derived by" if signature in seal.derived else "given to"
-    return Diagnostic(
-        "rule-later",
-        "error",
-        f"`{signature}` is {how} `rules/{stage}`, after the {contract.findings}",
-        place,
-        help="a rule pack may use what is given or derived in `rules/*.lp`",
-    )
+    if stage == "base":
+        after = f", after the {contract.findings}"
+        advice = "a rule pack may use what is given or derived in `rules/*.lp`"
+    else:
+        after = ""
+        seen = sorted(map(_folder, seal.sees[stage]))
+        advice = f"rules in `{stage}` use what is given or derived in {' and '.join(seen)}"
+    message = f"`{signature}` is {how} `{_folder(where)}`{after}"
+    return Diagnostic("rule-later", "error", message, place, help=advice)
 
 
 def placed(span: Span, place: Place) -> Span:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import clingo
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import without_rules
 from mars_asp.diagnostic import Diagnostic, MarsError
 
@@ -30,11 +30,10 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
     """
     if not rulebook.packs or control.solve().satisfiable:
         return
-    packs = rulebook.texts[-rulebook.packs :]
-    fixed = [rulebook.built_in.text("base")]
-    fixed += [without_rules(text) for _, text in packs]
-    first = len(rulebook.rules) - rulebook.pack_rules
-    conflict = _minimal(rulebook.rules[first:], "\n".join([*fixed, facts]))
+    fixed = [rulebook.built_in.text(BASE)]
+    fixed += [without_rules(text) for text in rulebook.pack_texts(BASE)]
+    rules = [rule for rule in rulebook.of_packs if rule.stage == BASE]
+    conflict = _minimal(rules, "\n".join([*fixed, facts]))
     rule, *others = conflict
     count = len(conflict)
     message = "this rule excludes" if count == 1 else f"these {count} rules together exclude"

@@ -10,8 +10,9 @@
 A sort behind an argument says what its values are: one word or several (`edge |
 node`), or the constants that there are (`{flat, hierarchical}`). Behind the words for readers
 stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
-that rules from elsewhere may derive it, and `joins: nothing` that its facts do not bring together
-what they name. Names of arguments and words are enough, as for what rules derive.
+that rules from elsewhere may derive it, `packs: read` that those with a name may read it, and
+`joins: nothing` that its facts do not bring together what they name. Names of arguments and words
+are enough, as for what rules derive.
 
 Traces tell an atom by `says`, its absence by `unless`. A hole `{L}` is an argument, written in the
 unit of its sort, and `{edge.X}` the argument X of the given fact that has the same values
@@ -48,7 +49,7 @@ _MOST_SHOWN = 60
 #: The keys of the lines behind the words, and what each can say.
 _SAID: Mapping[str, tuple[str, ...]] = {
     "from": get_args(Origin),
-    "packs": ("extend",),
+    "packs": ("extend", "read"),
     "joins": ("nothing",),
     "cited": ("never",),
 }
@@ -104,6 +105,7 @@ class Declaration:
     span: Span
     origin: Origin | None = None
     extensible: bool = False
+    public: bool = False
     joins: bool = True
     says: tuple[str, ...] = ()
     unless: tuple[str, ...] = ()
@@ -190,7 +192,8 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         words,
         place,
         origin,
-        extensible="packs" in said,
+        extensible=first.get("packs") == "extend",
+        public="packs" in said,
         joins="joins" not in said,
         says=tuple(said.get("says", ())),
         unless=tuple(said.get("unless", ())),

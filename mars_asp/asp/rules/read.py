@@ -1,7 +1,7 @@
 """Files of rules and of cases, read with everything that is wrong with them."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import NamedTuple
 from mars_asp.asp.rules.arithmetic import overflows
 from mars_asp.asp.rules.checks import (
     Contract,
+    Reader,
     Seal,
     called_functions,
     misplaced_statements,
@@ -28,10 +29,12 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
     Piece,
     RuleSyntaxError,
+    costs,
     defined,
     pieces,
     statements_of,
 )
+from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
 
@@ -175,27 +178,81 @@ def _refused(rule: Rule) -> tuple[Diagnostic, ...]:
     return found or tuple(refused_rules(rule.text, rule.span.path))
 
 
+class NameSpace(NamedTuple):
+    """The files of one pack. `needs` are the packs that it names, `None` where it has no manifest.
+
+    Without a manifest it reads whatever other rules derive before its own, too.
+    """
+
+    name: str
+    files: tuple[RuleFile, ...]
+    needs: frozenset[str] | None = None
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return the rules of its files."""
+        return tuple(rule for file in self.files for rule in file.rules)
+
+    def derived(self, stages: Collection[str]) -> frozenset[Signature]:
+        """Return what its rules of some stages derive, and what its files say that facts hold."""
+        found = (rule.heads for rule in self.rules if rule.stage in stages)
+        facts = (defined(file.text) for file in self.files if file.stage in stages)
+        return frozenset().union(*found, *facts)
+
+    @property
+    def public(self) -> frozenset[Signature]:
+        """Return the predicates that it lets others read."""
+        declared = (each for file in self.files for each in file.documented.declarations)
+        return frozenset(each.signature.unsigned for each in declared if each.public)
+
+
 def wrong_packs(
-    packs: Sequence[RuleFile], sealed: Seal, contract: Contract
+    spaces: Sequence[NameSpace], sealed: Seal, contract: Contract
 ) -> Iterator[Diagnostic]:
     """Yield all that packs may not do, and what would make nothing of their rules."""
-    rules = [rule for file in packs for rule in file.rules]
-    read = statements_of(rule.text for rule in rules)
-    known = {each for file in packs for each in defined(file.text)} - sealed.later.keys()
-    known |= sealed.early | {signature for rule in rules for signature in rule.heads}
-    for file in packs:
-        yield from misplaced_statements(file.written, sealed, contract, file.shown)
+    files = [file for space in spaces for file in space.files]
+    for file in files:
+        yield from misplaced_statements(file.written, file.stage, sealed, contract, file.shown)
         overflowing = tuple(overflows(file.text, file.shown))
         # Of some numbers that do not fit clingo itself ends the process.
         yield from () if overflowing else refused_rules(file.text, file.shown)
-    yield from repeated_constants((file.shown, piece) for file in packs for piece in file.written)
+    yield from repeated_constants((file.shown, piece) for file in files for piece in file.written)
+    for space in spaces:
+        others = [each for each in spaces if each is not space]
+        for stage in sorted({file.stage for file in space.files}):
+            yield from _wrong_rules(space, _reader(space, stage, others, sealed), sealed, contract)
+    yield from repeated_ids((rule for space in spaces for rule in space.rules), sealed.ids)
+
+
+def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: Seal) -> Reader:
+    """Return what the rules of one stage of a pack may read."""
+    seen = sealed.sees[stage]
+    known = sealed.known(stage)
+    if space.needs is not None:
+        known &= sealed.reserved
+    hidden: dict[Signature, str] = {}
+    for other in others:
+        derived, public = other.derived(seen), other.public
+        is_needed = space.needs is None or other.name in space.needs
+        known |= derived & public if is_needed else frozenset()
+        hidden.update((each, other.name) for each in derived)
+    return Reader(stage, known | space.derived(seen), hidden)
+
+
+def _wrong_rules(
+    space: NameSpace, reader: Reader, sealed: Seal, contract: Contract
+) -> Iterator[Diagnostic]:
+    """Yield what is wrong with the rules of one stage of a pack."""
+    rules = [rule for rule in space.rules if rule.stage == reader.stage]
+    read = statements_of(rule.text for rule in rules)
     said: set[str] = set()
     for rule in rules:
+        statements = read[rule.text]
         found = (
-            *reserved_heads(read[rule.text], sealed, contract, rule.span),
-            *misused_heads(read[rule.text], rule.text, sealed, contract, rule.span),
+            *reserved_heads(statements, reader.stage, sealed, contract, rule.span),
+            *misused_heads(statements, rule.text, reader.stage, sealed, contract, rule.span),
             *called_functions(rule.text, rule.span),
-            *unknown_predicates(read[rule.text], known, sealed, contract, rule.span),
+            *unknown_predicates(statements, reader, sealed, contract, rule.span),
         )
         if rule.listed is None:
             said = {each.message for each in found}
@@ -205,7 +262,11 @@ def wrong_packs(
             yield from (
                 replace(each, span=rule.listed) for each in found if each.message not in said
             )
-    yield from repeated_ids(rules, sealed.ids)
+    for file in space.files:
+        for piece in file.written if file.stage == reader.stage else ():
+            if piece.sort == "cost":
+                span = Span(file.shown, *piece.begin, *piece.end)
+                yield from unknown_predicates(costs(piece.text), reader, sealed, contract, span)
 
 
 def _syntax(note: str, shown: str) -> Diagnostic:
@@ -214,20 +275,39 @@ def _syntax(note: str, shown: str) -> Diagnostic:
     return Diagnostic("rule-syntax", "error", text.strip(), point(shown, line, column))
 
 
-def told_apart(files: Iterable[RuleFile], taken: Iterable[str] = ()) -> Iterator[RuleFile]:
-    """Yield files of which no two name a rule without an id alike.
+def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterator[NameSpace]:
+    """Yield packs of which no two name a rule alike.
 
-    Where the name of one is `taken`, or another's, its path stands before the lines of such rules:
+    Rules of a pack with a manifest have its name before their ids. Of the others, where the name of
+    a file is `taken`, or another's, its path stands before the lines of rules that have no id:
     `mine/data.lp:17`.
     """
     names = set(taken)
-    for file in files:
-        if file.name in names:
-            rules = tuple(_named_by_path(rule, file) for rule in file.rules)
-            yield file._replace(rules=rules)
-        else:
-            yield file
-        names.add(file.name)
+    ids: set[str] = set()
+    for space in spaces:
+        files: list[RuleFile] = []
+        for file in space.files:
+            rules = file.rules
+            if space.needs is not None:
+                rules = tuple(replace(rule, id=f"{space.name}/{rule.id}") for rule in rules)
+            elif file.name in names:
+                rules = tuple(_named_by_path(rule, file) for rule in rules)
+            names.add(file.name)
+            files.append(file._replace(rules=rules))
+        found = space._replace(files=tuple(files))
+        if space.needs is None and not ids.isdisjoint(rule.id for rule in found.rules):
+            found = _named_by_space(found)
+        ids |= {rule.id for rule in found.rules}
+        yield found
+
+
+def _named_by_space(space: NameSpace) -> NameSpace:
+    return space._replace(
+        files=tuple(
+            file._replace(rules=tuple(replace(r, id=f"{space.name}/{r.id}") for r in file.rules))
+            for file in space.files
+        )
+    )
 
 
 def _named_by_path(rule: Rule, file: RuleFile) -> Rule:
@@ -235,23 +315,3 @@ def _named_by_path(rule: Rule, file: RuleFile) -> Rule:
     if not rule.id.startswith(name):
         return rule
     return replace(rule, id=f"{file.shown}:{rule.id.removeprefix(name)}")
-
-
-def pack_files(extra: Iterable[Path], problems: list[Diagnostic]) -> Iterator[Path]:
-    """Yield the files of packs, each once, of folders those in them; note what is neither."""
-    seen: set[Path] = set()
-    for path in extra:
-        if path.is_dir() or path.is_file():
-            for file in sorted(path.glob("*.lp")) if path.is_dir() else [path]:
-                if file.resolve() not in seen:
-                    seen.add(file.resolve())
-                    yield file
-        else:
-            problems.append(
-                Diagnostic(
-                    "rules-missing",
-                    "error",
-                    f"`{path}` is not a file or folder",
-                    point(str(path), 1, 1),
-                )
-            )

@@ -15,6 +15,8 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import replaced
 from mars_asp.asp.signature import Signature
 
+#: The stage of what follows from the facts alone.
+BASE = "base"
 #: A stage, and a text of it.
 _Text: TypeAlias = tuple[str, str]
 
@@ -24,7 +26,7 @@ class Rulebook:
     """All rules, in the order of their files, and the texts that clingo is given.
 
     The stage of a file in `rules/` is `base`, in a folder below it the folder's name. The last
-    `packs` texts and `pack_rules` rules, all of the base, are from elsewhere. `paths` are those of
+    `packs` texts and `pack_rules` rules are from elsewhere. `paths` are those of
     the texts, as they are shown. `documented` says of each what it declares of predicates.
     """
 
@@ -34,6 +36,8 @@ class Rulebook:
     pack_rules: int = 0
     paths: tuple[str, ...] = ()
     documented: tuple[Documented, ...] = ()
+    #: What packs bring besides rules, for the host to read.
+    brought: tuple[object, ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -65,7 +69,18 @@ class Rulebook:
             return self
         rules = self.rules[: len(self.rules) - self.pack_rules]
         texts, paths = self.texts[: -self.packs], self.paths[: -self.packs]
-        return Rulebook(rules, texts, paths=paths, documented=self.documented[: -self.packs])
+        documented = self.documented[: -self.packs]
+        return Rulebook(rules, texts, paths=paths, documented=documented, brought=self.brought)
+
+    def pack_texts(self, stage: str) -> tuple[str, ...]:
+        """Return the texts of packs in one stage."""
+        packs = self.texts[len(self.texts) - self.packs :]
+        return tuple(text for at, text in packs if at == stage)
+
+    @property
+    def of_packs(self) -> tuple[Rule, ...]:
+        """Return the rules of packs."""
+        return self.rules[len(self.rules) - self.pack_rules :]
 
     @cached_property
     def declarations(self) -> Mapping[Signature, Declaration]:
@@ -84,9 +99,9 @@ class Rulebook:
     @cached_property
     def asked(self) -> tuple[Asked, ...]:
         """Return what the rules of packs compute that may leave 32 bits."""
-        own = self.rules[len(self.rules) - self.pack_rules :]
+        own = self.of_packs
         # What metadata lists computes nothing but what the rule does whose body it has.
-        rules = [rule for rule in own if rule.listed is None]
+        rules = [rule for rule in own if rule.listed is None and rule.stage == BASE]
         found = computations(rule.text for rule in rules)
         return tuple(Asked(r.span, each) for r in rules for each in found.get(r.text, ()))
 

@@ -455,6 +455,43 @@ def head_pool(text: str) -> Place | None:
     return next(map(_places(text), found), None)
 
 
+def renamed(text: str, names: Mapping[Signature, str]) -> str:
+    """Return a text in which predicates, without signs, have other names.
+
+    All else of it stays as it is written, line by line.
+    """
+    found: list[tuple[Place, str, str]] = []
+    for node in parsed(masked(text)):
+        if node.ast_type in (_TYPE.ShowSignature, _TYPE.Defined):
+            new = names.get(Signature(node.name, node.arity))
+            if new is not None:
+                found.append((_begin(node), node.name, new))
+        for each in _below(node):
+            if each.ast_type == _TYPE.SymbolicAtom:
+                _, symbol = sign_and_function(each.symbol)
+                new = names.get(Signature(symbol.name, len(symbol.arguments)))
+                if new is not None:
+                    found.append((_begin(symbol), symbol.name, new))
+    lines = text.split("\n")
+    # The last first, so that what comes before it stays where it is.
+    for (line, column), old, new in sorted(set(found), reverse=True):
+        written = lines[line - 1]
+        at = written.find(old, column - 1)
+        lines[line - 1] = f"{written[:at]}{new}{written[at + len(old) :]}"
+    return "\n".join(lines)
+
+
+def _begin(node: ast.AST) -> Place:
+    return node.location.begin.line, node.location.begin.column
+
+
+def costs(text: str) -> tuple[Statement, ...]:
+    """Return what a statement minimises or maximises, without pools, with places."""
+    place = _places(text)
+    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
+    return tuple(_statement(each, place) for node in nodes for each in node.unpool())
+
+
 def operands(text: str) -> tuple[Operand, ...]:
     """Return the numbers and operations of a text that stand in no other operation.
 

@@ -26,7 +26,6 @@ from mars_asp.model.declarations import (
     Relationship,
     Service,
     ends_of,
-    node_kind,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
 from mars_asp.model.rates import as_written
@@ -221,7 +220,7 @@ class Compiler:
         self.add(name.span, "module", name.text)
         self.place(name.text, name.span)
         if self.configuration.kind == "specification":
-            kind = node_kind(name.text)
+            kind = self.configuration.node_kind(name.text)
             if kind and name.text not in self.described:
                 self.add(name.span, "node", name.text, Atom(kind))
 
@@ -396,6 +395,7 @@ class Compiler:
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
         pools = [(ends - declared, sorted(declared | set(self.known)))]
         if self.known:
+            node_kind = self.configuration.node_kind
             unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}

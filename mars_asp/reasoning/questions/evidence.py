@@ -12,7 +12,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
 from mars_asp.asp.signature import Signature, signature_of
@@ -122,7 +122,7 @@ def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
     So it is where packs hold rules alone, each of which forces one atom, and recursion leads
     through no negation: they are stratified (Apt, Blair and Walker 1988).
     """
-    if any(not has_rules_alone(text) for _, text in rulebook.texts[-rulebook.packs :]):
+    if any(not has_rules_alone(text) for text in rulebook.pack_texts(BASE)):
         return False
     every = _statements(base)
     if not are_forced(every) or negates_itself(every):

@@ -17,7 +17,6 @@ from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
-from mars_asp.model.declarations import node_kind
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.project import Project, port_names
@@ -214,7 +213,8 @@ def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace:
 
 def _is_node(subject: str | None, project: Project) -> bool:
     named = {name.text for name in project.configuration.modules}
-    return subject is not None and node_kind(subject) is not None and subject not in named
+    kind = None if subject is None else project.configuration.node_kind(subject)
+    return kind is not None and subject not in named
 
 
 def _check_module(subject: str, project: Project, only: Sort) -> None:

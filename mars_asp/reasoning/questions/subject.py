@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, point
-from mars_asp.model.declarations import NODE_NAMES, node_kind
+from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
 from mars_asp.spelling import nearest
@@ -35,10 +35,10 @@ def absent_subject(
     kind, _, rest = subject.partition("(")
     about = rest.removesuffix(")")
     is_kind = kind in consequence_kinds(rulebook)
-    if node_kind(subject) is not None:
+    if project.configuration.node_kind(subject) is not None:
         message = f"the minimal specification has no node `{subject}`"
         return wrong_subject(project, message, f"`--why-not {subject}` shows what one would take")
-    if not is_kind and kind not in NODE_NAMES.values():
+    if not is_kind and kind not in node_names(project.configuration.kinds).values():
         near = nearest(subject, known)
         message = f"this configuration has no module, node, consequence or true atom `{subject}`"
         help_text = (

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
 from mars_asp.model.declarations import (
-    NODE_NAMES,
     Conversion,
     Relationship,
     Service,
+    node_names,
 )
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.ends import ends_in
@@ -16,9 +16,6 @@ from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.derived import Derived
-
-#: How nodes are named, by kind; of another kind, as it is called.
-NAMES: Mapping[str, str] = dict(NODE_NAMES.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +39,7 @@ class Draft:
         """Index what the configuration says."""
         configuration, modules = project.configuration, project.modules
         self.span = configuration.span
+        self._names = node_names(configuration.kinds)
         self.relationships = configuration.relationships
         places = {id(r): place for place, r in enumerate(configuration.relationships)}
         #: The place of each relationship in the file, by its identifier.
@@ -104,7 +102,7 @@ class Draft:
 
     def _free_name(self, kind: str) -> str:
         """Return the next name of a kind that no module has."""
-        word = NAMES.get(kind) or "".join(map(str.capitalize, kind.split("_")))
+        word = self._names.get(kind) or "".join(map(str.capitalize, kind.split("_")))
         while True:
             number = self._next.get(kind, 1)
             self._next[kind] = number + 1

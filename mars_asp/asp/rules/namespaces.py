@@ -1,0 +1,65 @@
+"""Name spaces: what a pack derives for itself never meets what others call the same.
+
+A predicate that nobody else names keeps its name. One that others name, too, gets that of its pack
+behind two primes, `seen''rover`, which nothing shows: `plain` takes it away again.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+from mars_asp.asp.rules.checks import Seal
+from mars_asp.asp.rules.declarations import Docstring
+from mars_asp.asp.rules.read import NameSpace, RuleFile
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import renamed
+from mars_asp.asp.signature import SPACE, Signature
+
+#: What is written before the name of a predicate that a comment declares.
+_HEADER = re.compile(r"(%\*!\s*-?)([a-z_]\w*'*)")
+
+
+def spaced(signature: Signature, space: str) -> str:
+    """Return the name that a predicate has where it is that of a name space."""
+    return f"{signature.name}{SPACE}{re.sub(r'[^A-Za-z0-9_]', '_', space)}"
+
+
+def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
+    """Return a file of rules in which predicates have the names of a space."""
+    if not names:
+        return file
+    text = renamed(file.text, names)
+    return file._replace(
+        text=text,
+        rules=tuple(_in_space(rule, names) for rule in file.rules),
+        docstrings=tuple(_documented(each, names) for each in file.docstrings),
+    )
+
+
+def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
+    return replace(rule, text=renamed(rule.text, names))
+
+
+def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstring:
+    """Return a comment about a predicate under its name in a space."""
+    by_name = {signature.name: new for signature, new in names.items()}
+
+    def header(match: re.Match[str]) -> str:
+        return f"{match[1]}{by_name.get(match[2], match[2])}"
+
+    return docstring._replace(text=_HEADER.sub(header, docstring.text, count=1))
+
+
+def apart(spaces: Iterable[NameSpace], sealed: Seal) -> Iterator[NameSpace]:
+    """Yield packs in which no predicate of one's own is called as one of others is.
+
+    What a pack reads of another has the name that it has there.
+    """
+    taken = {each.name for each in sealed.named}
+    shared: dict[Signature, str] = {}
+    for space in spaces:
+        own = {head for rule in space.rules for head in rule.heads} - sealed.reserved
+        names = {each: spaced(each, space.name) for each in own if each.name in taken}
+        taken |= {each.name for each in own}
+        yield space._replace(files=tuple(in_space(f, {**shared, **names}) for f in space.files))
+        shared |= {each: name for each, name in names.items() if each in space.public}

@@ -1,0 +1,339 @@
+"""Rule packs as they lie in folders: their manifests, and the stages of their files.
+
+A pack is a folder. With a manifest, `pack.toml`, it has a name, and its rules lie in folders named
+after stages; without one, its `.lp` files find consequences.
+
+    name = "emergency-stop"
+    version = "1.0"
+    needs = ["mars-asp >= 0.1", "redundancy >= 1.2"]
+
+    [[node]]
+    kind = "watchdog"
+    name = "Watchdog"
+    carries = "control"
+    inputs = "one"
+    outputs = "one"
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mars_asp import __version__
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.language.parse import read_text
+from mars_asp.model.declarations import NODE_NAMES, PackKind
+from mars_asp.spelling import nearest
+from mars_asp.toml_text import Places, read_tables
+
+MANIFEST = "pack.toml"
+#: The folders of a pack with a manifest, by the stages of what lies in them.
+FOLDERS: Mapping[str, str] = {
+    "consequences": "base",
+    "resolve": "resolve",
+    "specify": "specify",
+    "verify": "verify",
+    "run": "run",
+    "repair": "repair",
+}
+#: Folders of a pack whose files are no rules of it.
+_OTHERS = ("cases", "docs", "examples", "tests")
+_CODE = "pack"
+_KEYS = ("name", "version", "summary", "needs", "node")
+_NAME = re.compile(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*")
+_VERSION = re.compile(r"[0-9]+(\.[0-9]+)*")
+_NEED = re.compile(r"([a-z][a-z0-9_-]*?)\s*(?:(>=|==|<)\s*([0-9]+(?:\.[0-9]+)*))?")
+_KIND = re.compile(r"[a-z][a-z0-9_]*")
+_NODE_NAME = re.compile(r"[A-Z][A-Za-z]*")
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+#: The keys of a kind of node, and what each can say; nothing where any text can stand.
+_NODE_KEYS: Mapping[str, tuple[str, ...]] = {
+    "kind": (),
+    "name": (),
+    "carries": ("control", "data"),
+    "inputs": ("one", "several"),
+    "outputs": ("one", "several"),
+    "colour": (),
+    "behaviour": ("needed", "none"),
+}
+_OURS = "mars-asp"
+
+
+class Need(NamedTuple):
+    """What a pack rests on: a pack or `mars-asp`, and the versions that will do, if any is said."""
+
+    name: str
+    comparison: str
+    version: str
+    span: Span
+
+
+class Manifest(NamedTuple):
+    """What a pack says of itself."""
+
+    name: str
+    version: str
+    needs: tuple[Need, ...]
+    kinds: tuple[PackKind, ...]
+    span: Span
+    summary: str = ""
+
+
+class PackFile(NamedTuple):
+    """A file of a pack, and its stage."""
+
+    path: Path
+    stage: str
+
+
+class Pack(NamedTuple):
+    """A name space of rules: a folder with a manifest, one without, or files of one folder."""
+
+    name: str
+    folder: Path
+    files: tuple[PackFile, ...]
+    manifest: Manifest | None = None
+
+
+def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack, ...]:
+    """Return the packs of some files and folders; note what is wrong with any of them.
+
+    A file is of its pack once, however often it is given.
+    """
+    seen: set[Path] = set()
+    packs: list[Pack] = []
+    loose: dict[Path, list[PackFile]] = {}
+    for path in given:
+        if path.is_dir() and (path / MANIFEST).is_file():
+            if (key := path.resolve()) not in seen:
+                seen.add(key)
+                packs += _with_manifest(path, problems)
+        elif path.is_dir():
+            files = tuple(PackFile(each, "base") for each in sorted(path.glob("*.lp")))
+            files = tuple(each for each in files if _is_new(each.path, seen))
+            if files:
+                packs.append(Pack(path.resolve().name, path, files))
+            problems += _empty(path)
+        elif path.name == MANIFEST and path.is_file():
+            message, advice = f"`{path}` is a manifest", f"give its folder, `{path.parent}`"
+            problems.append(
+                Diagnostic(_CODE, "error", message, point(str(path), 1, 1), help=advice)
+            )
+        elif path.is_file():
+            if _is_new(path, seen):
+                loose.setdefault(path.parent, []).append(PackFile(path, "base"))
+        else:
+            message = f"`{path}` is not a file or folder"
+            problems.append(Diagnostic("rules-missing", "error", message, point(str(path), 1, 1)))
+    for folder, files_there in loose.items():
+        packs.append(Pack(folder.resolve().name, folder, tuple(files_there)))
+    problems += _wrong_together(packs)
+    return tuple(packs)
+
+
+def kinds_of(packs: Iterable[Pack]) -> tuple[PackKind, ...]:
+    """Return the kinds of nodes that packs bring."""
+    manifests = (pack.manifest for pack in packs if pack.manifest is not None)
+    return tuple(kind for manifest in manifests for kind in manifest.kinds)
+
+
+def _is_new(path: Path, seen: set[Path]) -> bool:
+    key = path.resolve()
+    if key in seen:
+        return False
+    seen.add(key)
+    return True
+
+
+def _empty(folder: Path) -> Iterator[Diagnostic]:
+    """Yield that a folder without a manifest holds no rules."""
+    if any(folder.glob("*.lp")):
+        return
+    inside = sorted(each.parent for each in folder.glob(f"*/{MANIFEST}"))
+    named = [each for each in FOLDERS if any((folder / each).glob("*.lp"))]
+    if inside:
+        advice = f"give each pack in it: {' '.join(f'--rules {each}' for each in inside)}"
+    elif named:
+        advice = f"folders such as `{named[0]}` need a manifest beside them, `{MANIFEST}`"
+    else:
+        advice = f"a pack is a folder of `.lp` files, or has a manifest, `{MANIFEST}`"
+    place = point(str(folder), 1, 1)
+    yield Diagnostic("rules-missing", "error", f"`{folder}` holds no rules", place, help=advice)
+
+
+def _with_manifest(folder: Path, problems: list[Diagnostic]) -> Iterator[Pack]:
+    before = len(problems)
+    manifest = _manifest(folder / MANIFEST, problems)
+    files = [PackFile(path, "base") for path in sorted(folder.glob("*.lp"))]
+    for name, stage in FOLDERS.items():
+        files += (PackFile(path, stage) for path in sorted((folder / name).glob("*.lp")))
+    problems += _stray(folder)
+    if manifest is not None and len(problems) == before:
+        yield Pack(manifest.name, folder, tuple(files), manifest)
+
+
+def _stray(folder: Path) -> Iterator[Diagnostic]:
+    """Yield the folders with rules that no stage reads, which would be left out in silence."""
+    for each in sorted(folder.iterdir()):
+        if each.is_dir() and each.name not in (*FOLDERS, *_OTHERS) and any(each.glob("*.lp")):
+            near = nearest(each.name, FOLDERS)
+            known = f"did you mean `{near}`?" if near else f"one of {', '.join(FOLDERS)}"
+            message = f"the rules in `{each.name}` belong to no stage"
+            yield Diagnostic(_CODE, "error", message, point(str(each), 1, 1), help=known)
+
+
+def _manifest(path: Path, problems: list[Diagnostic]) -> Manifest | None:
+    shown = str(path)
+    try:
+        text = read_text(path)
+        tables = read_tables(text, shown, _CODE)
+    except MarsError as error:
+        problems += error.diagnostics
+        return None
+    reader = _Reader(text, shown)
+    manifest = reader.manifest(tables)
+    problems += reader.problems
+    return None if reader.problems else manifest
+
+
+class _Reader:
+    """Reads one manifest, and notes what is wrong with it."""
+
+    def __init__(self, text: str, shown: str) -> None:
+        self._places = Places(text, shown)
+        self.problems: list[Diagnostic] = []
+
+    def manifest(self, tables: Mapping[str, Any]) -> Manifest:
+        """Return what the tables say; only to be used where there are no problems."""
+        self._unknown(tables, _KEYS, "a manifest")
+        name = self._text(tables, "name", _NAME, "small letters, digits and `-`", ())
+        if name == _OURS:
+            self._wrong(f"`{_OURS}` is the name of this program", "choose another name", "name")
+        version = self._text(tables, "version", _VERSION, "numbers with dots, as 1.0", ())
+        summary = tables.get("summary", "")
+        if not isinstance(summary, str):
+            self._wrong("`summary` must be a text", None, "summary")
+        needs = tuple(filter(None, self._needs(tables.get("needs", []))))
+        nodes = tables.get("node", [])
+        if not isinstance(nodes, list) or not all(isinstance(each, dict) for each in nodes):
+            self._wrong("`node` must be tables", "write `[[node]]`", "node")
+            nodes = []
+        kinds = tuple(self._kind(each, number) for number, each in enumerate(nodes))
+        place = self._places.of("name")
+        return Manifest(name, version, needs, kinds, place, str(summary))
+
+    def _kind(self, table: Mapping[str, Any], number: int) -> PackKind:
+        at = ("node", number)
+        self._unknown(table, tuple(_NODE_KEYS), "a kind of node", at)
+        kind = self._text(table, "kind", _KIND, "small letters, digits and `_`", at)
+        name = self._text(table, "name", _NODE_NAME, "letters, the first of them large", at)
+        if kind in NODE_NAMES or name in NODE_NAMES.values():
+            message = f"`{kind if kind in NODE_NAMES else name}` is a kind of node already"
+            self._wrong(message, "choose another name", *at, "kind")
+        said = {key: table.get(key) for key, choices in _NODE_KEYS.items() if choices}
+        for key, value in said.items():
+            choices = _NODE_KEYS[key]
+            is_needed = key in ("carries", "inputs", "outputs")
+            if (value is not None or is_needed) and value not in choices:
+                written = "is missing" if value is None else f"is {value!r}"
+                self._wrong(f"`{key}` {written}", f"one of {', '.join(choices)}", *at, key)
+        colour = table.get("colour")
+        if colour is not None and not (isinstance(colour, str) and _COLOUR.fullmatch(colour)):
+            self._wrong(f"`colour` is {colour!r}", "write it as `#1f77b4`", *at, "colour")
+        return PackKind(
+            kind,
+            name,
+            str(said["carries"]),
+            said["inputs"] == "several",
+            said["outputs"] == "several",
+            None if colour is None else str(colour),
+            said["behaviour"] != "none",
+            self._places.of(*at),
+        )
+
+    def _needs(self, needs: object) -> Iterator[Need | None]:
+        if not isinstance(needs, list):
+            self._wrong("`needs` must be a list", 'write `needs = ["mars-asp >= 0.1"]`', "needs")
+            return
+        for number, each in enumerate(needs):
+            match = _NEED.fullmatch(each.strip()) if isinstance(each, str) else None
+            if match is None:
+                advice = 'write a name, or a name and a version: "redundancy >= 1.0"'
+                self._wrong(f"{each!r} is not what a pack needs", advice, "needs", number)
+            else:
+                place = self._places.of("needs", number)
+                yield Need(match[1], match[2] or "", match[3] or "", place)
+
+    def _text(
+        self,
+        table: Mapping[str, Any],
+        key: str,
+        form: re.Pattern[str],
+        made_of: str,
+        at: tuple[str | int, ...],
+    ) -> str:
+        value = table.get(key)
+        if value is None:
+            self._wrong(f"`{key}` is missing", f'write `{key} = "..."`', *at)
+        elif not isinstance(value, str) or not form.fullmatch(value):
+            self._wrong(f"`{key}` is {value!r}", f"write it in {made_of}", *at, key)
+        return str(value)
+
+    def _unknown(
+        self,
+        table: Mapping[str, Any],
+        keys: Sequence[str],
+        what: str,
+        at: tuple[str | int, ...] = (),
+    ) -> None:
+        for key in table:
+            if key not in keys:
+                near = nearest(key, keys)
+                known = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
+                self._wrong(f"`{key}` is not a key of {what}", known, *at, key)
+
+    def _wrong(self, message: str, advice: str | None, *key: str | int) -> None:
+        place = self._places.of(*key)
+        self.problems.append(Diagnostic(_CODE, "error", message, place, help=advice))
+
+
+def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
+    """Yield what packs have twice, and what they need that is not there."""
+    named = {each.manifest.name: each.manifest for each in packs if each.manifest is not None}
+    first: dict[str, Span] = {}
+    for manifest in (pack.manifest for pack in packs if pack.manifest is not None):
+        names = [(f"pack `{manifest.name}`", manifest.span)]
+        names += [(f"kind of node `{kind.kind}`", kind.span) for kind in manifest.kinds]
+        names += [(f"name of a node `{kind.name}`", kind.span) for kind in manifest.kinds]
+        for what, place in names:
+            earlier = first.setdefault(what, place)
+            if earlier != place:
+                message = f"the {what} is there twice"
+                yield Diagnostic(_CODE, "error", message, place, ((earlier, "first here"),))
+        for need in manifest.needs:
+            there = __version__ if need.name == _OURS else None
+            if need.name in named:
+                there = named[need.name].version
+            if there is None:
+                message = f"pack `{manifest.name}` needs `{need.name}`, which is not given"
+                advice = "give its folder with `--rules`, too"
+                yield Diagnostic(_CODE, "error", message, need.span, help=advice)
+            elif not _will_do(there, need):
+                asked = f"{need.comparison} {need.version}"
+                message = f"pack `{manifest.name}` needs `{need.name}` {asked}, this is {there}"
+                yield Diagnostic(_CODE, "error", message, need.span)
+
+
+def _will_do(version: str, need: Need) -> bool:
+    if not need.comparison:
+        return True
+    there, asked = (_parts(each) for each in (version, need.version))
+    return {">=": there >= asked, "==": there == asked, "<": there < asked}[need.comparison]
+
+
+def _parts(version: str) -> tuple[int, ...]:
+    parts = [int(each) for each in re.findall(r"[0-9]+", version)]
+    while parts and not parts[-1]:
+        parts.pop()
+    return tuple(parts)
