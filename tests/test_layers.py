@@ -51,8 +51,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs rules cases analysis includes project sample synthesis verification "
-        "session questions capability"
+        "budget facts findings packs rules cases analysis includes project sample synthesis "
+        "verification session questions capability"
     ),
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
@@ -88,9 +88,7 @@ FILES = {
         "behaviour schedule link arbitration delivery modules nodes plan executor"
     ),
     "execution/simulator": "motion ramp world body fleet approach devices",
-    "execution/scenario": (
-        "schema contradictions vary read functions agreement devices"
-    ),
+    "execution/scenario": ("schema contradictions vary read functions agreement devices"),
     "execution/recording": "frame lanes signs picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live watch pace progress outputs report extract "

@@ -22,7 +22,7 @@ from mars_asp.draw import Picture, depict
 from mars_asp.draw.layered import TooLargeError
 from mars_asp.draw.page import whole_page
 from mars_asp.draw.svg import svg_text
-from mars_asp.model.declarations import NODE_NAMES, Configuration
+from mars_asp.model.declarations import Configuration
 from mars_asp.output import visible
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.absences import Absence
@@ -267,7 +267,7 @@ def _question(absent: Sequence[Absence], asked: Mapping[str, int]) -> str:
     if not absent:
         return ""
     kinds = list(dict.fromkeys(each.kind for each in absent))
-    nodes = [kind for kind in kinds if kind in NODE_NAMES.values()]
+    nodes = [kind for kind in kinds if kind[:1].isupper()]
     others = [kind for kind in kinds if kind not in nodes]
     groups = "".join(
         f'<optgroup label="{label}"><option value="{every}">{every} of any kind</option>'

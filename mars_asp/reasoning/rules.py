@@ -122,7 +122,7 @@ def load_rulebook(
     wanted = tuple(dict.fromkeys((*stages, *following)))
     own = _built_in(wanted, strict, problems)
     packs = find_packs(extra, problems)
-    spaces = tuple(filter(None, (_name_space(pack, problems) for pack in packs)))
+    spaces = tuple(_name_space(pack, problems) for pack in packs)
     if spaces:
         sealed = seal()
         taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))
@@ -155,17 +155,14 @@ def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:
     return ((file.stage, file.text) for file in files)
 
 
-def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace | None:
-    """Return the rules of a pack; `None` where one of its files cannot be read."""
-    read = [
+def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
+    """Return the rules of a pack, of those of its files that can be read."""
+    read = (
         read_file(file.path, str(file.path), file.stage, problems, True, EXPANSIONS)
         for file in pack.files
-    ]
-    found = tuple(file for file in read if file is not None)
-    if len(found) < len(read):
-        return None
+    )
     needs = None if pack.manifest is None else frozenset(n.name for n in pack.manifest.needs)
-    return NameSpace(pack.name, found, needs)
+    return NameSpace(pack.name, tuple(filter(None, read)), needs)
 
 
 def _kind_rule(kind: PackKind) -> Rule:

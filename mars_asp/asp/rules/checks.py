@@ -16,7 +16,6 @@ from mars_asp.asp.rules.statements import (
     Place,
     Statement,
     calls,
-    costs,
     defined,
     head_pool,
     masked,
@@ -239,9 +238,7 @@ def misplaced_statements(
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
-            case "cost" if stage in contract.choosing:
-                yield from _too_high(piece, contract, place)
-            case "cost":
+            case "cost" if stage not in contract.choosing:
                 message = (
                     f"a minimisation chooses between answers, and {contract.findings} have only one"
                 )
@@ -270,12 +267,15 @@ def misplaced_statements(
                         yield from _reserved(signature, stage, seal, contract, place)
 
 
-def _too_high(piece: Piece, contract: Contract, place: Span) -> Iterator[Diagnostic]:
-    """Yield that a cost of a pack would outrank those of the built-in rules."""
-    for cost in costs(piece.text):
+def costs_too_high(
+    found: Iterable[Statement], contract: Contract, shown: str
+) -> Iterator[Diagnostic]:
+    """Yield which costs of a file of a pack would outrank those of the built-in rules."""
+    for cost in found:
         level = "" if cost.cost is None else cost.cost.level.partition("/")[0]
         if contract.trusted or (_NUMBER.fullmatch(level) and int(level) < contract.free_below):
             continue
+        place = point(shown, *cost.place)
         message = f"the cost on level {level} outranks the cost of nodes, conversions and lines"
         if not _NUMBER.fullmatch(level):
             message = f"the level of this cost, `{level}`, is not a number"

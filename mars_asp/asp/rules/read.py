@@ -14,6 +14,7 @@ from mars_asp.asp.rules.checks import (
     Reader,
     Seal,
     called_functions,
+    costs_too_high,
     misplaced_statements,
     misused_heads,
     refused_rules,
@@ -262,11 +263,12 @@ def _wrong_rules(
             yield from (
                 replace(each, span=rule.listed) for each in found if each.message not in said
             )
-    for file in space.files:
-        for piece in file.written if file.stage == reader.stage else ():
-            if piece.sort == "cost":
-                span = Span(file.shown, *piece.begin, *piece.end)
-                yield from unknown_predicates(costs(piece.text), reader, sealed, contract, span)
+    for file in space.files if reader.stage in contract.choosing else ():
+        if file.stage == reader.stage:
+            found_costs = costs(file.text)
+            whole = point(file.shown, 1, 1)
+            yield from costs_too_high(found_costs, contract, file.shown)
+            yield from unknown_predicates(found_costs, reader, sealed, contract, whole)
 
 
 def _syntax(note: str, shown: str) -> Diagnostic:

@@ -469,9 +469,11 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
         for each in _below(node):
             if each.ast_type == _TYPE.SymbolicAtom:
                 _, symbol = sign_and_function(each.symbol)
-                new = names.get(Signature(symbol.name, len(symbol.arguments)))
-                if new is not None:
-                    found.append((_begin(symbol), symbol.name, new))
+                variants = symbol.arguments if symbol.ast_type == _TYPE.Pool else (symbol,)
+                for one in variants:
+                    new = names.get(Signature(one.name, len(one.arguments)))
+                    if new is not None:
+                        found.append((_begin(one), one.name, new))
     lines = text.split("\n")
     # The last first, so that what comes before it stays where it is.
     for (line, column), old, new in sorted(set(found), reverse=True):
@@ -486,7 +488,7 @@ def _begin(node: ast.AST) -> Place:
 
 
 def costs(text: str) -> tuple[Statement, ...]:
-    """Return what a statement minimises or maximises, without pools, with places."""
+    """Return what the statements of a text minimise or maximise, without pools, with places."""
     place = _places(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
     return tuple(_statement(each, place) for node in nodes for each in node.unpool())

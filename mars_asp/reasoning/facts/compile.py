@@ -109,6 +109,8 @@ _NOWHERE = point("<imported>", 1, 1)
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
     | {*get_args(Engine), *FOREIGN, FOREVER, ANY.name, NONE.name, "zero", "generic"}
+    # What rule packs state of the nodes that they bring.
+    | {"control", "data", "one", "several"}
 )
 
 

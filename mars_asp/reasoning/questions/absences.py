@@ -4,7 +4,7 @@ The sentences are those of `why_not`. What would give one, and what that costs, 
 each change would have to be tried by itself.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import clingo
@@ -13,15 +13,15 @@ from mars_asp.asp.signature import signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.patterns import fits
 from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import NODE_NAMES
+from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.analysis import read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.explain import Sort
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.questions.why_not import (
-    AT_MODULE,
     RESOLVES,
+    at_module,
     circles,
     holds,
     is_there,
@@ -34,8 +34,6 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: Of larger robots there would be more answers than anybody reads, and pages too large to open.
 MOST_MODULES = 2_000
-#: How kinds of nodes are called where people read.
-_WORDS: Mapping[str, str] = dict(NODE_NAMES.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +79,14 @@ def absences(
     resolving = only != "consequences"
     evidence = reasoner.evidence(resolved=resolving)
     synthesis = reasoner.synthesis if resolving else None
-    kinds: list[str] = [*NODE_NAMES] if resolving else []
+    words = node_names(reasoner.project.configuration.kinds)
+    kinds: list[str] = [*words] if resolving else []
     there: dict[tuple[str, str], Absence] = {}
     if only != "nodes":
         kinds += sorted(consequence_kinds(reasoner.rulebook) - unknown)
         there.update(_consequences(evidence))
     if synthesis is not None:
-        there.update(_nodes(evidence, synthesis, modules))
+        there.update(_nodes(evidence, synthesis, words, modules))
     because = {
         (kind, module): found
         for kind, module, found in reasons(reasoner.project, reasoner.rulebook, kinds, modules)
@@ -96,11 +95,11 @@ def absences(
     elsewhere = frozenset(circles(evidence.analysis))
     for module in modules:
         for kind in kinds:
-            key, word = (kind, module), _WORDS.get(kind, kind)
+            key, word = (kind, module), words.get(kind, kind)
             title, found = f"{word}({module})", because.get((kind, module))
             if key in there:
                 yield there[key]
-            elif kind in NODE_NAMES and against is not None:
+            elif kind in words and against is not None:
                 answer = against.answer.replace("No ", f"No {title}", 1)
                 yield Absence(word, module, answer, against.evidence)
             elif found is not None:
@@ -123,7 +122,7 @@ def _consequences(evidence: Evidence) -> Iterator[tuple[tuple[str, str], Absence
 
 
 def _nodes(
-    evidence: Evidence, synthesis: Synthesis, modules: Sequence[str]
+    evidence: Evidence, synthesis: Synthesis, words: Mapping[str, str], modules: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], Absence]]:
     """Yield the nodes at modules, or that resolve what is theirs, by kind and module."""
     specification = synthesis.specification
@@ -132,12 +131,12 @@ def _nodes(
         for topic in specification.resolves[node.name]:
             resolving.setdefault((node.kind, topic), node)
     by_term = {node.term: node for node in specification.nodes}
-    held = _held(evidence, synthesis)
-    for kind, word in NODE_NAMES.items():
+    held = _held(evidence, synthesis, words)
+    for kind, word in words.items():
         for module in modules:
             atoms = (
                 atom
-                for pattern in AT_MODULE[kind](clingo.String(module))
+                for pattern in at_module(kind, clingo.String(module))
                 for atom in held.get((pattern.name, pattern.arguments[0]), ())
                 if fits(pattern, atom)
             )
@@ -153,12 +152,12 @@ def _nodes(
 
 
 def _held(
-    evidence: Evidence, synthesis: Synthesis
+    evidence: Evidence, synthesis: Synthesis, kinds: Iterable[str]
 ) -> Mapping[tuple[str, clingo.Symbol], Sequence[clingo.Symbol]]:
     """Return the true atoms that stand for nodes, by name and first argument."""
     grounding, taken = evidence.analysis.grounding, synthesis.resolution.taken
     held: dict[tuple[str, clingo.Symbol], list[clingo.Symbol]] = {}
-    patterns = [pattern for at in AT_MODULE.values() for pattern in at(clingo.String(""))]
+    patterns = [pattern for kind in kinds for pattern in at_module(kind, clingo.String(""))]
     for signature in dict.fromkeys(map(signature_of, patterns)):
         if signature in synthesis.derived.predicates:
             synthesis.derived.hand_to(grounding)

@@ -194,7 +194,11 @@ def speakers(rulebook: Rulebook, kinds: Iterable[str] | None = None) -> tuple[Ru
         rulebook,
         lambda rule: (
             ACCOUNT in rule.heads
-            and (wanted is None or not wanted.isdisjoint(rule.firsts.get(ACCOUNT, ())))
+            and (
+                wanted is None
+                or ACCOUNT not in rule.firsts
+                or not wanted.isdisjoint(rule.firsts[ACCOUNT])
+            )
         ),
     )
 

@@ -22,7 +22,7 @@ from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
 from mars_asp.diagnostic import MarsError, Span
-from mars_asp.model.declarations import NODE_NAMES, NodeKind, ends_of, node_kind
+from mars_asp.model.declarations import ends_of, node_names
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds, kinds_of
@@ -42,7 +42,7 @@ from mars_asp.reasoning.synthesis.synthesise import (
 from mars_asp.spelling import nearest
 
 #: The atoms of `rules/resolve` that stand for a node at a module, by its kind.
-AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
+_AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     "data_splitter": lambda name: (clingo.Function("splitter", [name, hole()]),),
     "data_transformer": lambda name: (clingo.Function("transformer", [name, hole()]),),
     "arbitration_node": lambda name: (_receives(name), _receives(_inherited(name))),
@@ -53,6 +53,15 @@ AT_MODULE: dict[NodeKind, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] 
     ),
     "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
 }
+
+
+def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
+    """Return the atoms that stand for a node of a kind at a module, one that packs bring too."""
+    if kind in _AT_MODULE:
+        return _AT_MODULE[kind](name)
+    return (clingo.Function("inserted_at", [clingo.Function(kind), name, hole()]),)
+
+
 #: What a node of a kind may be there for, where its atom names no module.
 RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
 #: Kinds for which what is far away from a module counts as well.
@@ -123,7 +132,7 @@ class _Question(NamedTuple):
     @property
     def is_node(self) -> bool:
         """Whether a node is asked for."""
-        return self.kind in NODE_NAMES
+        return any(pattern.name != "consequence" for pattern in self.patterns) and bool(self.kind)
 
 
 def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
@@ -265,7 +274,7 @@ def _present(
         each = (topic for node in nodes for topic in specification.resolves[node.name])
         topics = list(dict.fromkeys(each))
         answer = is_there(question.shown, topics, len(nodes))
-        named = node_kind(question.shown) is not None and question.shown not in NODE_NAMES.values()
+        named = question.shown in {node.name for node in specification.nodes}
         see = question.shown if named else next(iter(topics), None)
     elif question.kind is not None:
         found = [c for c in read_consequences(evidence.analysis) if c.atom == held]
@@ -319,6 +328,8 @@ def node_term(held: clingo.Symbol, kind: str | None) -> str:
     """Return the atom by which a node is called, of one that stands for it at a module."""
     if kind == "arbitration_node" and held.name == "receives":
         return str(clingo.Function("arbiter", held.arguments[1].arguments))
+    if held.match("inserted_at", 3):
+        return str(held.arguments[2])
     return str(held)
 
 
@@ -392,9 +403,10 @@ def _meant(
         about = about.arguments[0]
     if kind is None or about.type != clingo.SymbolType.String:
         return None, None
-    node = next((each for each in NODE_NAMES if each == kind), None)
+    names = node_names(reasoner.project.configuration.kinds)
+    node = next((each for each in names if each == kind), None)
     consequence = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
-    patterns = (consequence,) if node is None else AT_MODULE[node](about)
+    patterns = (consequence,) if node is None else at_module(node, about)
     question = _Question("", patterns, kind, about.string)
     synthesis = None if node is None or not reasoner.is_resolved else reasoner.synthesis
     if node is not None and synthesis is None:
@@ -419,9 +431,9 @@ def circles(analysis: Analysis) -> Iterator[tuple[str, str]]:
 
 def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     """Return why there is no node of a name, which only counts nodes of its kind."""
-    kind = node_kind(name)
+    kind = reasoner.project.configuration.node_kind(name)
     assert kind is not None
-    word = NODE_NAMES[kind]
+    word = node_names(reasoner.project.configuration.kinds)[kind]
     evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
         return unrealised(name, evidence)
@@ -437,7 +449,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
         named = _named([f"{n} ({_listed(_named(specification.resolves[n]))})" for n in same])
         words = f"{len(same)} {word}s" if len(same) > 1 else f"one {word}"
         because = f"the minimal specification has {words}: {_listed(named)}"
-    pattern = AT_MODULE[kind](hole())[0]
+    pattern = at_module(kind, hole())[0]
     return WhyNot(
         name,
         f"No {name}: {because}.",
@@ -517,6 +529,7 @@ class _Vocabulary:
         configuration = reasoner.project.configuration
         self._path = configuration.path
         self._kinds = consequence_kinds(rulebook)
+        self._nodes = node_names(configuration.kinds)
         self._any_kind = any(kinds_of(rule) is None for rule in rulebook.rules)
         self._modules = {name.text for name in configuration.modules}
         self._modules.update(end for r in configuration.relationships for end in ends_of(r))
@@ -567,8 +580,8 @@ class _Vocabulary:
     def is_node(self, subject: str) -> bool:
         """Say whether a subject is the name of a node, and of no module."""
         return (
-            node_kind(subject) is not None
-            and subject not in NODE_NAMES.values()
+            self._reasoner.project.configuration.node_kind(subject) is not None
+            and subject not in self._nodes.values()
             and subject not in self._modules
         )
 
@@ -578,11 +591,11 @@ class _Vocabulary:
         if call is not None:
             name = call[2] if call[2] is not None else call[3]
             node = next(
-                (kind for kind, word in NODE_NAMES.items() if call[1] in (kind, word)), None
+                (kind for kind, word in self._nodes.items() if call[1] in (kind, word)), None
             )
             if node is not None and subject not in self._modules:
-                about, title = self._about(name, NODE_NAMES[node])
-                return _Question(title, AT_MODULE[node](about), node, _module(about))
+                about, title = self._about(name, self._nodes[node])
+                return _Question(title, at_module(node, about), node, _module(about))
             if call[1] in self._kinds or self._is_kind(call[1]):
                 about, title = self._about(name, call[1])
                 kind_term = clingo.Function(call[1])
@@ -657,9 +670,9 @@ class _Vocabulary:
             return self._wrong(
                 f"`{name}` is a module, which is there", f"ask for `DataSplitter({name})`"
             )
-        known = {known.name for known in self._predicates} | self._kinds | set(NODE_NAMES.values())
+        known = {known.name for known in self._predicates} | self._kinds | set(self._nodes.values())
         if name in known:
-            about = "the node" if name in NODE_NAMES.values() else "the finding"
+            about = "the node" if name in self._nodes.values() else "the finding"
             return self._wrong(
                 f"`{name}` takes one name", f"write `{name}(NAME)`; NAME is what {about} is about"
             )

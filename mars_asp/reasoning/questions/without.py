@@ -61,7 +61,7 @@ def without(name: str, reasoner: Reasoner) -> tuple[Broken, ...] | None:
     declared = project.configuration.relationships
     over = _Ways(synthesis.specification.configuration, nodes).over(declared)
     left = _Left(synthesis.specification.configuration, name)
-    rulebook = reasoner.rulebook.built_in
+    rulebook = reasoner.rulebook
     verification = judge_specification(left.specification, project, rulebook)
     facts = (*reasoner.facts, *specification_facts(left.specification, project, rulebook))
     control = verification.grounding.control
