@@ -75,7 +75,12 @@ def by_place(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 class MarsError(Exception):
-    """Raised once per stage, with everything that stage found wrong, sorted by place."""
+    """Raised once per stage, with everything that stage found wrong, sorted by place.
+
+    `status` is how a command ends that is ended by it: 2 for bad input, 1 for what the input means.
+    """
+
+    status = 2
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep the diagnostics for the command line to render."""

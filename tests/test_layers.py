@@ -58,7 +58,7 @@ FILES = {
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
     ),
     "reasoning/synthesis": (
-        "carried_modes derived draft inheritance_nodes stretches control_lines data_lines specify "
+        "carried_modes derived draft exclusion inheritance_nodes stretches control_lines data_lines specify "
         "synthesise"
     ),
     "reasoning/questions": (

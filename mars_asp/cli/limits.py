@@ -25,7 +25,7 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
         return run(arguments)
     except MarsError as error:
         report_error(error, arguments)
-        return 2
+        return error.status
     except MemoryError:
         say_memory_ended(arguments)
         return 3

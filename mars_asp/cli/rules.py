@@ -15,7 +15,7 @@ from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.sorts import wrong_sorts
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
@@ -256,7 +256,7 @@ def _document(rule: Rule, heading: str) -> str:
     if rule.example:
         parts.append(f"Example: {rule.example}")
     parts.append(f"{rule.span.path}:{rule.span.line}")
-    return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
+    return "\n\n".join([*parts, f"```clingo\n{plain(rule.text)}\n```"])
 
 
 def _predicate_document(declaration: Declaration) -> str:
@@ -303,5 +303,5 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
         "path": rule.span.path,
         "line": rule.span.line,
-        "text": rule.text,
+        "text": plain(rule.text),
     }

@@ -29,7 +29,7 @@ from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
 from mars_asp.asp.rules.statements import Piece
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
@@ -127,7 +127,8 @@ class Declaration:
     def written(self) -> str:
         """Return the predicate with the names and sorts of its arguments."""
         inside = ", ".join(map(_written, self.arguments))
-        return f"{self.name}({inside})" if inside else self.name
+        name = plain(self.name)
+        return f"{name}({inside})" if inside else name
 
     def places(self, *sorts: str) -> tuple[int, ...]:
         """Return the positions from 0 of the arguments that are of one of some sorts."""

@@ -306,10 +306,15 @@ def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterat
 def _named_by_space(space: NameSpace) -> NameSpace:
     return space._replace(
         files=tuple(
-            file._replace(rules=tuple(replace(r, id=f"{space.name}/{r.id}") for r in file.rules))
+            file._replace(rules=tuple(_of_space(rule, space.name, file) for rule in file.rules))
             for file in space.files
         )
     )
+
+
+def _of_space(rule: Rule, name: str, file: RuleFile) -> Rule:
+    """Return a rule with the name of its pack before its id, which a path tells apart already."""
+    return rule if rule.id.startswith(file.shown) else replace(rule, id=f"{name}/{rule.id}")
 
 
 def _named_by_path(rule: Rule, file: RuleFile) -> Rule:

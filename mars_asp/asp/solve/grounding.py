@@ -104,7 +104,7 @@ class Answer:
         with self.grounding.control.solve(assumptions=self.decided, yield_=True) as handle:
             model = handle.model()
             if model is None:
-                raise self.grounding.refused(_UNSATISFIABLE)
+                raise NoAnswerError(self.grounding.refused(_UNSATISFIABLE).diagnostics)
             yield model
 
 
@@ -126,6 +126,10 @@ class Resolution:
     def taken(self) -> frozenset[TermId]:
         """Return the true atoms that are no facts, and some that are."""
         return self.answer.taken
+
+
+class NoAnswerError(MarsError):
+    """Rules that choose have no answer."""
 
 
 class Part(NamedTuple):
@@ -242,7 +246,8 @@ class Grounding:
         those found here are added.
 
         Raises:
-            MarsError: the rules are refused, or have no answer.
+            NoAnswerError: the rules have no answer.
+            MarsError: the rules are refused.
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
@@ -255,7 +260,7 @@ class Grounding:
         try:
             return self._least(COST_LEVEL, deadline, progress, {} if known is None else known)
         except UnsatisfiableError:
-            raise self.refused(_UNSATISFIABLE) from None
+            raise NoAnswerError(self.refused(_UNSATISFIABLE).diagnostics) from None
 
     def choose(self, program: Sequence[Fragment], deadline: float | None = None) -> Resolution:
         """Ground a program of any sort, and find its least answer; all that is open tells it apart.

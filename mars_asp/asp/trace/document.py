@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.signature import plain
 from mars_asp.asp.trace.absence_text import attempt_text
 from mars_asp.asp.trace.premise_order import PremiseOrder
 from mars_asp.asp.trace.tree import (
@@ -60,7 +61,7 @@ class Document:
             if key in self._numbers:
                 kind, message = _kind(step), _message(step)
                 target |= {"shared": True, "ref": self._numbers[key]}
-                target |= {"atom": step.atom, "message": message, "kind": kind}
+                target |= {"atom": plain(step.atom), "message": message, "kind": kind}
                 continue
             target |= self._step(step)
             if inside and depth is not None and level >= depth:
@@ -78,7 +79,7 @@ class Document:
         return root
 
     def _step(self, step: _Step) -> _Json:
-        entry: _Json = {"atom": step.atom, "message": _message(step), "kind": _kind(step)}
+        entry: _Json = {"atom": plain(step.atom), "message": _message(step), "kind": _kind(step)}
         entry |= {"rule": None, "bindings": {}, "location": None, "premises": []}
         match step:
             case Given(_, _, origin):
@@ -180,7 +181,7 @@ class _Lines:
             yield from self._rule(step.rule)
             rule = self._rules[id(step.rule)]
         number = self._numbers[_key(step)] = len(self._numbers) + 1
-        entry: _Json = {"step": number, "kind": _kind(step), "atom": step.atom}
+        entry: _Json = {"step": number, "kind": _kind(step), "atom": plain(step.atom)}
         entry |= {"says": _message(step), "at": at, "rule": rule}
         entry["with"] = _bindings(step) if isinstance(step, Derived | Attempt) else {}
         entry["from"] = [self.number(each) for each in _inside(step, self._order)]
@@ -240,13 +241,13 @@ def _kind(step: _Step) -> str:
 def _message(step: _Step) -> str:
     match step:
         case Absent() | Missing():
-            return step.message
+            return plain(step.message)
         case Unexplained():
             return step.reason
         case Attempt():
-            return attempt_text(step)
+            return plain(attempt_text(step))
         case _:
-            return step.message or step.atom
+            return step.message or plain(step.atom)
 
 
 def _place(leaf: Given) -> _Json | None:
@@ -264,4 +265,5 @@ def _bindings(step: Derived | Attempt) -> dict[str, str]:
 
 
 def _rule_json(rule: Rule) -> _Json:
-    return {"id": rule.id, "path": rule.span.path, "line": rule.span.line, "text": rule.text}
+    span = rule.span
+    return {"id": rule.id, "path": span.path, "line": span.line, "text": plain(rule.text)}

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import clingo
 
 from mars_asp.asp.messages import shown
+from mars_asp.asp.signature import plain
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.absence_text import attempt_text, failure, nearest
@@ -101,8 +102,8 @@ class _Entry(NamedTuple):
 
 def _said(step: Derived | Attempt, folded: bool) -> str:
     if isinstance(step, Attempt):
-        return attempt_text(step)
-    return step.message or (_named(step.head) if folded else step.atom)
+        return plain(attempt_text(step))
+    return step.message or plain(_named(step.head) if folded else step.atom)
 
 
 def _named(head: TermId) -> str:

@@ -11,6 +11,7 @@ from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.declarations import Declaration, Origin
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.symbols import term_of
+from mars_asp.asp.signature import plain
 from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
 from mars_asp.asp.trace.sentences import Sentences, Told
@@ -94,11 +95,11 @@ class Absent:
 def _absence(atom: str, words: Words | None) -> str:
     """Return a sentence about an absence; of what nothing is declared it names the atom."""
     if words is None:
-        return f"no {atom}"
+        return f"no {plain(atom)}"
     pattern = words.atom
     names = [f"`{each}`" for each in pattern.arguments if isinstance(each, str)]
     of = f" of {' and '.join(names)}" if names else ""
-    name = pattern.name.removeprefix("-").replace("_", " ").strip()
+    name = plain(pattern.name).removeprefix("-").replace("_", " ").strip()
     return words.sentences.unless(pattern) or f"no {name}{of}"
 
 

@@ -33,6 +33,7 @@ from mars_asp.reasoning.questions.near_miss import near_miss
 from mars_asp.reasoning.questions.subject import wrong_question
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
+from mars_asp.reasoning.synthesis.exclusion import NoSpecificationError, excluded
 from mars_asp.reasoning.synthesis.synthesise import (
     UNRESOLVABLE,
     Synthesis,
@@ -207,9 +208,13 @@ def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
     held = _held(question, evidence, synthesis)
     if held is not None:
         return _present(question, held, evidence, synthesis)
-    found = _blame(reasoner, question, evidence)
     if synthesis is not None:
         offered, extra = _cheapest_of(reasoner, synthesis, evidence.analysis, question.patterns)
+    if synthesis is not None and offered is None and reasoner.rulebook.packs:
+        against = excluded(reasoner.rulebook, evidence.facts, shown_pattern(pattern))
+        if against is not None:
+            return _excluded(question, against, evidence)
+    found = _blame(reasoner, question, evidence)
 
     def trace() -> Trace:
         return _of_named_kind(absence.why_not(evidence.explainer, pattern, depth), pattern)
@@ -228,6 +233,23 @@ def _answer(reasoner: Reasoner, question: _Question, depth: int) -> WhyNot:
         extra,
         evidence.analysis,
         trace,
+    )
+
+
+def _excluded(question: _Question, against: NoSpecificationError, evidence: Evidence) -> WhyNot:
+    """Return that constraints of rule packs keep every specification from having it."""
+    first = against.diagnostics[0]
+    return WhyNot(
+        question.shown,
+        f"No {question.shown}: {first.message}, as `{first.code}` demands.",
+        tuple(each.span for each in against.diagnostics),
+        first.help,
+        False,
+        True,
+        None,
+        None,
+        evidence.analysis,
+        lambda: Absent(shown_pattern(question.patterns[0])),
     )
 
 

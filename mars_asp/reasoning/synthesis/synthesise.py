@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Fact
-from mars_asp.asp.solve.grounding import Resolution
+from mars_asp.asp.solve.grounding import NoAnswerError, Resolution
 from mars_asp.asp.solve.optimum import MOST_COST, TooCostlyError
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.reasoning.analysis import Analysis
@@ -20,6 +20,7 @@ from mars_asp.reasoning.synthesis import (
     specify,
 )
 from mars_asp.reasoning.synthesis.derived import STAGE
+from mars_asp.reasoning.synthesis.exclusion import excluded
 
 #: What the rules derive of each relationship that stands against every specification.
 UNRESOLVABLE = Signature("unresolvable", 1)
@@ -50,12 +51,14 @@ def synthesise(
     When the budget is spent the best found so far is taken, with a bound on what is least.
 
     Raises:
+        NoSpecificationError: constraints of rule packs exclude every specification.
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    resolution = _resolve(analysis, rulebook, budget)
-    if resolution is None:
-        return None
-    derived = Derived(rulebook, resolution.answer)
+    with _reasons(analysis, rulebook):
+        resolution = _resolve(analysis, rulebook, budget)
+        if resolution is None:
+            return None
+        derived = Derived(rulebook, resolution.answer)
     return Synthesis(specify(project, derived), resolution, derived)
 
 
@@ -65,13 +68,28 @@ def least_cost(
     """Return what `synthesise` would find the least specification to cost, by level.
 
     Raises:
+        NoSpecificationError: constraints of rule packs exclude every specification.
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    resolution = _resolve(analysis, rulebook, budget)
-    if resolution is None:
-        return None
-    resolution.answer.check()
+    with _reasons(analysis, rulebook):
+        resolution = _resolve(analysis, rulebook, budget)
+        if resolution is None:
+            return None
+        resolution.answer.check()
     return resolution.cost
+
+
+@contextmanager
+def _reasons(analysis: Analysis, rulebook: Rulebook) -> Iterator[None]:
+    """Name the constraints that exclude every answer.
+
+    Raises:
+        NoSpecificationError: where there is none.
+    """
+    try:
+        yield
+    except NoAnswerError as error:
+        raise (excluded(rulebook, analysis.facts) or error) from None
 
 
 def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resolution | None:

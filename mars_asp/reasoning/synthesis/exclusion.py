@@ -1,0 +1,94 @@
+"""Which constraints of rule packs leave a configuration without a specification.
+
+Each constraint that could be the reason is relaxed: it derives that it is broken instead of
+excluding the answer, and an answer is sought that breaks as few as possible. What it breaks is what
+no specification can meet. This costs a second grounding, and is done where there is nothing else to
+tell.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.messages import Said, heard
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import bound_variables, without_rules
+from mars_asp.asp.signature import Signature, plain
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.reasoning.facts.compile import facts_text
+
+_STAGE = "resolve"
+_BROKEN = Signature("_broken", 3)
+#: Above all that is minimised otherwise.
+_LEVEL = 1_000_000
+#: So many instances of what is broken are told.
+_MOST = 20
+
+
+class NoSpecificationError(MarsError):
+    """Constraints that rule packs state, or that hold for their nodes, exclude every answer."""
+
+    status = 1
+
+
+def excluded(
+    rulebook: Rulebook, facts: Iterable[Fact], wanted: str = ""
+) -> NoSpecificationError | None:
+    """Return which constraints no specification meets; `None` where that is not the reason.
+
+    With `wanted`, an atom in which `_` is any value, which none meets that has such an atom.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    of_packs = set(map(id, rulebook.of_packs))
+    rules = [rule for rule in rulebook.rules if rule.stage == _STAGE]
+    relaxed = [r for r in rules if _is_constraint(r) and (id(r) in of_packs or r.because)]
+    if not relaxed:
+        return None
+    grounding = Grounding([*rulebook.fragments("base"), Fragment(facts_text(facts), "facts")])
+    left_out = set(map(id, relaxed))
+    kept = [rule.text for rule in rules if id(rule) not in left_out]
+    others = [without_rules(text) for stage, text in rulebook.texts if stage == _STAGE]
+    broken = [_relaxed(number, rule) for number, rule in enumerate(relaxed)]
+    cost = f"#minimize {{ 1@{_LEVEL},N,V : _broken(N,none,V) }}."
+    demand = [f":- not {wanted}."] if wanted else []
+    try:
+        found = grounding.resolve("\n".join([*others, *kept, *broken, *demand, cost]))
+        found.answer.check()
+    except MarsError:
+        return None
+    said = [heard(atom, relaxed) for atom in found.answer.true_of([_BROKEN])[_BROKEN]]
+    return NoSpecificationError(_diagnostics(said)) if said else None
+
+
+def _is_constraint(rule: Rule) -> bool:
+    return not rule.heads and not rule.is_choice and rule.listed is None
+
+
+def _relaxed(number: int, rule: Rule) -> str:
+    """Return a constraint as a rule that tells what breaks it, by what its message names."""
+    holes = rule.holes if rule.because else tuple(sorted(bound_variables(rule.text)))
+    return f"_broken({number},none,v({','.join(holes)})) :- {rule.written[1] or '#true'}."
+
+
+def _diagnostics(said: Sequence[Said]) -> Iterator[Diagnostic]:
+    for each in said[:_MOST]:
+        rule = each.rule
+        message = each.message
+        if message is None:
+            holes = ", ".join(f"`{{{name}}}`" for name in sorted(bound_variables(rule.text)))
+            about = f", here for {holes}" if holes else ""
+            spoken = replace(rule, because=f"no specification meets this constraint{about}")
+            message = each._replace(rule=spoken).message or ""
+        yield Diagnostic(
+            rule.id,
+            "error",
+            message,
+            rule.span,
+            help=each.help or "weaken the constraint, or change what it forbids",
+            excerpt=plain(rule.text.partition("\n")[0]),
+        )
