@@ -33,7 +33,7 @@ class Signature(NamedTuple):
         return self if self.positive else Signature(self.name, self.arity)
 
     def __str__(self) -> str:
-        return f"{self.signed}/{self.arity}"
+        return f"{plain(self.signed)}/{self.arity}"
 
 
 def signature_of(symbol: clingo.Symbol) -> Signature:

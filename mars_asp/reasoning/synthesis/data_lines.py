@@ -37,6 +37,8 @@ class DataLines:
         self._modes = derived.of_each("spec_required_mode")
         self._rates = derived.of_each("spec_required_rate")
         self._done: set[TermId] = set()
+        #: A node that takes several inputs is come to from each of them.
+        self._written: set[TermId] = set()
 
     def write(self, relationship: Data) -> None:
         """Write all lines of a relationship's source, unless they are written already."""
@@ -49,6 +51,9 @@ class DataLines:
         stack = self._outputs(source, place)
         while stack:
             line = stack.pop()
+            if line.line in self._written:
+                continue
+            self._written.add(line.line)
             self._write_line(line)
             if line.client in self._derived.kinds:
                 stack += self._outputs(line.client, place)
@@ -80,6 +85,8 @@ class DataLines:
         source, source_port = draft.ends.written(feeder)
         stated = self._stated(line.line)
         client_port = None if stated is None else stated.client_port
+        if line.client in self._derived.kinds:
+            client_port = None
         ports = client_port, source_port
         draft.lines.append(Data(client, source, draft.span, mode, hz, *ports))
 
