@@ -6,9 +6,11 @@ from pathlib import Path
 
 from mars_asp.cli.campaign_runner import Job
 from mars_asp.cli.limits import memory_limit
+from mars_asp.cli.reason import packs_of
 from mars_asp.diagnostic import refusal
 from mars_asp.execution.campaign.code import hash_of, imported_code
 from mars_asp.execution.campaign.grid import Grid
+from mars_asp.execution.judgement import run_rulebook
 from mars_asp.execution.scenario.functions import bound_functions
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.execution.scenario.vary import CHANGED, switched_off
@@ -65,7 +67,9 @@ def job_of(
         most /= arguments.workers
     files = code if arguments.cluster else None
     seconds = arguments.run_limit
-    return Job(specification, modules, text, str(path), str(Path.cwd()), files, seconds, most)
+    rulebook = run_rulebook(packs_of(arguments))
+    folder = str(Path.cwd())
+    return Job(specification, modules, text, str(path), folder, files, seconds, most, rulebook)
 
 
 def hashes(
@@ -78,7 +82,7 @@ def hashes(
         *(line.span for line in configuration.relationships),
         *(module.span for module in project.modules.values()),
     ]
-    given = find_packs(map(Path, arguments.rules), [])
+    given = find_packs(packs_of(arguments), [])
     packs = [str(file.path) for pack in given for file in pack.files]
     packs += [str(pack.folder / MANIFEST) for pack in given if pack.manifest is not None]
     paths = {*arguments.files, *(span.path for span in spans), *packs}

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple, NoReturn
 
 from mars_asp import __version__
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import worker
 from mars_asp.cli.limits import limit_memory
 from mars_asp.cli.perform import performed
@@ -31,7 +32,6 @@ from mars_asp.cli.run import run_json
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED
-from mars_asp.execution.judgement import run_rulebook
 from mars_asp.execution.scenario.read import Scenario, read_scenario
 from mars_asp.model.declarations import Configuration, Module
 
@@ -53,7 +53,7 @@ class Job:
     `path` is that of the scenario, `folder` the one in which they are carried out. `files` are the
     contents of Python files by their absolute paths, where others cannot see these. `seconds` is
     how long each run may take, without it 60 s and ten times its simulated time; `megabytes` how
-    much memory.
+    much memory. `rulebook` judges them.
     """
 
     specification: Configuration
@@ -64,6 +64,7 @@ class Job:
     files: Mapping[str, bytes] | None
     seconds: float | None
     megabytes: float | None
+    rulebook: Rulebook
     version: str = __version__
 
 
@@ -209,7 +210,7 @@ class _Carrier:
         self._job, self._given = job, given
         #: What paths begin with here and nowhere else.
         self._root = root.encode()
-        self._rulebook = run_rulebook()
+        self._rulebook = job.rulebook
         self._scenarios: dict[str, Scenario] = {}
         for name in _PRELOADED:
             importlib.import_module(name)

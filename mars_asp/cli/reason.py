@@ -9,6 +9,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import stage
 from mars_asp.cli.report import report
+from mars_asp.cli.settings import settings_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.foreign import File, read_foreign
@@ -22,6 +23,8 @@ from mars_asp.reasoning.project import Project, described, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 
 STANDARD_INPUT = "-"
+#: Where verbs keep what they read first.
+_FILES = ("files", "file", "old", "specification")
 #: What standard input is called in places.
 SHOWN_INPUT = "<stdin>"
 
@@ -87,9 +90,10 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
 
 def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
     """Return what was parsed, with the kinds of nodes that packs bring; their faults come later."""
-    if not arguments.rules:
+    packs = packs_of(arguments)
+    if not packs:
         return parsed
-    kinds = kinds_of(find_packs(map(Path, arguments.rules), []))
+    kinds = kinds_of(find_packs(packs, []))
     return parsed._replace(configuration=replace(parsed.configuration, kinds=kinds))
 
 
@@ -178,13 +182,25 @@ def load(
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
-    """Load the built-in rules and those of `--rules`.
+    """Load the built-in rules, and the packs of `--rules` and of the settings.
 
     Raises:
         MarsError: what is wrong with rule files.
     """
-    packs = [Path(path) for path in arguments.rules]
-    return load_rulebook(packs, stages, trusted=arguments.trust)
+    return load_rulebook(packs_of(arguments), stages, trusted=arguments.trust)
+
+
+def packs_of(arguments: argparse.Namespace) -> list[Path]:
+    """Return the packs that the settings of the first file name, and then those of `--rules`.
+
+    Raises:
+        MarsError: what is wrong with the settings.
+    """
+    named = (getattr(arguments, each, None) for each in _FILES)
+    first = next((each for each in named if each), ".")
+    path = Path(first if isinstance(first, str) else first[0])
+    folder = path if path.is_dir() else path.parent
+    return [Path(each) for each in (*settings_for(folder).rules, *arguments.rules)]
 
 
 def analyse_project(

@@ -23,6 +23,7 @@ from mars_asp.cli.perform import performed, read_changes, scenario_text, specifi
 from mars_asp.cli.reason import (
     add_file,
     check_inputs,
+    packs_of,
     read_project,
 )
 from mars_asp.cli.report import report
@@ -121,6 +122,8 @@ def run(arguments: argparse.Namespace) -> int:
     # What modules print is no part of the result that programs read.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))
+    from mars_asp.execution.judgement import run_rulebook
+
     with shown(arguments, _title(scenario)) as page:
         with aside, recorded(arguments) as record, live_line(arguments, run_line) as line:
 
@@ -130,8 +133,9 @@ def run(arguments: argparse.Namespace) -> int:
                     page.show(trial)
 
             observe = record.observe if record else None
+            rulebook = run_rulebook(packs_of(arguments))
             trial, judgement = performed(
-                specification, modules, scenario, observe, show, speed=arguments.speed
+                specification, modules, scenario, observe, show, rulebook, arguments.speed
             )
             if record:
                 record.end(trial)

@@ -1,4 +1,4 @@
-"""What `mars.toml`, or `[tool.mars-asp]` of `pyproject.toml`, says about which findings to report.
+"""What `mars.toml`, or `[tool.mars-asp]` of `pyproject.toml`, says: findings to report, rule packs.
 
 The nearest of these files counts, from a folder upwards; in one folder `mars.toml` does.
 """
@@ -18,12 +18,18 @@ _OWN, _SHARED = "mars.toml", "pyproject.toml"
 _TABLE = ("tool", "mars-asp")
 #: A key or a header with our name in it.
 _NAMED = r"(?m)^[^=#\n]*mars-asp"
-_KEYS = ("select", "ignore", "baseline")
+_KEYS = ("select", "ignore", "baseline", "rules")
+#: What the keys list whose values are lists.
+_LISTED = {
+    "select": "kinds of findings",
+    "ignore": "kinds of findings",
+    "rules": "folders of rule packs",
+}
 _MOST_BYTES = 1024 * 1024
 
 
 class Settings(NamedTuple):
-    """What is stated; nothing where a key is not given. A baseline's path is seen from here.
+    """What is stated; nothing where a key is not given. Paths are seen from here.
 
     `text` is that of the file, `table` the keys that lead to ours.
     """
@@ -31,6 +37,7 @@ class Settings(NamedTuple):
     select: tuple[str, ...] | None = None
     ignore: tuple[str, ...] | None = None
     baseline: str | None = None
+    rules: tuple[str, ...] = ()
     path: str = ""
     text: str = ""
     table: tuple[str, ...] = ()
@@ -85,11 +92,12 @@ def _read(path: Path, text: str, table: tuple[str, ...]) -> Settings:
     problems = list(_problems(where, values))
     if problems:
         raise MarsError(problems)
-    select, ignore, baseline = (values.get(key) for key in _KEYS)
+    select, ignore, baseline, rules = (values.get(key) for key in _KEYS)
     return Settings(
         None if select is None else tuple(select),
         None if ignore is None else tuple(ignore),
         None if baseline is None else str(path.parent / baseline),
+        tuple(str(path.parent / each) for each in rules or ()),
         where.path,
         text,
         table,
@@ -106,11 +114,11 @@ def _problems(where: Settings, values: Mapping[str, Any]) -> Iterator[Diagnostic
             if not isinstance(value, str) or not value or "\0" in value:
                 yield _wrong(where, "`baseline` must be the path of a file", key)
         elif not isinstance(value, list):
-            yield _wrong(where, f"`{key}` must be a list of kinds of findings", key)
+            yield _wrong(where, f"`{key}` must be a list of {_LISTED[key]}", key)
         else:
             for number, each in enumerate(value):
-                if not isinstance(each, str):
-                    yield _wrong(where, f"`{key}` lists kinds of findings as texts", key, number)
+                if not isinstance(each, str) or "\0" in each:
+                    yield _wrong(where, f"`{key}` lists {_LISTED[key]} as texts", key, number)
 
 
 def _wrong(

@@ -25,6 +25,7 @@ from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.rules import load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
@@ -105,9 +106,13 @@ class Judgement:
         return tuple((c, traces[c.atom]) for c in found)
 
 
-def run_rulebook() -> Rulebook:
-    """Return the rules that judge a run, and no others."""
-    every = load_rulebook(stages=("run",))
+def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
+    """Return the rules that judge a run, those of packs among them, and no others.
+
+    Raises:
+        MarsError: what is wrong with packs.
+    """
+    every = load_rulebook(packs, stages=("run",))
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
     texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
     documented = (file._replace(stage="base") for file in every.documented if file.stage == "run")
@@ -128,6 +133,9 @@ def judge_facts(
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
     named = {**ALWAYS, **{name: ON_REQUEST[name] for name in asked}}
+    # What a pack finds wrong with a run is a requirement of that name.
+    built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values()}
+    named |= {kind: kind for kind in sorted(consequence_kinds(rulebook) - built_in)}
 
     def found(kind: str | None) -> tuple[Consequence, ...]:
         return tuple(c for c in analysis.consequences if c.kind == kind)
