@@ -58,8 +58,8 @@ FILES = {
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
     ),
     "reasoning/synthesis": (
-        "carried_modes derived draft exclusion inheritance_nodes stretches control_lines data_lines specify "
-        "synthesise"
+        "carried_modes derived draft exclusion inheritance_nodes stretches control_lines "
+        "data_lines specify synthesise"
     ),
     "reasoning/questions": (
         "sharing account needs subject alternatives annotation_edits changes evidence preceding "

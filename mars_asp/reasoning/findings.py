@@ -60,6 +60,7 @@ CONTRACT = Contract(
     EXPANSIONS,
     choosing=frozenset({"resolve"}),
     free_below=LEAST_COST,
+    folders={"base": "consequences"},
 )
 
 

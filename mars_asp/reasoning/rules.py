@@ -122,6 +122,9 @@ def load_rulebook(
     wanted = tuple(dict.fromkeys((*stages, *following)))
     own = _built_in(wanted, strict, problems)
     packs = find_packs(extra, problems)
+    if problems:
+        # What is wrong with packs as such spoils what is said of their rules.
+        raise MarsError(problems)
     spaces = tuple(_name_space(pack, problems) for pack in packs)
     if spaces:
         sealed = seal()

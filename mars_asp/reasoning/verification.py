@@ -14,6 +14,7 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.compile import (
@@ -111,6 +112,19 @@ def judge_specification(
     )
 
 
+def _clause(head: clingo.Symbol, rule: Rule) -> int:
+    """Return the number of the clause that fails.
+
+    Raises:
+        MarsError: a rule pack gives something else.
+    """
+    if head.arguments[0].type == clingo.SymbolType.Number:
+        return head.arguments[0].number
+    message = f"`{head.arguments[0]}` is not the number of a clause"
+    advice = "number the clauses of a pack from 100 on"
+    raise MarsError((Diagnostic("rule-clause", "error", message, rule.span, help=advice),))
+
+
 def _is_judge(rule: Rule) -> bool:
     return rule.derives(_VIOLATION) or rule.derives(_CAUTION)
 
@@ -140,7 +154,7 @@ def _judged_by(
         if told.rule.derives(_CAUTION):
             cautions[message] = Caution(message, told.help, told.rule)
         else:
-            clause = head.arguments[0].number
+            clause = _clause(head, told.rule)
             violations[clause, message] = Violation(clause, message, told.help, told.rule, head)
     return Verification(
         tuple(violations[key] for key in sorted(violations)),

@@ -54,6 +54,8 @@ class Contract:
     expansions: Expansions = field(default_factory=dict)
     choosing: frozenset[str] = frozenset()
     free_below: int = 0
+    #: What the folders of a pack are called, where that is not the name of their stage.
+    folders: Mapping[str, str] = field(default_factory=dict)
     trusted: bool = False
 
 
@@ -325,8 +327,9 @@ def _reserved(
     if stage in stages:
         return
     if stages:
-        message = f"`{signature}` is not derived in this stage"
-        advice = f"derive it in {' or '.join(f'`{each}`' for each in sorted(stages))}"
+        message = f"`{signature}` is not derived in `{contract.folders.get(stage, stage)}`"
+        names = sorted(contract.folders.get(each, each) for each in stages)
+        advice = f"derive it in {' or '.join(f'`{each}`' for each in names)}"
     elif name.startswith("_"):
         message = f"`{signature}` begins with `_`, which is reserved"
     elif SPACE in name:

@@ -1,0 +1,89 @@
+"""Manifests of rule packs and where their rules lie: what is wrong is told at its place.
+
+Packs are folders in `tests/manifests`, each with what an analysis says of it in `expected.txt`.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.packs import MANIFEST, find_packs
+from mars_asp.reasoning.rules import STAGES, load_rulebook
+from tests.support.documents import ROOT
+
+CASES = sorted(each.parent for each in (ROOT / "tests/manifests").glob("*/expected.txt"))
+ROBOT = "tests/packs/robot.mars"
+NODE = """
+[[node]]
+kind = "{kind}"
+name = "{name}"
+carries = "data"
+inputs = "one"
+outputs = "one"
+"""
+
+
+@pytest.mark.parametrize("folder", CASES, ids=lambda folder: folder.name)
+def test_what_is_wrong_is_told(
+    folder: Path,
+    update_golden: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(ROOT)
+    packs = sorted(folder.glob("with-*")) or [folder]
+    given = [word for pack in packs for word in ("--rules", str(pack.relative_to(ROOT)))]
+    assert run_here(["analyse", ROBOT, *given]) == 2
+    printed, told = capsys.readouterr()
+    assert not printed
+    expected = folder / "expected.txt"
+    if update_golden:
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+def test_every_verb_says_the_same() -> None:
+    for folder in CASES:
+        packs = sorted(folder.glob("with-*")) or [folder]
+        said = []
+        for stages in ((), ("resolve", "verify"), STAGES):
+            with pytest.raises(MarsError) as caught:
+                load_rulebook(packs, stages)
+            said.append(caught.value.diagnostics)
+        assert said[0] == said[1] == said[2]
+
+
+@pytest.mark.parametrize(
+    ("there", "asked", "is_right"),
+    [
+        ("1.2", ">= 1.2", True),
+        ("1.2", ">= 1.2.0", True),
+        ("1.2", ">= 1.10", False),
+        ("1.10", ">= 1.2", True),
+        ("1.2", "== 1.2.0", True),
+        ("1.2", "== 1.3", False),
+        ("1.2", "< 2", True),
+        ("2", "< 2", False),
+        ("0.3", "", True),
+    ],
+)
+def test_versions_are_compared_as_numbers(
+    there: str, asked: str, is_right: bool, tmp_path: Path
+) -> None:
+    for name, more in (("base", ""), ("user", f'needs = ["base {asked}"]')):
+        (tmp_path / name).mkdir()
+        version = there if name == "base" else "1"
+        text = f'name = "{name}"\nversion = "{version}"\n{more}\n'
+        (tmp_path / name / MANIFEST).write_text(text)
+    problems: list[object] = []
+    find_packs([tmp_path / "user", tmp_path / "base"], problems)  # type: ignore[arg-type]
+    assert bool(problems) != is_right
+
+
+def test_a_pack_is_read_once(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('name = "one"\nversion = "1"\n')
+    (tmp_path / "vocabulary.lp").write_text("one(1).")
+    found = find_packs([tmp_path, tmp_path / ".", tmp_path], [])
+    assert [len(pack.files) for pack in found] == [1]
