@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 Row = tuple[float, str, str]
 
 #: Two winners that take turns so often or more are told once.
-_TURNS = 6
+_TURNS = 20
 
 
 def in_turn(rows: Sequence[Row]) -> Iterator[Row]:

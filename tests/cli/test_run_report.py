@@ -88,11 +88,11 @@ def test_a_replay_is_found_from_the_folder_of_the_report(tmp_path: Path) -> None
 
 def test_winners_that_take_turns_are_told_once() -> None:
     first, second = ("A", "later than B"), ("B", "later than A")
-    turns = [(float(at), *((first, second)[at % 2])) for at in range(8)]
-    assert list(in_turn([*turns, (8.0, "C", "alone")])) == [
+    turns = [(float(at), *((first, second)[at % 2])) for at in range(24)]
+    assert list(in_turn([*turns, (24.0, "C", "alone")])) == [
         (0.0, *first),
         (1.0, *second),
-        (2.0, "...", "and so on in turn, 6 more times until 7.000 s"),
-        (8.0, "C", "alone"),
+        (2.0, "...", "and so on in turn, 22 more times until 23.000 s"),
+        (24.0, "C", "alone"),
     ]
-    assert list(in_turn(turns[:5])) == turns[:5]
+    assert list(in_turn(turns[:19])) == turns[:19]
