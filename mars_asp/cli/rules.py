@@ -25,7 +25,7 @@ from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.project import project_facts
-from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
+from mars_asp.reasoning.rules import BASE, STAGES, declared, load_rulebook
 from mars_asp.reasoning.sample import samples
 from mars_asp.spelling import nearest
 
@@ -105,7 +105,7 @@ def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
     large = unbounded(rulebook.declarations.values())
     return (
         *(replace(each, severity="warning") for each in misread),
-        *wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced),
+        *wrong_sorts(rulebook.rules, declared(rulebook), rulebook.replaced),
         *risks(rulebook.rules, large),
         *shared_names(rulebook),
         *tried.values(),

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from mars_asp.asp.cache import digest, made_of
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.declarations import Documented
+from mars_asp.asp.rules.declarations import Argument, Declaration, Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.namespaces import apart
 from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, told_apart, wrong_packs
@@ -18,7 +18,7 @@ from mars_asp.asp.rules.statements import constant_names, defined
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.model.declarations import PackKind
+from mars_asp.model.declarations import NODE_NAMES, PackKind
 from mars_asp.reasoning import findings
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
@@ -152,6 +152,23 @@ def load_rulebook(
         (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
         kinds,
     )
+
+
+def declared(rulebook: Rulebook) -> Mapping[Signature, Declaration]:
+    """Return what is declared of predicates, where the kinds of nodes of packs are kinds, too."""
+    brought = tuple(each.kind for each in rulebook.brought if isinstance(each, PackKind))
+    if not brought:
+        return rulebook.declarations
+    return {
+        signature: replace(each, arguments=tuple(_widened(one, brought) for one in each.arguments))
+        for signature, each in rulebook.declarations.items()
+    }
+
+
+def _widened(argument: Argument, kinds: tuple[str, ...]) -> Argument:
+    if not NODE_NAMES.keys() <= set(argument.constants):
+        return argument
+    return argument._replace(constants=(*argument.constants, *kinds))
 
 
 def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:
