@@ -403,7 +403,11 @@ def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame
         found = blame(project, rulebook, kind, module, gives)
         if found is not None:
             return found
-    return near_miss(reasoner, question.patterns[0], gives)
+    pattern = question.patterns[0]
+    if pattern.match("inserted_at", 3):
+        # Whatever node there were, the pack would have to bring it for this module.
+        pattern = clingo.Function("inserted_for", [hole(), hole(), pattern.arguments[1]])
+    return near_miss(reasoner, pattern, gives)
 
 
 def _never(_: Project) -> bool:
