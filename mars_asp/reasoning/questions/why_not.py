@@ -407,6 +407,9 @@ def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame
     if pattern.match("inserted_at", 3):
         # Whatever node there were, the pack would have to bring it for this module.
         pattern = clingo.Function("inserted_for", [hole(), hole(), pattern.arguments[1]])
+    elif pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
+        # A node is called by the atom that decides that it is there.
+        pattern = pattern.arguments[0]
     return near_miss(reasoner, pattern, gives)
 
 
