@@ -1,6 +1,7 @@
 """Options of the test suite."""
 
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,11 @@ from tests.support.browser import Browser
 # What commands print does not depend on where the tests run.
 for _name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
     os.environ.pop(_name, None)
+# What was started in the background ignores signals, and hands that on to the commands.
+for _signal in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+    if signal.getsignal(_signal) == signal.SIG_IGN:
+        ours = signal.default_int_handler if _signal == signal.SIGINT else signal.SIG_DFL
+        signal.signal(_signal, ours)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

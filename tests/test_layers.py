@@ -94,7 +94,7 @@ FILES = {
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
         "limits trace_document trace_schema worker reason perform ignores baseline settings "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import rules run_report run campaign_runner campaign_dask "
+        "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
         "campaign_job campaign_table campaign synthesise test verify diff repair check account "
         "explain_page explain"
     ),

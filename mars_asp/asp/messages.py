@@ -51,13 +51,14 @@ class Said(NamedTuple):
         return fill(text, values, written if show is None else show)
 
 
-def saying(stage: str, rules: Sequence[Rule]) -> list[Fragment]:
+def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fragment]:
     """Return rules that hold whenever those given do, and keep what `said` reads of a stage.
 
-    They begin with the heads, of which there are few instances.
+    They begin with the heads, of which there are few instances, unless they stand there `instead`
+    of rules that nothing reads.
     """
     return [
-        Fragment(_saying(predicate_of(stage), number, rule), "rules", rule.span)
+        Fragment(_saying(predicate_of(stage), number, rule, instead), "rules", rule.span)
         for number, rule in enumerate(rules)
     ]
 
@@ -196,9 +197,9 @@ def _listed(symbol: clingo.Symbol) -> tuple[list[str], int]:
     return names, symbol.number if symbol.type == clingo.SymbolType.Number else 0
 
 
-def _saying(predicate: str, number: int, rule: Rule) -> str:
+def _saying(predicate: str, number: int, rule: Rule, instead: bool) -> str:
     head, body = rule.written
     # A choice offers several atoms, or none.
-    term, before = ("none", "") if rule.is_choice else (head, head)
+    term, before = ("none", "") if rule.is_choice else (head, "" if instead else head)
     premises = "; ".join(filter(None, (before, body))) or "#true"
     return f"{predicate}({number},{term},v({','.join(rule.holes)})) :- {premises}."

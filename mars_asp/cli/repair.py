@@ -22,6 +22,8 @@ from mars_asp.reasoning.rules import COSTS
 
 #: A mend of more lines is printed once, however many findings it mends.
 _MOST_PRINTED_AGAIN = 8
+#: What is told of a specification that costs nothing.
+_NOTHING_LEFT = "then there is a specification, which needs no node"
 #: What is below a mend is indented by this.
 _BELOW = "       "
 
@@ -96,7 +98,7 @@ def _by_hand(consequence: Consequence) -> str:
 def _unproposed(consequence: Consequence) -> str:
     """Return what is said where no rule proposes an edit."""
     if consequence.help:
-        return f"no edit is known that would fix it: {visible(consequence.help)}"
+        return f"no edit is known that would fix it; by hand: {visible(consequence.help)}"
     rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
     return f"no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
 
@@ -120,7 +122,7 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
         costs = spent(_costs(mend.spent))
-        told = f"then there is a specification{f' of {costs}' * bool(costs)}"
+        told = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
         yield from wrapped(told, width, _BELOW, _BELOW)
 
 

@@ -26,6 +26,7 @@ from mars_asp.cli.reason import (
     read_project,
 )
 from mars_asp.cli.report import report
+from mars_asp.cli.winners import in_turn
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 #: Who holds control where no controller does.
 _NONE = "none"
+#: A reason why a controller wins goes on below by this.
+_BELOW_WINNER = " " * 6
 #: How a requirement that holds, does not, or is not decided, is listed.
 _WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
 
@@ -370,10 +373,11 @@ def _print_winners(trial: "Trial") -> None:
         if isinstance(arbiter, FlatArbitration):
             print(f"  flat: sends the mean of each {arbiter.period / 1e6:g} ms; no controller wins")
             continue
-        width = max((len(held.holder or _NONE) for held in arbiter.holdings), default=0)
-        for held in arbiter.holdings:
-            holder = f"{held.holder or _NONE:{width}}"
-            print(visible(f"  {held.since / 1e9:9.3f} s  {holder}  {held.why}"))
+        rows = [(held.since / 1e9, held.holder or _NONE, held.why) for held in arbiter.holdings]
+        longest = max((len(holder) for _, holder, _ in rows), default=0)
+        for since, holder, why in in_turn(rows):
+            head = visible(f"  {since:9.3f} s  {holder:{longest}}  ")
+            print("\n".join(wrapped(visible(why), columns(sys.stdout), head, _BELOW_WINNER)))
         if not arbiter.holdings:
             print("  no command arrived")
 

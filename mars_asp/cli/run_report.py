@@ -8,6 +8,7 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+from mars_asp.cli.winners import Row, in_turn
 from mars_asp.draw.page import whole_page
 from mars_asp.output import visible
 
@@ -61,12 +62,13 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         for name, seconds in shares
     ]
     yield from _table("In control", ("controller", "time", "share"), times)
-    winners: dict[str, list[tuple[str, str, str]]] = {}
+    winners: dict[str, list[Row]] = {}
     for held in run["control"]:
-        row = f"{held['seconds']:.3f} s", held["holder"] or "no controller", held["why"]
+        row = held["seconds"], held["holder"] or "no controller", held["why"]
         winners.setdefault(held["node"], []).append(row)
     for node, rows in winners.items():
-        yield from _table(f"Who won at {node}", ("from", "winner", "because"), rows)
+        told = [(f"{since:.3f} s", holder, why) for since, holder, why in in_turn(rows)]
+        yield from _table(f"Who won at {node}", ("from", "winner", "because"), told)
     failures = [
         (each["name"], f"{each['count']} times", f"first at {each['seconds']:g} s: {each['first']}")
         for each in run["failures"]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from mars_asp.cli.run_report import MOST_ROWS, replay_seen_from, report_page
+from mars_asp.cli.winners import in_turn
 from tests.support.documents import ROOT, run
 from tests.support.pages import Page
 
@@ -73,8 +74,9 @@ def test_no_text_of_others_becomes_markup() -> None:
 
 
 def test_a_long_table_is_cut_and_says_so() -> None:
-    held = {"seconds": 0, "node": "A", "holder": None, "why": "alone"}
-    text = report_page(made(control=[held] * (MOST_ROWS + 1)), "", "t", None)
+    held = {"node": "A", "holder": None, "why": "alone"}
+    control = [{**held, "seconds": each, "why": f"alone {each}"} for each in range(MOST_ROWS + 1)]
+    text = report_page(made(control=control), "", "t", None)
     assert text.count("no controller") == MOST_ROWS
     assert f"the first {MOST_ROWS} of {MOST_ROWS + 1}" in text
 
@@ -82,3 +84,15 @@ def test_a_long_table_is_cut_and_says_so() -> None:
 def test_a_replay_is_found_from_the_folder_of_the_report(tmp_path: Path) -> None:
     report, replay = tmp_path / "a" / "r.html", tmp_path / "b" / "p#1.html"
     assert replay_seen_from(str(report), str(replay)) == "../b/p%231.html"
+
+
+def test_winners_that_take_turns_are_told_once() -> None:
+    first, second = ("A", "later than B"), ("B", "later than A")
+    turns = [(float(at), *((first, second)[at % 2])) for at in range(24)]
+    assert list(in_turn([*turns, (24.0, "C", "alone")])) == [
+        (0.0, *first),
+        (1.0, *second),
+        (2.0, "...", "and so on in turn, 22 more times until 23.000 s"),
+        (24.0, "C", "alone"),
+    ]
+    assert list(in_turn(turns[:19])) == turns[:19]

@@ -309,7 +309,7 @@ def test_ctrl_z_pauses_the_worker_too_and_ctrl_c_ends_both(pack: Path) -> None:
             for number in workers_of(str(pack))
         ]
 
-    number, terminal = at_terminal("analyse", LEVEL0, "--rules", str(pack))
+    number, terminal = at_terminal("analyse", LEVEL0, "--rules", str(pack), "--time-limit", "30")
     time.sleep(1.5)
     os.write(terminal, b"\x1a")
     time.sleep(0.3)

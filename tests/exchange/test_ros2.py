@@ -214,6 +214,12 @@ def refused(text: str, path: str) -> tuple[Diagnostic, ...]:
     return error.value.diagnostics
 
 
+def test_a_launch_file_of_includes_alone_asks_for_their_workspace() -> None:
+    text = "launch:\n  - include:\n      file: $(find-pkg-share arm)/launch/arm.launch.yaml\n"
+    assert "the workspace" in (refused(text, "x.launch.yaml")[0].help or "")
+    assert "the workspace" not in (refused("launch: []\n", "x.launch.yaml")[0].help or "")
+
+
 BOMB = '<!DOCTYPE x [<!ENTITY a "b">]>\n<launch><node pkg="&a;" exec="x"/></launch>'
 HOSTILE = [
     ("x.launch.py", "def generate_launch_description(:\n", "1:33: this is not Python: "),

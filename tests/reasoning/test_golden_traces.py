@@ -6,6 +6,7 @@ folded into those that they support.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import clingo
@@ -16,6 +17,7 @@ from mars_asp.asp.cases import find_cases
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
@@ -30,6 +32,7 @@ from mars_asp.reasoning.rules import FOLLOWING, STAGES, load_rulebook
 from mars_asp.reasoning.synthesis import derived
 from tests.support.documents import ROOT
 from tests.support.programs import atom_of
+from tests.support.rule_coverage import fired_in
 
 CASES = find_cases([ROOT / "tests" / "rules"])
 #: Stages that choose; what others derive follows.
@@ -42,10 +45,16 @@ def cases_of(stage: str) -> list[Path]:
     return [path for path in CASES if stage in (first[path], FOLLOWING.get(first[path]))]
 
 
+@cache
+def rulebook_of(stage: str) -> Rulebook:
+    """Return the rules of the base and of a stage, with all that is found out about them once."""
+    return load_rulebook(stages=() if stage == "base" else (stage,))
+
+
 def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
     """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
     stage = next(iter(stages_of(case)), stage)
-    rulebook = load_rulebook(stages=() if stage == "base" else (stage,))
+    rulebook = rulebook_of(stage)
     text = read_case(case)[0]
     given: list[Fact] = []
 
@@ -80,10 +89,16 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
 
 def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
     """Yield each rule of a stage with the text of the first trace that ends in it."""
-    rules = load_rulebook(stages=() if stage == "base" else (stage,)).rules
-    wanted = {r.span: r for r in rules if r.stage == stage and r.because is not None}
+    rules = [r for r in rulebook_of(stage).rules if r.stage == stage and r.because is not None]
+    wanted = {r.span: r for r in rules}
+    firing: dict[Path, set[Span]] = {}
+    everything = load_rulebook(stages=STAGES)
+    for rule, paths in zip(rules, fired_in(rules, everything, cases_of(stage)), strict=True):
+        for path in paths:
+            firing.setdefault(path, set()).add(rule.span)
     for case in cases_of(stage):
-        heads = {head for rule in wanted.values() for head in rule.heads}
+        # A trace ends in a rule only where the rule fires.
+        heads = {h for span in firing.get(case, set()) & wanted.keys() for h in wanted[span].heads}
         explained = explainer_of(case, stage) if heads else None
         if explained is None:
             continue

@@ -5,8 +5,8 @@ body holds but for one literal. Variables that only this literal binds count as 
 constraint fires where leaving it out changes the answer.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import clingo
@@ -16,7 +16,10 @@ from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import children
+from mars_asp.asp.rules.statements import shown as shown_in
+from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import stages_of
+from tests.support.side_by_side import answered, apart, batched, together
 
 _TYPE = ast.ASTType
 
@@ -32,27 +35,17 @@ class Coverage:
 def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     """Run every case with probes beside the rules."""
     probes = {n: tuple(_safe(_probes(n, rule))) for n, rule in enumerate(rulebook.rules)}
-    fired: set[int] = set()
-    near: set[int] = set()
-    for path in cases:
-        stages = ("base", *stages_of(path))
-        text = "\n".join(
-            probe
-            for number, rule in enumerate(rulebook.rules)
-            if rule.stage in stages
-            for kind, probe in probes[number]
-            if number not in (fired if kind == "_fired" else near)
-        )
-        program = "\n".join([read_case(path)[0], *(rulebook.text(s) for s in stages), text])
-        for name, number in _held(program):
-            (fired if name == "_fired" else near).add(number)
+    told = dict[str, list[str]]()
+    for number, rule in enumerate(rulebook.rules):
+        told.setdefault(rule.stage, []).extend(probe for _, probe in probes[number])
+    held = {(name, number) for _, name, number in _held(rulebook, told, cases)}
     numbered = list(enumerate(rulebook.rules))
     return Coverage(
         tuple(
             rule
             for number, rule in numbered
             if rule.ast.body
-            and number not in fired
+            and ("_fired", number) not in held
             and not (
                 str(rule.ast.head) == "#false"
                 and _refuses(rule, probes[number][0][1], rulebook, cases)
@@ -61,22 +54,90 @@ def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
         tuple(
             rule
             for number, rule in numbered
-            if number not in near and any(kind == "_near" for kind, _ in probes[number])
+            if ("_near", number) not in held and any(kind == "_near" for kind, _ in probes[number])
         ),
     )
 
 
 def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[list[Path]]:
     """Return the cases that fire each of some rules."""
-    probes = [next(_probes(number, rule))[1] for number, rule in enumerate(rules)]
+    told = dict[str, list[str]]()
+    for number, rule in enumerate(rules):
+        told.setdefault(rule.stage, []).append(next(_probes(number, rule))[1])
     found: list[list[Path]] = [[] for _ in rules]
-    for path in cases:
-        stages = ("base", *stages_of(path))
-        told = (probe for rule, probe in zip(rules, probes, strict=True) if rule.stage in stages)
-        texts = (rulebook.text(stage) for stage in stages)
-        for _, number in _held("\n".join([read_case(path)[0], *texts, *told])):
-            found[number].append(path)
+    for path, _, number in sorted(_held(rulebook, told, cases)):
+        found[number].append(path)
     return found
+
+
+def _held(
+    rulebook: Rulebook, probes: Mapping[str, Iterable[str]], cases: Iterable[Path]
+) -> set[tuple[Path, str, int]]:
+    """Return each case with the probes, by stage, that hold in one of its answers."""
+    groups: dict[tuple[str, ...], list[Path]] = {}
+    for path in cases:
+        groups.setdefault(("base", *stages_of(path)), []).append(path)
+    found = set[tuple[Path, str, int]]()
+    for stages, paths in groups.items():
+        rules = [together(rulebook.text(stage)) for stage in stages]
+        rules += [together("\n".join(probes.get(stage, ()))) for stage in stages]
+        for part in batched(paths):
+            facts = [apart(number, read_case(path)[0]) for number, path in enumerate(part)]
+            facts += [f"of_({number}, {number})." for number in range(len(part))]
+            for atom in answered([*rules, *facts], ("_fired", "_near")):
+                case, number = (argument.number for argument in atom.arguments)
+                found.add((part[case], atom.name, number))
+    return found
+
+
+def unnoticed(lists: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[Rule]:
+    """Return what metadata lists and may be left out without another answer of any case.
+
+    A case notices it by what it shows, so that an answer is as it is expected only with it.
+    """
+    number = {rule: at for at, rule in enumerate(lists)}
+    left = replace(
+        rulebook,
+        rules=tuple(
+            replace(rule, text=f"{rule.text.rstrip().removesuffix('.')}, not out_({number[rule]}).")
+            if rule in number
+            else rule
+            for rule in rulebook.rules
+        ),
+    )
+    groups: dict[tuple[str, ...], list[tuple[Path, int]]] = {}
+    for rule, paths in zip(lists, fired_in(lists, rulebook, cases), strict=True):
+        for path in paths:
+            groups.setdefault(("base", *stages_of(path)), []).append((path, number[rule]))
+    noticed = set[int]()
+    for stages, pairs in groups.items():
+        rules = [together(left.text(stage)) for stage in stages]
+        paths = sorted({path for path, _ in pairs})
+        shown = [_shown(path) for path in paths]
+        facts = [apart(at, read_case(path)[0]) for at, path in enumerate(paths)]
+        # Those without anything left out have the numbers of their cases, the others follow.
+        copies = [
+            *enumerate(paths),
+            *((len(paths) + at, path) for at, (path, _) in enumerate(pairs)),
+        ]
+        told = [f"of_({copy}, {paths.index(path)})." for copy, path in copies]
+        told += [f"out_({len(paths) + at}, {out})." for at, (_, out) in enumerate(pairs)]
+        names = {each.name for wanted in shown for each in wanted}
+        answers = [set[str]() for _ in copies]
+        for atom in answered([*rules, *facts, *told], sorted(names)):
+            copy, *rest = atom.arguments
+            wanted = shown[paths.index(copies[copy.number][1])]
+            if Signature(atom.name, len(rest), atom.positive) in wanted:
+                answers[copy.number].add(str(clingo.Function(atom.name, rest, atom.positive)))
+        for at, (path, out) in enumerate(pairs):
+            if answers[len(paths) + at] != answers[paths.index(path)]:
+                noticed.add(out)
+    return [rule for rule in lists if number[rule] not in noticed]
+
+
+def _shown(path: Path) -> frozenset[Signature]:
+    pieces = (piece for piece in read_case(path)[1] if piece.sort == "shown")
+    return frozenset(each for piece in pieces for each in shown_in(piece.text))
 
 
 def _probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
@@ -109,23 +170,6 @@ def _safe(probes: Iterable[tuple[str, str]]) -> Iterator[tuple[str, str]]:
         except RuntimeError:
             continue
         yield kind, probe
-
-
-def _held(program: str) -> set[tuple[str, int]]:
-    control = clingo.Control(["--opt-mode=optN", "--models=0", "--warn=none"])
-    control.add("base", [], program)
-    control.ground()
-    found: set[tuple[str, int]] = set()
-
-    def keep(model: clingo.Model) -> None:
-        if model.cost and not model.optimality_proven:
-            return
-        for symbol in model.symbols(atoms=True):
-            if symbol.name in ("_fired", "_near"):
-                found.add((symbol.name, symbol.arguments[0].number))
-
-    control.solve(on_model=keep)
-    return found
 
 
 def _refuses(rule: Rule, probe: str, rulebook: Rulebook, cases: Sequence[Path]) -> bool:

@@ -52,29 +52,34 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """How to find out what a question needs, and its rules restricted to that.
+    """How to find out what a question of one form needs, and its rules restricted to that.
 
-    `program` calls `@given(Name, Positions, Values)` for the facts with some values of the given
-    predicates `found`; of those in `whole` all facts are needed. `guarded` are rules that read
-    `_need` atoms.
+    `asked` is its form. `program` says what follows from the question, and calls
+    `@given(Name, Positions, Values)` for the facts with some values of the given predicates
+    `found`; of those in `whole` all facts are needed. `guarded` are rules that read `_need` atoms.
     """
 
+    asked: tuple[Asked, ...]
     program: str
     guarded: str
     whole: frozenset[str]
     found: frozenset[str]
 
+    def asking(self, values: Sequence[Sequence[str]]) -> str:
+        """Return the program with the question: texts of the terms that bind what is asked."""
+        facts = (f"{each.atom('_need', terms)}." for each in self.asked for terms in values)
+        return "\n".join((*facts, self.program))
+
 
 def demand_of(
     rules: Sequence[Statement],
     asked: Sequence[Asked],
-    values: Sequence[Sequence[str]],
     keys: Mapping[Signature, Sequence[int]],
 ) -> Demand | None:
     """Return the demand of atoms on the rules behind them; `None` where it cannot be told.
 
-    `values` are the texts of the terms that bind arguments of each of what is `asked`. `keys` are,
-    for all given predicates, the positions of arguments by which their facts can be found.
+    `keys` are, for all given predicates, the positions of arguments by which their facts can be
+    found.
     """
     if not are_forced(rules) or negates_itself(rules):
         return None
@@ -84,9 +89,9 @@ def demand_of(
     if not all(writer.is_derived(each.signature) for each in asked):
         return None
     lines = writer.program(asked)
-    facts = (f"{each.atom('_need', terms)}." for each in asked for terms in values)
     return Demand(
-        "\n".join((*facts, *lines)),
+        tuple(asked),
+        "\n".join(lines),
         "\n".join(writer.guarded()),
         frozenset(each.name for each in writer.whole if each in keys),
         frozenset(each.signature.name for each in writer.seen if each.signature in keys),

@@ -33,6 +33,8 @@ from mars_asp.exchange.ros2.workspace import Workspace
 from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 
+#: What launch files are called that are included and not found.
+NOT_HERE = "included launch files that are not in the workspace"
 _DEEPEST_INCLUDE = 32
 _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
@@ -179,8 +181,7 @@ class Launch:
         path = self._plain(action.path, scope, files)
         found = None if path is None else self.workspace.find(path, files[-1].parent)
         if found is None:
-            sort = "included launch files that are not in the workspace"
-            self.unread.append(Unread(sort, written, action.span))
+            self.unread.append(Unread(NOT_HERE, written, action.span))
             return
         if found in files or len(files) > _DEEPEST_INCLUDE:
             self.unread.append(Unread("includes in a circle", written, action.span))

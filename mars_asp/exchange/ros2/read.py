@@ -12,7 +12,7 @@ from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import Topic
-from mars_asp.exchange.ros2.launch import Launch, Started
+from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
 from mars_asp.exchange.ros2.names import renamed
@@ -263,6 +263,8 @@ class _Robot:
             if launch.read:
                 message = "the launch file starts no node"
                 help_text = "name the launch file that starts the robot"
+                if any(each.sort == NOT_HERE for each in launch.unread):
+                    help_text = "name the workspace that has the launch files it includes"
             else:
                 message = "the folder has no launch file and no package with a program"
                 help_text = "name a workspace, a package or a launch file"

@@ -178,8 +178,8 @@ class HierarchicalArbitration:
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]
         equal = [i.link.source for i in others if i.link.priority == own]
-        told = [f"priority {own} outranks {' and '.join(lower)}"] if lower else []
-        told += [f"later than {' and '.join(equal)} of the same priority {own}"] if equal else []
+        told = [f"priority {own} outranks {_listed(lower)}"] if lower else []
+        told += [f"later than {_listed(equal)} of the same priority {own}"] if equal else []
         return ", ".join(told) or "alone in force"
 
     def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
@@ -190,3 +190,7 @@ class HierarchicalArbitration:
         self.holdings.append(Holding(self.name, holder, now, reason, through))
         if self.observe is not None:
             self.observe(now, "holds", self.name, [holder, reason])
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

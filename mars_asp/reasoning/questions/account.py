@@ -91,6 +91,8 @@ class Names:
     #: What was found out of terms, of which few stand in very many accounts.
     _orders: dict[TermId, "_Order"] = field(default_factory=dict)
     _written: dict[TermId, str] = field(default_factory=dict)
+    #: How the paths of files begin places.
+    _shown: dict[str, str] = field(default_factory=dict)
 
     def written(self, term: TermId) -> str:
         """Return a term as a sentence shows it."""
@@ -140,9 +142,14 @@ class Names:
 
         A folder that was read as one robot has no lines: `workspace/`.
         """
-        folder = self.configuration.path.rpartition("/")[0]
-        path = span.path.removeprefix(f"{folder}/") if folder else span.path
-        return f"{path.rstrip('/')}/" if Path(span.path).is_dir() else f"{path}:{span.line}"
+        shown = self._shown.get(span.path)
+        if shown is None:
+            folder = self.configuration.path.rpartition("/")[0]
+            path = span.path.removeprefix(f"{folder}/") if folder else span.path
+            # Few files are cited very often.
+            shown = f"{path.rstrip('/')}/" if Path(span.path).is_dir() else f"{path}:"
+            self._shown[span.path] = shown
+        return shown if shown.endswith("/") else f"{shown}{span.line}"
 
     def _splitters_for(self, controllers: clingo.Symbol) -> str:
         if controllers == clingo.Number(0):
@@ -253,8 +260,9 @@ def told(
     telling = [rule for rule in rules if ACCOUNT in rule.heads]
     read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
     grounding = Grounding((), atoms_of(sorted(read)))
-    program = "\n".join(rule.text for rule in rules)
-    sayings = (*saying(STAGE, telling), *saying(_DECIDING, deciding))
+    # No rule reads accounts, so it is enough to ground what is said of them.
+    program = "\n".join(rule.text for rule in rules if ACCOUNT not in rule.heads)
+    sayings = (*saying(STAGE, telling, instead=True), *saying(_DECIDING, deciding))
     grounding.derive(f"{program}\n{joined(sayings)}")
     found: dict[Key, dict[str, list[Said]]] = {}
     word = cache(text)
@@ -356,22 +364,24 @@ def told_of(
     if len(things) == 1 and isinstance(things[0], Node):
         price = apart(project, evidence, things[0], atoms_of)
     given = {} if price is None else {APART: (price,)}
-    wanted = set(map(key_of, things))
-    found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, wanted)
+    keys = list(map(key_of, things))
+    found = told(rules, deciding, lambda read: {**atoms_of(read), **given}, names, set(keys))
     concerned = _concerned(evidence) if evidence.analysis.subject is not None else None
-    return [_told(thing, found, names, concerned) for thing in things]
+    return [
+        _told(thing, key, found, names, concerned) for thing, key in zip(things, keys, strict=True)
+    ]
 
 
 def _told(
     thing: Consequence | Node,
+    key: Key,
     found: Told,
     names: Names,
     concerned: Mapping[Key, Sequence[TermId]] | None,
 ) -> tuple[Account, str | None]:
-    key = key_of(thing)
     account = found.accounts.get(key, Account(None, (), ()))
     if isinstance(thing, Node):
-        return account, found.rules.get(_term_of(thing))
+        return account, found.rules.get(key[1])
     if account.answer and account.cites:
         return account, thing.rule.id
     spans: Iterable[Span] = thing.spans

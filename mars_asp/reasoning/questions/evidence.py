@@ -7,16 +7,20 @@ facts, `mars_asp.asp.slice.magic` says which the question can need.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeAlias
 
 import clingo
 
+from mars_asp.asp.cache import digest, made_of
+from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import Statement, has_rules_alone, statements_of
 from mars_asp.asp.rules.symbols import symbol_in, symbol_of, term_of
 from mars_asp.asp.signature import Signature, signature_of
-from mars_asp.asp.slice.magic import Asked, Demand, are_forced, demand_of, negates_itself
+from mars_asp.asp.slice import magic
+from mars_asp.asp.slice.magic import Asked, Demand, are_forced, negates_itself
 from mars_asp.asp.slice.reach import Outline, outlines_of, reachable_rules, reads
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.reasoning.analysis import analyse
@@ -91,14 +95,12 @@ def slice_for(
     asked = dict.fromkeys(predicates, frozenset({first}))
     # What could matter says which facts to make, and these which rules can fire at all.
     possible = _behind(base, asked, None)
-    demand = _demand(
-        subject, name, _statements(rule for rule, _ in possible), vocabulary(rulebook).keys
-    )
+    demand = _demand(subject, name, [rule for rule, _ in possible], vocabulary(rulebook).keys)
     if demand is None:
         facts = tuple(facts_of(_read(possible, name)))
         text = None
     else:
-        facts, text = _needed(demand, facts_of, lookup_of)
+        facts, text = _needed(*demand, facts_of, lookup_of)
     derived = {head.signed for _, variants in base for one in variants for head in one.derives}
     behind = _behind(base, asked, derived | {fact.atom.name for fact in facts})
     names = _read(behind, name)
@@ -134,36 +136,50 @@ def _has_one_answer(base: Iterable[Rule], rulebook: Rulebook) -> bool:
 def _demand(
     subject: str,
     name: str,
-    rules: Sequence[Statement],
+    rules: Sequence[Rule],
     keys: Mapping[Signature, Sequence[int]],
-) -> Demand | None:
-    """Return how to find out which instances a question needs, if that can be told."""
+) -> tuple[Demand, str] | None:
+    """Return how to find out which instances a question needs, and the program that does so.
+
+    `None` where that cannot be told. Consequences of one kind are asked for alike, so a build keeps
+    what is made of the rules behind them.
+    """
     symbol = _term(subject)
-    if name == "consequence" and (symbol is None or symbol.name != name):
+    if name == CONSEQUENCE.name and (symbol is None or symbol.name != name):
         kind, _, rest = subject.partition("(")
         about = rest.removesuffix(")")
         # A name is shown without quotes, any other term as it is written.
         subjects = {str(clingo.String(about)), str(symbol_in(about) or clingo.String(about))}
-        values = [(kind, each) for each in sorted(subjects)]
-        wanted = [Asked(CONSEQUENCE, (0, 2))]
-        derived = {rule.head.signature for rule in rules}
-        wanted += [Asked(each, (0, 1)) for each in (ACCOUNT, CONCERNS) if each in derived]
-        return demand_of(rules, wanted, values, keys)
-    if symbol is None or not symbol.arguments:
+        values: list[tuple[str, ...]] = [(kind, each) for each in sorted(subjects)]
+        derived = frozenset[Signature]().union(*(rule.heads for rule in rules))
+        told = (Asked(each, (0, 1)) for each in (ACCOUNT, CONCERNS) if each in derived)
+        wanted = (Asked(CONSEQUENCE, (0, 2)), *told)
+    elif symbol is None or not symbol.arguments:
         return None
-    asked = Asked(signature_of(symbol), tuple(range(len(symbol.arguments))))
-    return demand_of(rules, [asked], [tuple(map(str, symbol.arguments))], keys)
+    else:
+        wanted = (Asked(signature_of(symbol), tuple(range(len(symbol.arguments)))),)
+        values = [tuple(map(str, symbol.arguments))]
+    texts = "\n".join(rule.text for rule in rules)
+    given = repr(sorted((*signature, *places) for signature, places in keys.items()))
+    key = (digest(texts.encode()), digest(given.encode()), wanted)
+    makers = (Path(__file__), Path(magic.__file__), Path(statements.__file__))
+    made = made_of(
+        "demands", makers, [key], lambda _: magic.demand_of(_statements(rules), wanted, keys)
+    )
+    demand = made[key]
+    return None if demand is None else (demand, demand.asking(values))
 
 
 def _needed(
     demand: Demand,
+    program: str,
     facts_of: Callable[[Set[str]], Iterable[Fact]],
     lookup_of: Callable[[Set[str]], Lookup],
 ) -> tuple[tuple[Fact, ...], str]:
     """Return the facts that are needed, and the rules with what says so."""
     lookup = lookup_of(demand.found)
     control = clingo.Control(["--warn=none"])
-    control.add("demand", [], demand.program)
+    control.add("demand", [], program)
     control.ground([("demand", [])], _Context(lookup))
     atoms = (str(atom.symbol) for atom in control.symbolic_atoms)
     needs = (f"{atom}." for atom in atoms if atom.startswith("_need"))

@@ -77,10 +77,13 @@ class Explanation:
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """What a subject names: a consequence, a node, or an atom of another kind."""
+    """What a subject names: a consequence, a node, or an atom of another kind.
+
+    Of a node of which no trace is asked for nobody needs the `atom`.
+    """
 
     title: str
-    atom: clingo.Symbol
+    atom: clingo.Symbol | None
     of: Consequence | Node | None = None
     resolves: tuple[str, ...] = ()
 
@@ -113,7 +116,7 @@ def explain(
                 if part is None:
                     continue
                 chosen = _consequences(part, reasoner.project, subject, None)
-                asked = _asked(reasoner.project, part, None, subject, None, chosen)
+                asked = _asked(reasoner.project, part, None, subject, None, chosen, traced)
                 nodes = () if part.introduced is None else part.introduced.nodes
                 topics = _topics(reasoner.project, part, nodes, asked, every, traced)
                 return Explanation(subject, topics, part.analysis, None)
@@ -129,7 +132,7 @@ def _explain_whole(
     if resolving:
         evidence = reasoner.evidence(resolved=True)
     synthesis = reasoner.synthesis if resolving else None
-    asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen)
+    asked = _asked(reasoner.project, evidence, synthesis, subject, only, chosen, traced)
     # Of thousands of consequences no more is needed, and their traces take as much memory.
     del chosen
     nodes = () if synthesis is None else synthesis.specification.nodes
@@ -144,6 +147,7 @@ def _asked(
     subject: str | None,
     only: Sort | None,
     chosen: Sequence[Consequence],
+    traced: bool,
 ) -> list[_Asked]:
     """Return what a subject names: consequences, nodes, or an atom.
 
@@ -160,7 +164,7 @@ def _asked(
         asked += [
             _Asked(
                 _node_title(node, introduced),
-                _node_atom(node, evidence, synthesis),
+                _node_atom(node, evidence, synthesis) if traced else None,
                 node,
                 tuple(introduced.resolves[node.name]),
             )
@@ -184,18 +188,19 @@ def _topics(
     things = [each.of for each in asked if each.of is not None]
     told = told_of(project, evidence, nodes, things)
     traces: Mapping[clingo.Symbol, Trace] = {}
-    atoms = dict.fromkeys(each.atom for each in asked if traced or each.of is None)
+    atoms = dict.fromkeys(
+        each.atom for each in asked if each.atom is not None and (traced or each.of is None)
+    )
     if atoms:
         traces = evidence.explainer.why(atoms, every)
     # An atom of another kind is none of the things, and has no account.
     accounts = iter(told)
-    return tuple(
-        _topic(each, accounts, traces.get(each.atom) or _untraced(each.atom)) for each in asked
-    )
+    return tuple(_topic(each, accounts, _trace_of(each, traces)) for each in asked)
 
 
-def _untraced(atom: clingo.Symbol) -> Trace:
-    return Unexplained(str(atom), "no trace was asked for")
+def _trace_of(asked: _Asked, traces: Mapping[clingo.Symbol, Trace]) -> Trace:
+    found = None if not traces or asked.atom is None else traces.get(asked.atom)
+    return found or Unexplained(asked.title, "no trace was asked for")
 
 
 def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace: Trace) -> Topic:

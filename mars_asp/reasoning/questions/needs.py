@@ -116,7 +116,7 @@ def _written(term: TermId, names: Names, lines: Mapping[Span, Iterable[str]]) ->
 
 
 def places(spans: Iterable[Span], path: str) -> str:
-    """Return the lines of places, `:3, :5-7`, each with its file where that is not `path`."""
+    """Return the lines of places, `:3, :5-7`, each with its file where not all are in `path`."""
     numbers = sorted({span[:2] for span in spans})
     stretches: list[tuple[str, int, int]] = []
     for file, line in numbers:
@@ -125,8 +125,9 @@ def places(spans: Iterable[Span], path: str) -> str:
         else:
             stretches.append((file, line, line))
     told = []
+    alone = all(file == path for file, _, _ in stretches)
     for file, first, last in stretches[:_MOST_STRETCHES]:
-        before = f"{'' if file == path else file}:"
+        before = f"{'' if alone else file}:"
         far = f"-{last}" if last > first + 1 else f", {before}{last}" if last > first else ""
         told.append(f"{before}{first}{far}")
     more = sum(last - first + 1 for _, first, last in stretches[_MOST_STRETCHES:])

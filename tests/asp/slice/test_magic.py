@@ -146,10 +146,10 @@ def _checked(seed: int) -> tuple[int, int]:
     used = count = 0
     for atom in [*rng.sample(told, min(3, len(told))), rng.choice(never)]:
         asked = Asked(signature_of(atom), tuple(range(len(atom.arguments))))
-        demand = demand_of(read(rulebook), [asked], [tuple(map(str, atom.arguments))], KEYS)
+        demand = demand_of(read(rulebook), [asked], KEYS)
         assert demand is not None
         context = Given(given)
-        asking = _grounded(demand.program, context)
+        asking = _grounded(demand.asking([tuple(map(str, atom.arguments))]), context)
         needs = [str(found.symbol) for found in asking.symbolic_atoms]
         needs = [f"{need}." for need in needs if need.startswith("_need")]
         found = [fact for fact in given if fact in context.found or fact.name in demand.whole]
@@ -184,12 +184,12 @@ REFUSED = [
 @pytest.mark.parametrize("text", REFUSED)
 def test_choices_and_loops_through_negation_have_no_demand(text: str) -> None:
     rules = read(rulebook_of(text))
-    assert demand_of(rules, [Asked(Signature("a", 1), (0,))], [("1",)], KEYS) is None
+    assert demand_of(rules, [Asked(Signature("a", 1), (0,))], KEYS) is None
 
 
 def test_only_what_leads_to_the_question_is_asked_for() -> None:
     rules = read(rulebook_of("a(X) :- e(X, Y), not f(Y, _), not g(_). c(X) :- f(X, _)."))
-    demand = demand_of(rules, [Asked(Signature("a", 1), (0,))], [("1",)], KEYS)
+    demand = demand_of(rules, [Asked(Signature("a", 1), (0,))], KEYS)
     assert demand is not None
     assert demand.found == {"e", "f"}
     assert demand.whole == {"g"}
@@ -200,5 +200,5 @@ def test_only_what_leads_to_the_question_is_asked_for() -> None:
         for x, y in numbers
     ]
     context = Given(facts)
-    _grounded(demand.program, context)
+    _grounded(demand.asking([("1",)]), context)
     assert sorted(map(str, context.found)) == ["e(1,2)", "e(1,3)", "f(2,4)", "f(3,5)"]

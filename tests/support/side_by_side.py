@@ -1,0 +1,110 @@
+"""Many cases of rules in one program: the first argument of each atom is the case that it is of.
+
+Most of what a small case costs is the reading of all the rules, so that many of them are quick
+together. No case has an atom in common with another: an answer set of the program has one of each
+case, and costs least where each of these does. A case without any is left out.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from typing import TypeVar
+
+import clingo
+from clingo import ast
+
+T = TypeVar("T")
+
+_TYPE = ast.ASTType
+_LOCATION = ast.Location(ast.Position("side by side", 1, 1), ast.Position("side by side", 1, 1))
+_CASE = ast.Variable(_LOCATION, "CASE_")
+#: Cases in one program: more of those that choose take longer together than apart.
+_MOST = 50
+#: Above all that the rules of MARS minimise.
+_LEVEL = 1_000
+_IN = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
+#: What stays outside: what is said of predicates, not by them.
+_LEFT_OUT = {
+    _TYPE.Program,
+    _TYPE.Defined,
+    _TYPE.ShowSignature,
+    _TYPE.ShowTerm,
+    _TYPE.ProjectSignature,
+    _TYPE.ProjectAtom,
+    _TYPE.Comment,
+}
+
+
+@cache
+def together(rules: str) -> str:
+    """Return rules that hold in each case; those that refuse an answer, where the case has one."""
+    return "\n".join(_written(rules, _call("case_", _CASE)))
+
+
+@cache
+def apart(number: int, facts: str) -> str:
+    """Return what a case says, as that of each case `C` where `of_(C, number)`."""
+    of = _call("of_", _CASE, ast.SymbolicTerm(_LOCATION, clingo.Number(number)))
+    return "\n".join(_written(facts, of))
+
+
+def batched(cases: Sequence[T]) -> Iterator[Sequence[T]]:
+    """Yield cases, as many at once as are quick to solve where they choose."""
+    for begin in range(0, len(cases), _MOST):
+        yield cases[begin : begin + _MOST]
+
+
+def answered(program: Iterable[str], wanted: Sequence[str]) -> set[clingo.Symbol]:
+    """Return the atoms of some predicates in a best answer set of any case."""
+    options = ["--opt-mode=optN", "--opt-strategy=usc", "--enum-mode=brave", "--models=0"]
+    control = clingo.Control([*options, "--warn=none"])
+    control.add("base", [], "\n".join([*program, _IN]))
+    control.ground()
+    found: list[clingo.Symbol] = []
+
+    def keep(model: clingo.Model) -> None:
+        if model.optimality_proven:
+            found[:] = model.symbols(atoms=True)
+
+    control.solve(on_model=keep)
+    answering = {atom.arguments[0] for atom in found if atom.name == "in_"}
+    return {a for a in found if a.name in wanted and a.arguments[0] in answering}
+
+
+def _written(text: str, where: ast.AST) -> Iterator[str]:
+    statements: list[ast.AST] = []
+    ast.parse_string(text, statements.append)
+    for statement in statements:
+        if statement.ast_type in _LEFT_OUT:
+            continue
+        changed = _FIRST(statement)
+        if changed.ast_type == _TYPE.Rule:
+            refuses = [_IS_IN] if str(changed.head) == "#false" else []
+            changed = changed.update(body=[*changed.body, where, *refuses])
+        elif changed.ast_type == _TYPE.Minimize:
+            changed = changed.update(
+                terms=[*changed.terms, _CASE], body=[*changed.body, where, _IS_IN]
+            )
+        yield str(changed)
+
+
+def _call(name: str, *terms: ast.AST) -> ast.AST:
+    atom = ast.SymbolicAtom(ast.Function(_LOCATION, name, terms, 0))
+    return ast.Literal(_LOCATION, ast.Sign.NoSign, atom)
+
+
+class _First(ast.Transformer):
+    """Puts the case before the arguments of each atom."""
+
+    def visit_SymbolicAtom(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node.update(symbol=self._with_first(node.symbol))
+
+    def _with_first(self, node: ast.AST) -> ast.AST:
+        if node.ast_type == _TYPE.UnaryOperation:
+            return node.update(argument=self._with_first(node.argument))
+        if node.ast_type == _TYPE.Pool:
+            return node.update(arguments=[self._with_first(each) for each in node.arguments])
+        return node.update(arguments=[_CASE, *node.arguments])
+
+
+_FIRST = _First()
+_IS_IN = _call("in_", _CASE)
