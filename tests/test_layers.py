@@ -55,7 +55,7 @@ FILES = {
         "budget facts findings packs rules analysis includes project sample synthesis "
         "verification session cases questions capability"
     ),
-    "reasoning/cases": "configurations places run",
+    "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
     ),
@@ -97,7 +97,8 @@ FILES = {
         "limits trace_document trace_schema worker reason perform ignores baseline settings "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
         "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
-        "campaign_job campaign_table campaign synthesise test verify diff repair check account "
+        "campaign_job campaign_table campaign synthesise cases_report cases_measure cases_watch "
+        "test pytest_plugin verify diff rules_diff rules repair check account "
         "explain_page explain"
     ),
 }

@@ -146,5 +146,3 @@ def _is_mended(outcomes: Iterable[Outcome], arguments: argparse.Namespace) -> bo
     """Whether an update changed what each case that failed expects."""
     failed = [outcome for outcome in outcomes if not outcome.passed]
     return bool(arguments.update and failed and all(o.updated is not None for o in failed))
-
-
