@@ -26,6 +26,7 @@ LAYERS = (
 FILES = {
     "asp": "cache fragments signature units solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
+    "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
         "gate statements rule computed expansions checks symbols arithmetic outline declarations "
         "metadata read namespaces rulebook consistency risks names sorts"
@@ -51,9 +52,10 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs rules cases analysis includes project sample synthesis "
-        "verification session questions capability"
+        "budget facts findings packs rules analysis includes project sample synthesis "
+        "verification session cases questions capability"
     ),
+    "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
     ),
@@ -95,7 +97,8 @@ FILES = {
         "limits settings trace_document trace_schema worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
         "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
-        "campaign_job campaign_table campaign synthesise test verify diff repair check account "
+        "campaign_job campaign_table campaign synthesise cases_report cases_measure cases_watch "
+        "test pytest_plugin verify diff rules_diff rules repair check account "
         "explain_page explain"
     ),
 }
@@ -195,6 +198,7 @@ def test_tests_of_the_engine_use_no_robot() -> None:
 
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
 TREES = [
+    *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
     *("asp/rules/computed.py", "asp/rules/statements.py", "asp/trace/counting_rules.py"),
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),

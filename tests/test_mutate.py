@@ -7,10 +7,10 @@ from typing import Any
 import clingo
 import pytest
 
-from tests.mutate.mutant import Mutant, Verdict, drawn, known_survivors
+from mars_asp.asp.cases.mutants import Mutant, Verdict, drawn, rule_mutants
+from tests.mutate.mutant import known_survivors
 from tests.mutate.python_mutants import compiled_mutants, python_mutants
-from tests.mutate.rule_killers import judge_rules
-from tests.mutate.rule_mutants import rule_files, rule_mutants
+from tests.mutate.rules import judge_rules, rule_files
 from tests.support.documents import ROOT
 
 #: How many mutants are known to be equivalent: lower it when there are fewer.

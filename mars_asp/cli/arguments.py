@@ -77,8 +77,13 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
         "facts": Verb("print the facts as input of clingo", "facts config.mars"),
     },
     "Work on rules": {
-        "rules": Verb("list, show or check the rules", "rules show data/divergence"),
-        "test": Verb("run rule cases: facts and expected answer sets", "test tests/rules"),
+        "rules": Verb(
+            "list, show, check or begin rules, and what a pack of them changes",
+            "rules show data/divergence",
+        ),
+        "test": Verb(
+            "run cases of rules: facts or robots, and what is expected of them", "test tests/rules"
+        ),
     },
     "Set up the command": {
         "completion": Verb(

@@ -1,4 +1,4 @@
-"""List, show or check the rules of every stage."""
+"""List, show or check rules, begin a pack of them, or compare what one changes."""
 
 import argparse
 import sys
@@ -16,9 +16,13 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.sorts import wrong_sorts
 from mars_asp.asp.signature import Signature, plain
+from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.layout import columns
+from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
+from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import analyse
@@ -34,12 +38,23 @@ _PURPOSES = {"base": BASE, **STAGES}
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    parser.add_argument("action", choices=("list", "show", "lint", "doc"))
+    parser.add_argument("action", choices=("list", "show", "lint", "doc", "new", "diff"))
     parser.add_argument(
         "what",
         nargs="?",
-        metavar="ID|PREDICATE|PATH",
-        help="of `show`: a rule's id, a predicate or a file of rules; of `lint`: files to check",
+        metavar="ID|PREDICATE|KIND|PATH|TOPIC",
+        help="of `show`: a rule's id, a predicate, a kind of finding or node, or a file of rules;"
+        " of `lint`: files to check; of `doc` and `diff`: a pack; of `new`: the name of a pack,"
+        " which is written to a new folder here",
+    )
+    parser.add_argument(
+        "files",
+        nargs="*",
+        metavar="FILE",
+        help="of `diff`: configurations to compare, without any our examples",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", help="of `doc`: write a page for each file of rules there"
     )
     parser.add_argument(
         "--stage",
@@ -52,7 +67,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     action, what = arguments.action, arguments.what
-    wrong = _misused(action, what, arguments.stage)
+    wrong = _misused(action, what, arguments)
     if wrong:
         print(f"mars-asp rules: {wrong}", file=sys.stderr)
         return 2
@@ -63,14 +78,28 @@ def run(arguments: argparse.Namespace) -> int:
         if not found:
             print("nothing wrong")
         return 0
+    if action == "diff":
+        from mars_asp.cli.rules_diff import print_changes
+
+        return print_changes(what, arguments.files, arguments)
+    if action == "doc" and what:
+        arguments.rules = [*arguments.rules, what]
     rulebook = rulebook_for(arguments, STAGES)
+    if action == "new":
+        from mars_asp.cli.rules_new import new_pack
+
+        for path in new_pack(what, rulebook):
+            print(f"wrote {visible(path)}")
+        return 0
     as_json = arguments.format == "json"
     stages = (arguments.stage,) if arguments.stage else tuple(_PURPOSES)
     if action == "show":
         print(encoded(shown_json(rulebook, what)) if as_json else _safe(shown(rulebook, what)))
+    elif action == "doc" and arguments.output:
+        _write_pages(rulebook, stages, what, arguments.output)
     elif action == "doc":
         print("# Rules\n")
-        print(_safe("\n".join(_documents(rulebook, stages))))
+        print(_safe("\n".join(_documents(rulebook, stages, what))))
     elif as_json:
         found_rules = (rule for stage in stages for rule in _speaking(rulebook, stage))
         print(encoded([_rule_json(rule) for rule in found_rules]))
@@ -120,7 +149,10 @@ def shown(rulebook: Rulebook, name: str) -> str:
     """
     found = _named(rulebook, name)
     if isinstance(found, Rule):
-        return _document(found, "##")
+        return "\n\n".join([_document(found, "##"), *_example(found, rulebook)])
+    if isinstance(found, Kind):
+        named = (_document(rule, "###") for rule in found.rules)
+        return "\n\n".join([*kind_document(found), *named])
     if isinstance(found, tuple):
         return "\n\n".join(map(_predicate_document, found))
     stage, outline = rulebook.outlines[found]
@@ -138,6 +170,8 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     found = _named(rulebook, name)
     if isinstance(found, Rule):
         return _rule_json(found)
+    if isinstance(found, Kind):
+        return kind_json(found)
     if isinstance(found, tuple):
         return {"predicates": list(map(_predicate_json, found))}
     stage, outline = rulebook.outlines[found]
@@ -151,12 +185,19 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     }
 
 
-def _misused(action: str, what: str | None, stage: str | None) -> str | None:
+def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> str | None:
     """Return what is wrong with a call, if anything is."""
     if action == "show" and not what:
-        return "`show` needs the ID of a rule, a predicate or a file; `list` names rules"
-    if stage and action in ("show", "lint"):
+        return "`show` needs the ID of a rule, a predicate, a kind or a file; `list` names rules"
+    if action in ("new", "diff") and not what:
+        wanted = "the name of a TOPIC" if action == "new" else "the folder of a PACK"
+        return f"`{action}` needs {wanted}"
+    if arguments.stage and action not in ("list", "doc"):
         return f"--stage has no effect on `{action}`"
+    if arguments.output and action != "doc":
+        return f"--output has no effect on `{action}`"
+    if arguments.files and action != "diff":
+        return f"`{action}` takes one name, and `{visible(arguments.files[0])}` is another"
     return None
 
 
@@ -168,8 +209,8 @@ def _of_sample(found: Diagnostic) -> Diagnostic:
     return replace(found, severity="warning", message=message)
 
 
-def _named(rulebook: Rulebook, name: str) -> Rule | tuple[Declaration, ...] | str:
-    """Return the rule of an id, predicates, or the path of a file.
+def _named(rulebook: Rulebook, name: str) -> Rule | Kind | tuple[Declaration, ...] | str:
+    """Return the rule of an id, a kind, predicates, or the path of a file.
 
     A file is named by its path or by what its ids begin with, predicates by their name, with or
     without the number of arguments.
@@ -186,10 +227,13 @@ def _named(rulebook: Rulebook, name: str) -> Rule | tuple[Declaration, ...] | st
     predicates = tuple(each for at, each in declared.items() if name in (at.name, str(at)))
     if predicates:
         return predicates
-    near = _near(name, (*rulebook.by_id, *files, *(each.name for each in declared)))
+    known = kinds(rulebook)
+    if name in known:
+        return known[name]
+    near = _near(name, (*rulebook.by_id, *files, *(each.name for each in declared), *known))
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
     where = point("rules", 1, 1)
-    message = f"there is no rule or predicate `{name}`"
+    message = f"there is no rule, predicate or kind `{name}`"
     raise MarsError((Diagnostic("rule", "error", message, where, help=hint),))
 
 
@@ -213,13 +257,52 @@ def _listed(rulebook: Rulebook, stage: str) -> str:
     return "\n".join([f"{stage}: {_PURPOSES[stage]}", *lines])
 
 
-def _documents(rulebook: Rulebook, stages: Iterable[str]) -> Iterator[str]:
+def _documents(rulebook: Rulebook, stages: Iterable[str], pack: str | None = None) -> Iterator[str]:
     for stage in stages:
         for path, (at, outline) in rulebook.outlines.items():
-            if at == stage:
-                yield f"{_file_document(path, stage, outline)}\n"
-                of_file = (r for r in _speaking(rulebook, stage) if r.span.path == path)
-                yield from (f"{_document(rule, '###')}\n" for rule in of_file)
+            if at == stage and _is_of(path, pack):
+                yield _page(rulebook, path, stage, outline)
+
+
+def _page(rulebook: Rulebook, path: str, stage: str, outline: Outline) -> str:
+    of_file = (rule for rule in _speaking(rulebook, stage) if rule.span.path == path)
+    rules = (f"{_document(rule, '###')}\n" for rule in of_file)
+    return "\n".join([f"{_file_document(path, stage, outline)}\n", *rules])
+
+
+def _is_of(path: str, pack: str | None) -> bool:
+    """Whether a file of rules is to be documented: of a pack, where one is named."""
+    return pack is None or (path.endswith(".lp") and Path(path).is_relative_to(pack))
+
+
+def _write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> None:
+    """Write a page for each file of rules into a folder, and one that lists them."""
+    listed = ["# Rules", ""]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for stage in stages:
+        files = [
+            (p, o) for p, (at, o) in rulebook.outlines.items() if at == stage and _is_of(p, pack)
+        ]
+        listed += [f"## {stage}", "", f"{_PURPOSES[stage]}.", ""] if files else []
+        for path, outline in files:
+            name = f"{file_name(path, stage).replace('/', '-')}.md"
+            listed.append(f"- [{file_name(path, stage)}]({name}): {visible(outline.title)}")
+            page = _page(rulebook, path, stage, outline)
+            write_file(str(Path(folder) / name), _safe(page.replace("## ", "# ", 1)))
+        listed += [""] if files else []
+    write_file(str(Path(folder) / "index.md"), "\n".join(listed))
+    print(f"wrote {visible(str(Path(folder) / 'index.md'))}")
+
+
+def _example(rule: Rule, rulebook: Rulebook) -> Iterator[str]:
+    """Yield what explains a rule in the case that it names as its example."""
+    from mars_asp.asp.trace.text import traces_text
+    from mars_asp.reasoning.cases.examples import example_trace
+
+    found = example_trace(rule, rulebook)
+    if found is not None:
+        told = traces_text([found], line_at, width=columns(sys.stdout))
+        yield "\n".join(["In its example:", "", "```text", *map(visible, told), "```"])
 
 
 def _file_document(path: str, stage: str, outline: Outline) -> str:

@@ -1,21 +1,63 @@
-"""Run rule cases: facts and expected answer sets in one file."""
+"""Run cases: facts or configurations, and what the rules are expected to make of them."""
 
 import argparse
 import sys
+import time
+from collections.abc import Iterable
 from pathlib import Path
 
-from mars_asp.asp.cases import Outcome, find_cases
-from mars_asp.cli.encode import encoded
-from mars_asp.cli.reason import rulebook_for
+from mars_asp.asp.cases import Outcome
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli.cases_report import Ran, junit, print_outcomes
+from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.output import visible
-from mars_asp.reasoning.cases import run_case
-from mars_asp.reasoning.rules import STAGES
+from mars_asp.reasoning.cases import Found, cases_of, run_case
+from mars_asp.reasoning.cases.places import with_companions
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    parser.add_argument("paths", nargs="+", metavar="PATH", help="case files or folders of them")
+    parser.add_argument(
+        "paths",
+        nargs="+",
+        metavar="PATH",
+        help="files of cases, `.lp` or `.mars`, or folders of them; those of a pack, in its folder"
+        " `cases` or `tests`, have its rules without --rules",
+    )
+    parser.add_argument(
+        "--update",
+        action="store_true",
+        help="write what was found into the files as what is expected; facts stay, and so does"
+        " what must be there or must not",
+    )
+    parser.add_argument("--junit", metavar="FILE", help="write the outcomes as JUnit XML, too")
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="run again whenever a file changes, until Ctrl-C; prints to standard error",
+    )
+    parser.add_argument(
+        "--coverage",
+        action="store_true",
+        help="list the rules of the packs, without packs of our own, that fire in no case (status"
+        " 1), and those that never fail by one premise alone",
+    )
+    parser.add_argument(
+        "--mutate",
+        action="store_true",
+        help="change one thing of a rule at a time, and list the changes that no case notices"
+        " (status 1)",
+    )
+    parser.add_argument("--jobs", type=_jobs, metavar="N", help="of --mutate: so many at a time")
+    parser.epilog = "exit status: 1 where a case fails or there is none"
+
+
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 1000:
+        raise argparse.ArgumentTypeError(f"expected a number from 1 to 1000, found `{text}`")
+    return int(text)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -24,32 +66,83 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         MarsError: what is wrong with rules or cases, all of it.
     """
-    rulebook = rulebook_for(arguments, STAGES)
-    cases = find_cases(map(Path, arguments.paths), map(Path, arguments.rules))
-    if not cases:
+    if arguments.watch:
+        from mars_asp.cli.cases_watch import watched
+
+        return watched(run_once, arguments)
+    return run_once(arguments)
+
+
+def run_once(arguments: argparse.Namespace) -> int:
+    """Run all cases, and do what else is asked with them.
+
+    Raises:
+        MarsError: what is wrong with rules or cases, all of it.
+    """
+    rules = [Path(path) for path in arguments.rules]
+    found = cases_of(map(Path, arguments.paths), rules)
+    if not found:
         where = ", ".join(map(visible, arguments.paths))
-        print(f"mars-asp test: no case, a `.lp` file besides --rules, in {where}", file=sys.stderr)
-    outcomes: list[Outcome] = []
-    problems: list[Diagnostic] = []
-    for case in cases:
-        try:
-            outcomes.append(run_case(case, rulebook))
-        except MarsError as error:
-            problems += error.diagnostics
+        told = f"no case, a `.lp` file besides --rules, in {where}"
+        print(f"mars-asp test: {told}", file=sys.stderr)
+    packs = {each.pack for each in found}
+    books = {pack: _rulebook(pack, rules, arguments.trust) for pack in packs}
+    ran = [_ran(each, books[each.pack]) for each in found]
+    if arguments.junit:
+        write_file(arguments.junit, junit(ran))
+    problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
     if problems:
         raise MarsError(dict.fromkeys(problems))
+    outcomes = [each.outcome for each in ran if each.outcome is not None]
+    if arguments.update:
+        _update(outcomes)
+    all_pass = all(outcome.passed for outcome in outcomes)
+    if arguments.mutate and not all_pass:
+        print("mars-asp test: mutants are tried when all cases pass", file=sys.stderr)
+    arguments.mutate = arguments.mutate and all_pass
+    measured, status = _measured(found, books, arguments)
+    print_outcomes(outcomes, arguments, measured)
+    failed = not all_pass or not outcomes
+    return max(int(failed and not _is_mended(outcomes, arguments)), status)
+
+
+def _rulebook(pack: Path | None, rules: list[Path], trusted: bool) -> Rulebook:
+    companions = () if pack is None else with_companions(pack)
+    return load_rulebook([*rules, *companions], STAGES, trusted=trusted)
+
+
+def _ran(found: Found, rulebook: Rulebook) -> Ran:
+    begun = time.monotonic()
+    try:
+        outcome, problems = run_case(found.path, rulebook), ()
+    except MarsError as error:
+        return Ran(found.path, None, error.diagnostics, time.monotonic() - begun)
+    return Ran(found.path, outcome, problems, time.monotonic() - begun)
+
+
+def _measured(
+    found: Iterable[Found], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
+) -> tuple[dict[str, object], int]:
+    """Return what `--coverage` and `--mutate` found, for programs, and the status that it gives."""
+    if not arguments.coverage and not arguments.mutate:
+        return {}, 0
+    from mars_asp.cli.cases_measure import measured
+
+    return measured(tuple(found), books, arguments)
+
+
+def _update(outcomes: Iterable[Outcome]) -> None:
+    """Write what was found into the files of cases, all or none."""
+    changed = []
+    for outcome in outcomes:
+        if outcome.updated is not None:
+            before = outcome.path.read_bytes()
+            changed.append((str(outcome.path), outcome.updated.encode(), before))
+    if changed:
+        replace_files(changed)
+
+
+def _is_mended(outcomes: Iterable[Outcome], arguments: argparse.Namespace) -> bool:
+    """Whether an update changed what each case that failed expects."""
     failed = [outcome for outcome in outcomes if not outcome.passed]
-    passed = len(outcomes) - len(failed)
-    if arguments.format == "json":
-        listed = [
-            {"path": str(o.path), "passed": o.passed, "difference": list(o.difference())}
-            for o in outcomes
-        ]
-        print(encoded({"passed": passed, "failed": len(failed), "cases": listed}))
-        return int(bool(failed) or not outcomes)
-    for outcome in failed:
-        print(f"FAILED {visible(str(outcome.path))}")
-        for line in outcome.difference():
-            print(visible(line))
-    print(f"{passed} passed, {len(failed)} failed")
-    return int(bool(failed) or not outcomes)
+    return bool(arguments.update and failed and all(o.updated is not None for o in failed))

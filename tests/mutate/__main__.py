@@ -8,11 +8,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from tests.mutate.mutant import Mutant, Verdict, drawn, known_survivors
+from mars_asp.asp.cases.mutants import Mutant, Verdict, drawn, rule_mutants
+from tests.mutate.mutant import known_survivors
 from tests.mutate.python_killers import TESTS, judge_python
 from tests.mutate.python_mutants import python_mutants
-from tests.mutate.rule_killers import CASES, judge_rules
-from tests.mutate.rule_mutants import rule_files, rule_mutants
+from tests.mutate.rules import CASES, judge_rules, rule_files
 
 
 def main() -> int:

@@ -16,9 +16,10 @@ from types import CodeType
 import pytest
 from _pytest.runner import runtestprotocol
 
-from tests.mutate.children import ask, limit
+from mars_asp.asp.cases.children import ask, limit
+from mars_asp.asp.cases.killers import RUNS_AWAY
+from mars_asp.asp.cases.mutants import Mutant, Verdict
 from tests.mutate.exchange import Exchange, exchanges
-from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.python_mutants import compiled_mutants, noting_module
 from tests.support.documents import ROOT
 

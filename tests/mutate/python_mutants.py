@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import CodeType
 from typing import TypeAlias
 
-from tests.mutate.mutant import Mutant
+from mars_asp.asp.cases.mutants import Mutant
 from tests.support.documents import ROOT
 
 _FLIPPED: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {

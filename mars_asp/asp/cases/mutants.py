@@ -1,16 +1,15 @@
-"""Mutants of rule files, made through clingo's syntax trees."""
+"""Mutants of rule files: small changes of syntax trees, which cases must notice."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
+from hashlib import sha256
 from typing import TypeAlias
 
 import clingo
 from clingo import ast
 
-from tests.mutate.mutant import Mutant
-from tests.support.documents import ROOT
+from mars_asp.asp.cases.probes import is_safe
 
 _TYPE = ast.ASTType
 _SIGN = ast.Sign
@@ -33,6 +32,47 @@ _SWAPPED = {
 _MINIMIZE, _MINIMIZED = "#minimize { ", " }."
 _TUPLES = (_TYPE.BodyAggregateElement, _TYPE.Minimize)
 _CONDITIONS = ("body", "condition")
+_is_safe = cache(is_safe)
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One change of one statement; `before` and `after` are the statement, white space evened out.
+
+    Attributes:
+        path: the file, as it is shown.
+        line: where the statement begins, from 1.
+        change: what was done, such as "drop `not p(X)`".
+        place: where the statement stands in the list of those of the file.
+    """
+
+    path: str
+    line: int
+    change: str
+    before: str
+    after: str
+    place: int
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """Return what identifies the mutant while its statement stays as it is."""
+        return self.path, self.before, self.after
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.change}\n  - {self.before}\n  + {self.after}"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What noticed a mutant; `None` where nothing did."""
+
+    mutant: Mutant
+    killer: str | None
+
+
+def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
+    """Return so many mutants by chance, each of which stays drawn while others come and go."""
+    return sorted(mutants, key=lambda m: sha256(f"{seed} {m.key}".encode()).digest())[:number]
 
 
 @dataclass(frozen=True)
@@ -71,14 +111,8 @@ class RuleFile:
         return (self.content[: old.begin] + changed + self.content[old.end :]).decode()
 
 
-def rule_files(folder: Path = ROOT / "rules") -> tuple[RuleFile, ...]:
-    """Return all rule files, those of the base first."""
-    paths = [*sorted(folder.glob("*.lp")), *sorted(folder.glob("*/*.lp"))]
-    return tuple(_read(path, folder) for path in paths)
-
-
-def _read(path: Path, folder: Path) -> RuleFile:
-    content = path.read_bytes()
+def rule_file(path: str, stage: str, content: bytes) -> RuleFile:
+    """Return a file of rules with the statements that can be mutated."""
     starts = [0]
     for line in content.split(b"\n"):
         starts.append(starts[-1] + len(line) + 1)
@@ -95,9 +129,7 @@ def _read(path: Path, folder: Path) -> RuleFile:
         for tree in trees
         if tree.ast_type in (_TYPE.Rule, _TYPE.Minimize)
     )
-    below = path.relative_to(folder)
-    stage = "base" if len(below.parts) == 1 else below.parts[0]
-    return RuleFile(f"{folder.name}/{below.as_posix()}", stage, content, statements)
+    return RuleFile(path, stage, content, statements)
 
 
 def written(tree: ast.AST) -> str:
@@ -117,21 +149,9 @@ def rule_mutants(file: RuleFile) -> Iterator[Mutant]:
         variants = [*_variants(statement.tree, False), *_of_cost(statement.tree, levels)]
         changes = [("delete", ""), *((change, written(tree)) for tree, change in variants)]
         for change, after in changes:
-            if after not in seen and is_safe(after):
+            if after not in seen and _is_safe(after):
                 seen.add(after)
                 yield Mutant(file.path, statement.line, change, before, after, place)
-
-
-@cache
-def is_safe(text: str) -> bool:
-    """Say whether a statement parses, and whether its premises bind all its variables."""
-    control = clingo.Control(["--warn=none"], logger=lambda *_: None)
-    try:
-        control.add("base", [], text)
-        control.ground()
-    except RuntimeError:
-        return False
-    return True
 
 
 def _level(tree: ast.AST) -> int:

@@ -1,4 +1,4 @@
-"""What notices a mutant of a rule: a case of `tests/rules`, or else a stronger check.
+"""What notices a mutant of a rule: a case, or a stronger check where one is given.
 
 A case can notice a mutant only where the mutant derives other heads than the rule from the case's
 own answer, or says something else, or derives anything where the rule may support itself in a
@@ -7,134 +7,139 @@ each mutant. A mutant whose message names what nothing binds any more is refused
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, partial
-from pathlib import Path
 from typing import TypeAlias
 
 import clingo
 import networkx as nx
 from clingo import ast
 
-from mars_asp.asp.cases import find_cases
-from mars_asp.asp.rules.expansions import expanded
-from mars_asp.asp.rules.read import read_case
+from mars_asp.asp.cases.children import ask, limit
+from mars_asp.asp.cases.coverage import Case
+from mars_asp.asp.cases.mutants import Mutant, RuleFile, Statement, Verdict, written
+from mars_asp.asp.cases.probes import children, is_safe
+from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import children, sign_and_function
+from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.cases import run_case, stages_of
-from mars_asp.reasoning.findings import EXPANSIONS
-from mars_asp.reasoning.rules import STAGES, load_rulebook
-from tests.mutate.children import ask, limit
-from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
-from tests.mutate.rule_mutants import RuleFile, Statement, is_safe
-from tests.mutate.stronger import CHECKS
-from tests.support.documents import ROOT
 
-CASES = ROOT / "tests" / "rules"
+#: What notices a mutant that takes more time or memory than it may.
+RUNS_AWAY = "it runs away"
 #: Seconds of the processor that a case may take: a mutant that takes more runs away.
 _SECONDS = 5.0
 _TYPE = ast.ASTType
-#: Stages without choices: what a case derives in them is one answer, known once it is grounded.
-_DETERMINISTIC = ("base", "verify", "run", "repair")
 #: What a message names, by the file and the line of its rule.
 _Holes: TypeAlias = Mapping[tuple[str, int], Sequence[str]]
 
 
-def judge_rules(
-    files: Sequence[RuleFile],
-    mutants: Sequence[Mutant],
-    jobs: int,
-    cases: Path = CASES,
-    stronger: bool = True,
+@dataclass(frozen=True)
+class Bench:
+    """What mutants are tried on.
+
+    Attributes:
+        deterministic: stages without choices: what a case derives in them is one answer, known once
+            it is grounded.
+        expansions: what keys of metadata stand for.
+        check: what else can notice a mutant of a stage; it names itself where it does.
+    """
+
+    rulebook: Rulebook
+    cases: Sequence[Case]
+    deterministic: Sequence[str]
+    expansions: Expansions
+    check: Callable[[str, Rulebook], str | None] | None = None
+
+
+def judge(
+    files: Sequence[RuleFile], mutants: Sequence[Mutant], bench: Bench, jobs: int
 ) -> Iterator[Verdict]:
     """Yield what notices each mutant of the files, in no order."""
-    rulebook = _built_in()
-    paths = find_cases([cases])
     by_path = {file.path: file for file in files}
     holes = {
         (rule.span.path, rule.span.line): rule.holes
-        for rule in rulebook.rules
+        for rule in bench.rulebook.rules
         if rule.listed is None
     }
-    useful = _useful(files, mutants, paths, rulebook, holes, jobs)
-    kills: Counter[tuple[str, Path]] = Counter()
+    useful = _useful(files, mutants, bench, holes, jobs)
+    kills: Counter[tuple[str, str]] = Counter()
 
-    def rank(mutant: Mutant, path: Path) -> tuple[int, bool]:
-        return -kills[mutant.before, path], path.parent.name != Path(mutant.path).stem
+    def rank(mutant: Mutant, case: Case) -> tuple[int, bool]:
+        return -kills[mutant.before, _name(case)], not _is_near(mutant, case)
 
-    def questions() -> Iterator[tuple[Mutant, tuple[Path, ...]]]:
+    def questions() -> Iterator[tuple[Mutant, tuple[Case, ...]]]:
         for mutant in mutants:
             yield mutant, tuple(sorted(useful[mutant], key=partial(rank, mutant)))
 
-    def answer(question: tuple[Mutant, tuple[Path, ...]]) -> tuple[Path | str | None]:
+    def answer(question: tuple[Mutant, tuple[Case, ...]]) -> tuple[str, bool] | None:
         mutant, tried = question
         if not _is_told(mutant, holes):
-            return ("its message",)
+            return "its message", False
         file = by_path[mutant.path]
-        changed = _exchanged(rulebook, file, mutant)
+        changed = _exchanged(bench, file, mutant)
         killer = _killing_case(tried, changed)
-        if killer is None and stronger:
-            return (_killing_check(file.stage, changed),)
-        return (killer,)
+        if killer is not None:
+            return killer, True
+        found = None if bench.check is None else bench.check(file.stage, changed)
+        return ("", False) if found is None else (found, False)
 
     for (mutant, _), found in ask(questions(), answer, jobs):
-        killer = RUNS_AWAY if found is None else found[0]
-        if isinstance(killer, Path):
-            kills[mutant.before, killer] += 1
-            killer = f"{killer.parent.name}/{killer.stem}"
-        yield Verdict(mutant, killer)
+        killer, by_case = (RUNS_AWAY, False) if found is None else found
+        kills[mutant.before, killer] += by_case
+        yield Verdict(mutant, killer or None)
 
 
-@cache
-def _built_in() -> Rulebook:
-    return load_rulebook(stages=STAGES, strict=True)
+def _name(case: Case) -> str:
+    return f"{case.path.parent.name}/{case.path.stem}"
 
 
-def _killing_case(paths: Iterable[Path], rulebook: Rulebook) -> Path | None:
-    for path in paths:
+def _is_near(mutant: Mutant, case: Case) -> bool:
+    """Whether a case is in a folder that is named like the file of a mutant."""
+    return f"/{case.path.parent.name}." in f"/{mutant.path}"
+
+
+def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:
+    for case in cases:
         limit(_SECONDS)
         try:
-            passed = run_case(path, rulebook).passed
+            passed = case.passes(rulebook)
         except MarsError:
             passed = False
         if not passed:
-            return path
+            return _name(case)
     return None
 
 
-def _killing_check(stage: str, rulebook: Rulebook) -> str | None:
-    for check in CHECKS:
-        if stage in check.stages:
-            limit(check.seconds)
-            try:
-                check.run(rulebook)
-            except Exception:
-                return check.name
-    return None
-
-
-def _exchanged(rulebook: Rulebook, file: RuleFile, mutant: Mutant) -> Rulebook:
+def _exchanged(bench: Bench, file: RuleFile, mutant: Mutant) -> Rulebook:
     """Return the rulebook with a mutant in the place of its statement."""
+    rulebook = bench.rulebook
     old = file.content.decode()
     texts = tuple((s, file.mutated(mutant) if text == old else text) for s, text in rulebook.texts)
     rules: list[Rule] = []
     for rule in rulebook.rules:
-        if (rule.span.path, rule.span.line) != (file.path, mutant.line):
+        if not _is_of(rule, mutant):
             rules.append(rule)
         elif mutant.after and rule.listed is None:
             changed = replace(rule, text=mutant.after)
-            rules += (changed, *_listed(changed))
+            rules += (changed, *_listed(changed, bench.expansions))
     assert texts != rulebook.texts
     return replace(rulebook, rules=tuple(rules), texts=texts)
 
 
-def _listed(rule: Rule) -> Iterator[Rule]:
+def _is_of(rule: Rule, mutant: Mutant) -> bool:
+    """Whether a rule is the one that a mutant takes the place of, or is listed by it."""
+    if (rule.span.path, rule.span.line) != (mutant.path, mutant.line):
+        return False
+    # Others may stand in its line.
+    return rule.listed is not None or written(rule.ast) == mutant.before
+
+
+def _listed(rule: Rule, expansions: Expansions) -> Iterator[Rule]:
     """Yield the rules that its metadata stand for, which have its body."""
-    for key, written in rule.lists:
-        yield from expanded(rule, key, written, rule.span, EXPANSIONS[key])
+    for key, listed in rule.lists:
+        yield from expanded(rule, key, listed, rule.span, expansions[key])
 
 
 # ---- Which cases can notice a mutant -------------------------------------------------------------
@@ -143,42 +148,40 @@ def _listed(rule: Rule) -> Iterator[Rule]:
 def _useful(
     files: Sequence[RuleFile],
     mutants: Sequence[Mutant],
-    paths: Sequence[Path],
-    rulebook: Rulebook,
+    bench: Bench,
     holes: _Holes,
     jobs: int,
-) -> Mapping[Mutant, list[Path]]:
+) -> Mapping[Mutant, list[Case]]:
     """Return the cases in which each mutant makes a difference, or may make one."""
     by_path = {file.path: file for file in files}
     circular = _circular(tuple(files))
-    useful: dict[Mutant, list[Path]] = {mutant: [] for mutant in mutants}
+    useful: dict[Mutant, list[Case]] = {mutant: [] for mutant in mutants}
     probed: dict[str, list[tuple[int, Mutant]]] = {}
     for number, mutant in enumerate(mutants):
         file = by_path[mutant.path]
         head = _head(file.statements[mutant.place].tree)
         if not _is_told(mutant, holes):
             continue
-        if file.stage in _DETERMINISTIC and head is not None:
+        if file.stage in bench.deterministic and head is not None:
             probed.setdefault(file.stage, []).append((number, mutant))
         else:
-            useful[mutant] = [path for path in paths if file.stage in _stages(path)]
+            useful[mutant] = [case for case in bench.cases if file.stage in case.stages]
 
-    def answer(path: Path) -> set[int]:
+    def answer(case: Case) -> set[int]:
         limit(60)
-        stages = [stage for stage in _stages(path) if stage in _DETERMINISTIC]
+        stages = [stage for stage in case.stages if stage in bench.deterministic]
         mine = [entry for stage in stages for entry in probed.get(stage, ())]
-        rules = [rulebook.text(stage) for stage in stages]
-        return _different(mine, "\n".join([read_case(path)[0], *rules]), circular, holes)
+        rules = [bench.rulebook.text(stage) for stage in stages]
+        found = set[int]()
+        for facts in case.texts:
+            found |= _different(mine, "\n".join([facts, *rules]), circular, holes)
+        return found
 
-    for path, found in ask(paths, answer, jobs):
-        everything = {number for entries in probed.values() for number, _ in entries}
+    everything = {number for entries in probed.values() for number, _ in entries}
+    for case, found in ask(bench.cases, answer, jobs) if everything else ():
         for number in everything if found is None else found:
-            useful[mutants[number]].append(path)
+            useful[mutants[number]].append(case)
     return useful
-
-
-def _stages(path: Path) -> tuple[str, ...]:
-    return ("base", *stages_of(path))
 
 
 def _head(tree: ast.AST) -> ast.AST | None:

@@ -1,0 +1,161 @@
+"""What a file of cases expects: the lines of comments that state it, and the blocks they are of."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import clingo
+
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.spelling import nearest
+
+#: What is named by a word, as `%has: ...`, and what by a sign, as `%= ...`.
+_WORDS = ("only", "has", "not", "case")
+_LINE = re.compile(
+    r"%(?:(?P<sign>[=>~])|(?P<word>[a-z]+):(?=[ \t\r]|$))[ \t]*(?P<rest>.*?)[ \t\r]*$"
+)
+_CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
+_ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
+_CODE = "case"
+#: Stands for any value.
+ANY = clingo.Function("_any")
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """An atom of an expectation, as it is written and where."""
+
+    text: str
+    span: Span
+
+    @property
+    def pattern(self) -> clingo.Symbol:
+        """Return the atom as a term in which `_any` is any value.
+
+        Raises:
+            RuntimeError: it cannot be read.
+        """
+        return clingo.parse_term(_ANYTHING.sub(lambda match: match[1] or "_any", self.text))
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """One expectation: `kind` is its sign or word, `last` the last line that it takes."""
+
+    kind: str
+    stated: tuple[Stated, ...]
+    span: Span
+    last: int
+
+    @property
+    def text(self) -> str:
+        """Return what is written behind the sign or word."""
+        return " ".join(each.text for each in self.stated)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One case of a file: its title, the text without those of others, and what it expects."""
+
+    title: str | None
+    text: str
+    span: Span
+    expectations: tuple[Expectation, ...]
+
+    def of(self, *kinds: str) -> tuple[Expectation, ...]:
+        """Return the expectations of some kinds."""
+        return tuple(each for each in self.expectations if each.kind in kinds)
+
+
+def blocks_of(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Block, ...]:
+    """Return the cases of a file; note what cannot be read of what they expect."""
+    lines = text.split("\n")
+    found = list(_read(lines, shown, problems))
+    begins = [each for each in found if each.kind == "case"]
+    expected = [each for each in found if each.kind != "case"]
+    if not begins:
+        return (Block(None, text, Span(shown, 1, 1, 1, 1), tuple(expected)),)
+    common = begins[0].span.line
+    early = [each for each in expected if each.span.line < common]
+    problems += (
+        Diagnostic(
+            _CODE,
+            "error",
+            "what is expected is of no case",
+            each.span,
+            help="write it below a line `%case: TITLE`, or leave these lines out",
+        )
+        for each in early
+    )
+    ends = [*(each.span.line for each in begins[1:]), len(lines) + 1]
+    return tuple(
+        Block(
+            begin.text,
+            "\n".join(
+                line if number < common or begin.span.line <= number < end else ""
+                for number, line in enumerate(lines, 1)
+            ),
+            begin.span,
+            tuple(each for each in expected if begin.span.line < each.span.line < end),
+        )
+        for begin, end in zip(begins, ends, strict=True)
+    )
+
+
+def _read(lines: Sequence[str], shown: str, problems: list[Diagnostic]) -> Iterator[Expectation]:
+    number = 0
+    while number < len(lines):
+        match = _LINE.match(lines[number])
+        number += 1
+        if match is None:
+            continue
+        first, kind = number, match["sign"] or match["word"]
+        span = Span(shown, first, 1, first, len(match[0].rstrip()) + 1)
+        if match["word"] and kind not in _WORDS:
+            near = nearest(kind, _WORDS)
+            if near:
+                message, advice = f"`%{kind}:` is not an expectation", f"did you mean `%{near}:`?"
+                problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
+            continue
+        if kind in (">", "~", "case"):
+            yield Expectation(kind, (Stated(match["rest"], span),), span, first)
+            continue
+        stated = list(_atoms(match["rest"], shown, first, match.start("rest")))
+        while number < len(lines) and (more := _CONTINUED.match(lines[number])) is not None:
+            number += 1
+            stated += _atoms(more[1], shown, number, more.start(1))
+        if kind != "=":
+            problems += _unread(kind, stated, span)
+        yield Expectation(kind, tuple(stated), span, number)
+
+
+def _unread(kind: str, stated: Sequence[Stated], span: Span) -> Iterator[Diagnostic]:
+    if not stated:
+        advice = f'write them, as in `%{kind}: seen(_,3) blind("A")`'
+        yield Diagnostic(_CODE, "error", f"`%{kind}:` names no atoms", span, help=advice)
+    for each in stated:
+        try:
+            kind_of = each.pattern.type
+        except RuntimeError:
+            kind_of = clingo.SymbolType.Infimum
+        if kind_of != clingo.SymbolType.Function or not each.pattern.name:
+            message, advice = f"expected an atom, found `{each.text}`", 'as in `seen("A",_)`'
+            yield Diagnostic(_CODE, "error", message, each.span, help=advice)
+
+
+def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[Stated]:
+    """Yield the atoms of a line, which blanks part outside of brackets and strings."""
+    depth, begin, at = 0, 0, 0
+    while at <= len(text):
+        character = text[at : at + 1]
+        if character == '"':
+            string = re.compile(r'"(?:[^"\\]|\\.)*"?').match(text, at)
+            at = len(text) if string is None else string.end()
+            continue
+        depth += (character == "(") - (character == ")")
+        if not character or (character in " \t" and not depth):
+            if begin < at:
+                place = Span(shown, line, before + begin + 1, line, before + at + 1)
+                yield Stated(text[begin:at], place)
+            begin = at + 1
+        at += 1

@@ -1,0 +1,311 @@
+"""What came of cases: each expectation that the rules do not meet, with what they gave instead."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.cases.expectations import ANY, Block, Expectation, Stated
+from mars_asp.asp.signature import plain
+from mars_asp.diagnostic import Span
+from mars_asp.spelling import nearest
+
+#: What kinds of expectations ask for, in words.
+_WORDS = {"only": "only", "has": "at least", "not": "none of", ">": "the message", "~": "the cost"}
+_NONE_EXPECTED = (
+    "  nothing is expected, so no answer set may be found; rules of your own go with --rules"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """An expectation that is not met, with its place.
+
+    `expected` is what it asks for in words, `found` what is there instead, and `nearest` what
+    resembles it most of all that is there. `lines` show the difference.
+    """
+
+    span: Span
+    expected: str
+    found: tuple[str, ...] = ()
+    nearest: str | None = None
+    lines: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A case: its title where it has one, its place, and what it expects in vain."""
+
+    title: str | None
+    span: Span
+    failures: tuple[Failure, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the rules gave what is expected."""
+        return not self.failures
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of the cases of a file, and its text with what was found as what is expected.
+
+    `updated` is `None` where that is the text as it is.
+    """
+
+    path: Path
+    checks: tuple[Check, ...]
+    updated: str | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Whether all cases of the file passed."""
+        return all(check.passed for check in self.checks)
+
+    def difference(self) -> Iterator[str]:
+        """Yield lines that say what is missing and what is too much."""
+        for check in self.checks:
+            yield from difference(check)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer set: what `%=` compares, all its atoms, what rules say, and what it costs."""
+
+    compared: tuple[str, ...]
+    atoms: tuple[clingo.Symbol, ...]
+    said: frozenset[str]
+    cost: str
+
+
+def difference(check: Check) -> Iterator[str]:
+    """Yield lines that say what is missing in a case and what is too much."""
+    for failure in check.failures:
+        yield from failure.lines
+
+
+def judged(block: Block, answers: Sequence[Answer]) -> tuple[Failure, ...]:
+    """Return the expectations of a case that its answer sets do not meet."""
+    exact, others = block.of("="), block.of("only", "has", "not")
+    failures: list[Failure] = []
+    if exact or not block.expectations:
+        failures += _exactly(block, exact, answers)
+    else:
+        others = block.expectations
+    for each in others:
+        if not answers:
+            failures.append(Failure(each.span, f"{_asked(each)}, and there is no answer set"))
+        for answer in answers:
+            found = tuple(_unmet(each, answer))
+            failures += found
+            if found:
+                break
+    return tuple(failures)
+
+
+def _exactly(
+    block: Block, exact: Sequence[Expectation], answers: Sequence[Answer]
+) -> Iterator[Failure]:
+    rest = [f"%{each.kind} {each.text}" for each in block.of(">", "~")]
+    expected = {tuple(sorted([*map(_even, each.stated), *rest])): each for each in exact}
+    given = sorted(tuple(sorted([*map(_even, each.stated), *rest])) for each in exact)
+    found = sorted({answer.compared for answer in answers})
+    if given == found:
+        return
+    missing = [answer for answer in given if answer not in found]
+    extra = [answer for answer in found if answer not in given]
+    lines = [] if exact else [_NONE_EXPECTED]
+    if len(missing) == len(extra) == 1:
+        lost, new = set(missing[0]), set(extra[0])
+        lines += [f"  - {atom}" for atom in sorted(lost - new)]
+        lines += [f"  + {atom}" for atom in sorted(new - lost)]
+    else:
+        lines += [f"  - answer set: {' '.join(answer)}" for answer in missing]
+        lines += [f"  + answer set: {' '.join(answer)}" for answer in extra]
+    span = expected[missing[0]].span if missing else exact[0].span if exact else block.span
+    what = "this answer set" if len(given) == 1 else f"these {len(given)} answer sets"
+    what = f"exactly {what}" if given else "no answer set"
+    yield Failure(span, what, tuple(" ".join(answer) for answer in extra), None, tuple(lines))
+
+
+def _even(stated: Stated) -> str:
+    """Return an atom as clingo writes it."""
+    if " " not in stated.text:
+        return stated.text
+    try:
+        return str(clingo.parse_term(stated.text))
+    except RuntimeError:
+        return stated.text
+
+
+def _asked(expectation: Expectation) -> str:
+    return f"{_WORDS[expectation.kind]} `{expectation.text}`"
+
+
+def _unmet(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+    """Yield what an answer set does not meet of an expectation."""
+    match expectation.kind:
+        case ">":
+            yield from _unsaid(expectation, answer)
+        case "~":
+            if f"%~ {expectation.text}".strip() != answer.cost:
+                found = answer.cost.removeprefix("%~").strip() or "nothing"
+                yield _failure(expectation.span, _asked(expectation), (found,))
+        case "has":
+            for each in expectation.stated:
+                if not any(matches(each.pattern, atom) for atom in answer.atoms):
+                    yield _missing(each, answer.atoms)
+        case "not":
+            for each in expectation.stated:
+                found_here = _shown(a for a in answer.atoms if matches(each.pattern, a))
+                if found_here:
+                    yield _failure(each.span, f"no `{each.text}`", found_here)
+        case _:
+            yield from _beyond(expectation, answer)
+
+
+def _unsaid(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+    wanted = f"%> {expectation.text}"
+    if wanted not in answer.said:
+        name = expectation.text.partition(":")[0]
+        of_rule = tuple(sorted(each for each in answer.said if each.startswith(f"%> {name}:")))
+        near = of_rule[0] if of_rule else nearest(wanted, answer.said)
+        shown = None if near is None else near.removeprefix("%> ")
+        yield _failure(expectation.span, _asked(expectation), (), shown)
+
+
+def _beyond(expectation: Expectation, answer: Answer) -> Iterator[Failure]:
+    """Yield what is missing, and what there is too much of the sorts that an `only` names."""
+    patterns = [each.pattern for each in expectation.stated]
+    for each, pattern in zip(expectation.stated, patterns, strict=True):
+        if not any(matches(pattern, atom) for atom in answer.atoms):
+            yield _missing(each, answer.atoms)
+    extra = [
+        atom
+        for atom in answer.atoms
+        if any(_same_sort(pattern, atom) for pattern in patterns)
+        and not any(matches(pattern, atom) for pattern in patterns)
+    ]
+    if extra:
+        yield _failure(expectation.span, f"nothing but `{expectation.text}`", _shown(extra))
+
+
+def _missing(stated: Stated, atoms: Sequence[clingo.Symbol]) -> Failure:
+    near = _nearest(stated.pattern, atoms)
+    return _failure(stated.span, f"`{stated.text}`", (), near)
+
+
+def _failure(span: Span, expected: str, found: tuple[str, ...], near: str | None = None) -> Failure:
+    lines = [f"  - expected {expected}", *(f"  + found {atom}" for atom in found)]
+    lines += [] if near is None else [f"    nearest: {near}"]
+    return Failure(span, expected, found, near, tuple(lines))
+
+
+def _shown(atoms: Iterable[clingo.Symbol]) -> tuple[str, ...]:
+    return tuple(sorted(plain(str(atom)) for atom in atoms))
+
+
+def matches(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
+    """Whether a term is one that a pattern with `_any` stands for."""
+    if pattern in (found, ANY):
+        return True
+    if clingo.SymbolType.Function not in (pattern.type, found.type) or pattern.type != found.type:
+        return False
+    if len(pattern.arguments) != len(found.arguments) or pattern.positive != found.positive:
+        return False
+    if pattern.name != plain(found.name):
+        return False
+    return all(map(matches, pattern.arguments, found.arguments))
+
+
+def _same_sort(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
+    """Whether two atoms have one predicate, and one first argument where that is a constant."""
+    if plain(found.name) != pattern.name or found.positive != pattern.positive:
+        return False
+    if len(found.arguments) != len(pattern.arguments):
+        return False
+    first = pattern.arguments[0] if pattern.arguments else ANY
+    is_constant = first.type == clingo.SymbolType.Function and first.name and not first.arguments
+    return not is_constant or first in (ANY, found.arguments[0])
+
+
+def _nearest(pattern: clingo.Symbol, atoms: Sequence[clingo.Symbol]) -> str | None:
+    """Return the atom of the same predicate that agrees in most, or one of a name like it."""
+    same = [atom for atom in atoms if plain(atom.name) == pattern.name]
+    if same:
+        best = max(sorted(same), key=lambda atom: _agreement(pattern, atom))
+        return plain(str(best))
+    name = nearest(pattern.name, {plain(atom.name) for atom in atoms})
+    return next((plain(str(a)) for a in sorted(atoms) if plain(a.name) == name), None)
+
+
+def _agreement(pattern: clingo.Symbol, found: clingo.Symbol) -> int:
+    if len(pattern.arguments) != len(found.arguments):
+        return -1
+    return sum(map(matches, pattern.arguments, found.arguments))
+
+
+def rewritten(text: str, blocks: Sequence[Block], answers: Mapping[Block, Sequence[Answer]]) -> str:
+    """Return a text of cases in which what was found is what is expected.
+
+    Facts stay as they are, and so does what a case has or has not whatever else there is: `%has:`
+    and `%not:`.
+    """
+    lines = text.split("\n")
+    edits: list[tuple[int, int, list[str]]] = []
+    for block in blocks:
+        edits += _edits(block, answers[block], len(lines))
+    for begin, end, new in sorted(edits, reverse=True):
+        lines[begin:end] = new
+    return "\n".join(lines)
+
+
+def _edits(
+    block: Block, answers: Sequence[Answer], count: int
+) -> Iterator[tuple[int, int, list[str]]]:
+    """Yield lines, from and up to which others take their place."""
+    exact = block.of("=")
+    for each in block.of("only") if answers else ():
+        patterns = [stated.pattern for stated in each.stated]
+        found = [a for a in answers[0].atoms if any(_same_sort(p, a) for p in patterns)]
+        if found and tuple(_unmet(each, answers[0])):
+            yield each.span.line - 1, each.last, _written("%only:", _shown(found))
+    if not exact and block.expectations:
+        if answers:
+            for each in block.of("~"):
+                yield each.span.line - 1, each.last, [answers[0].cost]
+        return
+    if not tuple(_exactly(block, exact, answers)):
+        return
+    place = exact[0].span.line - 1 if exact else _end(block, count)
+    new: list[str] = []
+    for answer in sorted(answers, key=lambda each: each.compared):
+        atoms = [atom for atom in answer.compared if not atom.startswith("%")]
+        new += _written("%=", _in_order(atoms, exact))
+    for each in (*exact, *block.of(">", "~")):
+        if each.span.line - 1 != place:
+            yield each.span.line - 1, each.last, []
+    if answers:
+        rest = Counter(atom for atom in answers[0].compared if atom.startswith("%"))
+        new += sorted(rest)
+    yield place, exact[0].last if exact else place, new
+
+
+def _in_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:
+    """Return atoms in the order in which they were expected, others behind."""
+    order = {_even(each): at for at, each in enumerate(e for one in exact for e in one.stated)}
+    return sorted(atoms, key=lambda atom: (order.get(atom, len(order)), atom))
+
+
+def _end(block: Block, count: int) -> int:
+    """Return behind which line of a file the text of a block ends."""
+    lines = block.text.split("\n")
+    last = max((n for n, line in enumerate(lines, 1) if line.strip()), default=count)
+    return max(last, block.span.line)
+
+
+def _written(sign: str, atoms: Sequence[str]) -> list[str]:
+    first, *rest = atoms or ("",)
+    return [f"{sign} {first}".rstrip(), *(f"%+ {atom}" for atom in rest)]

@@ -1,0 +1,87 @@
+"""Rules that tell, beside the rules of a program, which of these hold and which just do not."""
+
+from collections.abc import Iterator
+
+import clingo
+from clingo import ast
+
+from mars_asp.asp.rules.rule import Rule
+
+FIRED, NEAR = "_fired", "_near"
+_TYPE = ast.ASTType
+
+
+def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
+    """Yield rules with the predicates that they derive of the number of a rule.
+
+    `_fired` holds where the body does, `_near` where it does but for one literal. Variables that
+    only this literal binds count as any value. What clingo finds unsafe is left out.
+    """
+    for name, text in _probes(number, rule):
+        if is_safe(text):
+            yield name, text
+
+
+def fired(number: int, rule: Rule) -> str:
+    """Return the rule by which it is known that a rule fires."""
+    return next(_probes(number, rule))[1]
+
+
+def is_safe(text: str) -> bool:
+    """Whether a statement parses, and whether its premises bind all its variables."""
+    control = clingo.Control(["--warn=none"], logger=lambda *_: None)
+    try:
+        control.add("base", [], text)
+        control.ground()
+    except RuntimeError:
+        return False
+    return True
+
+
+def children(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes directly below one of clingo's syntax trees, in the order of its keys."""
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if isinstance(child, ast.ASTSequence):
+            yield from child
+        elif child is not None:
+            yield child
+
+
+def _probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
+    body = list(rule.ast.body)
+    yield FIRED, f"{FIRED}({number}) :- {'; '.join(map(str, body)) or '#true'}."
+    for index, literal in enumerate(body):
+        rest = body[:index] + body[index + 1 :]
+        elsewhere = {name for other in rest for name in _variables(other)}
+        fails = _failing(literal, set(_variables(literal)) - elsewhere)
+        yield NEAR, f"{NEAR}({number}) :- {'; '.join([*map(str, rest), *fails])}."
+
+
+def _failing(literal: ast.AST, own: set[str]) -> Iterator[str]:
+    """Yield the literal that holds where this one does not, if it can be said as one."""
+    if literal.ast_type != _TYPE.Literal:
+        return
+    if literal.sign == ast.Sign.NoSign:
+        symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
+        yield f"not {_Blank(own)(literal) if own and symbolic else literal}"
+    else:
+        yield str(literal.update(sign=ast.Sign.NoSign))
+
+
+def _variables(node: ast.AST) -> Iterator[str]:
+    if node.ast_type == _TYPE.Variable:
+        yield node.name
+        return
+    for child in children(node):
+        yield from _variables(child)
+
+
+class _Blank(ast.Transformer):
+    """Replaces variables by anonymous ones."""
+
+    def __init__(self, names: set[str]) -> None:
+        self.names = names
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node.update(name="_") if node.name in self.names else node

@@ -1,0 +1,208 @@
+"""Where cases are, and what the rules make of one."""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.cases.expectations import Block, blocks_of
+from mars_asp.asp.cases.outcomes import Answer, Check, Outcome, judged, rewritten
+from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.messages import heard, predicate_of, saying
+from mars_asp.asp.rules.arithmetic import telling, wrapped
+from mars_asp.asp.rules.read import read_case
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import Piece
+from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.asp.signature import SPACE, Signature, plain, signature_of
+from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+
+#: What is asked to be said here, beside what cases ask of rules themselves.
+_STAGE = "case"
+_MOST_ANSWERS = 100
+_MOST_MESSAGES = 10_000
+
+
+def find_cases(paths: Iterable[Path], packs: Iterable[Path] = ()) -> tuple[Path, ...]:
+    """Return the case files that paths name, those of folders in the order of their names.
+
+    Of what a folder holds, the files of rule packs are no cases.
+    """
+    rules = {path.resolve() for path in packs}
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            held = sorted(path.rglob("*.lp"))
+            found += (p for p in held if not {p.resolve(), p.resolve().parent} & rules)
+        else:
+            found.append(path)
+    return tuple(found)
+
+
+def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
+    """Return the stages, of those there are, that the folders of a case are named after.
+
+    Where a case lies in the current folder, what that folder is called says nothing.
+    """
+    full, here = path.absolute(), Path.cwd()
+    parts = full.relative_to(here).parts if full.is_relative_to(here) else full.parts
+    return tuple(stage for stage in stages if stage in parts)
+
+
+def case_texts(path: Path) -> tuple[str, ...]:
+    """Return the text of each case of a file, its lines where they are in the file.
+
+    Raises:
+        MarsError: it may not be given to clingo, or what it expects cannot be read.
+    """
+    return tuple(block.text for block in _blocks(path)[0])
+
+
+def _blocks(path: Path) -> tuple[tuple[Block, ...], tuple[Piece, ...], str]:
+    """Return the cases of a file, what it is made of, and its text.
+
+    Raises:
+        MarsError: it may not be given to clingo, or what it expects cannot be read.
+    """
+    text, written = read_case(path)
+    problems: list[Diagnostic] = []
+    blocks = blocks_of(text, str(path), problems)
+    if problems:
+        raise MarsError(problems)
+    return blocks, written, text
+
+
+def run_case(
+    path: Path, rulebook: Rulebook, stages: Collection[str], finding: Signature
+) -> Outcome:
+    """Run the cases of a file with the rules of the base and of `stages`.
+
+    `finding` is the predicate that `%=` compares where a case shows none.
+
+    Raises:
+        MarsError: a case may not be given to clingo, or what it expects cannot be read.
+    """
+    blocks, written, text = _blocks(path)
+    answers = {
+        block: _answers(block, _of_block(written, block, blocks), rulebook, stages, finding)
+        for block in blocks
+    }
+    checks = (Check(each.title, each.span, judged(each, answers[each])) for each in blocks)
+    updated = rewritten(text, blocks, answers)
+    return Outcome(path, tuple(checks), updated if updated != text else None)
+
+
+def _of_block(
+    written: Iterable[Piece], block: Block, blocks: Sequence[Block]
+) -> tuple[Signature, ...]:
+    """Return the predicates that the `#show` lines of a block name."""
+    if len(blocks) > 1:
+        lines = block.text.split("\n")
+        written = (piece for piece in written if lines[piece.begin[0] - 1])
+    return tuple(each for piece in written if piece.sort == "shown" for each in shows(piece.text))
+
+
+def _answers(
+    block: Block,
+    wanted: Sequence[Signature],
+    rulebook: Rulebook,
+    stages: Collection[str],
+    finding: Signature,
+) -> tuple[Answer, ...]:
+    """Return the answer sets of a case, least where something is minimised.
+
+    Raises:
+        MarsError: clingo refuses it, or an operation has no value.
+    """
+    wanted, stages = wanted or (finding,), ("base", *stages)
+    messages, exact = block.of(">"), bool(block.of("="))
+    speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages)]
+    if exact:
+        speakers = [rule for rule in speakers if rule.heads.intersection(wanted)]
+    program = [Fragment(block.text, block.span.path)]
+    program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
+    program += saying(_STAGE, speakers)
+    asked = rulebook.asked
+    program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
+    control = _grounded(program)
+    overflowing = tuple(wrapped(control, asked))
+    if overflowing:
+        raise MarsError(overflowing)
+    with_atoms = bool(block.of("has", "not", "only"))
+    return _solved(control, wanted, speakers, bool(block.of("~")), with_atoms)
+
+
+def _speaks(rule: Rule, stages: Sequence[str]) -> bool:
+    return bool(rule.because and rule.stage in stages)
+
+
+def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
+    told = heard(as_term(atom), speakers)
+    return f"%> {told.rule.id}: {told.message}"
+
+
+def _grounded(program: Sequence[Fragment]) -> clingo.Control:
+    """Return a control with a program.
+
+    Raises:
+        MarsError: clingo refuses it, or an operation has no value.
+    """
+    said: list[tuple[clingo.MessageCode, str]] = []
+    options = ["--opt-mode=optN", f"--models={_MOST_ANSWERS}", "--warn=no-atom-undefined"]
+    control = clingo.Control(options, lambda code, note: said.append((code, note)), _MOST_MESSAGES)
+    reason = ""
+    try:
+        control.add("base", [], joined(program))
+        control.ground()
+    except RuntimeError as error:
+        reason = str(error)
+    undefined = clingo.MessageCode.OperationUndefined
+    wrong = [note for code, note in said if reason or code == undefined]
+    if reason or wrong:
+        place = point(program[0].path, 1, 1)
+        whole = Diagnostic("rules-refused", "error", f"clingo refuses this: {reason}", place)
+        raise MarsError(tuple(refusals(wrong, program)) or (whole,))
+    return control
+
+
+def _solved(
+    control: clingo.Control,
+    wanted: Sequence[Signature],
+    speakers: Sequence[Rule],
+    with_costs: bool,
+    with_atoms: bool,
+) -> tuple[Answer, ...]:
+    found: dict[tuple[str, ...], Answer] = {}
+
+    def keep(model: clingo.Model) -> None:
+        if model.cost and not model.optimality_proven:
+            return
+        atoms = model.symbols(atoms=True)
+        compared = {plain(str(a)) for a in atoms if _signature(a) in wanted}
+        said = {_message(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
+        cost = _cost(model)
+        compared |= said | ({cost} if with_costs else set())
+        key = tuple(sorted(compared))
+        kept = tuple(_asked(atoms)) if with_atoms else ()
+        # Where atoms are looked for, answer sets that agree in what is compared differ in others.
+        found[(*key, *sorted(map(str, kept)))] = Answer(key, kept, frozenset(said), cost)
+
+    control.solve(on_model=keep)
+    return tuple(found[key] for key in sorted(found))
+
+
+def _asked(atoms: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
+    return (atom for atom in atoms if not atom.name.startswith("_"))
+
+
+def _signature(symbol: clingo.Symbol) -> Signature:
+    """Return the predicate of an atom as its pack names it."""
+    signature = signature_of(symbol)
+    return signature._replace(name=plain(signature.name)) if SPACE in signature.name else signature
+
+
+def _cost(model: clingo.Model) -> str:
+    levels = zip(model.cost, model.priority, strict=True)
+    return " ".join(["%~", *(f"{cost}@{level}" for cost, level in levels if cost)])

@@ -1,0 +1,147 @@
+"""How much cases hold of the rules: which of these fire, and which changes of them are noticed."""
+
+import argparse
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from mars_asp.asp.cases.coverage import Case, covered
+from mars_asp.asp.cases.mutants import Mutant, RuleFile, rule_file, rule_mutants
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import plain
+from mars_asp.output import visible
+from mars_asp.reasoning.cases import Found
+from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
+from mars_asp.reasoning.findings import EXPANSIONS
+
+
+def measured(
+    found: Sequence[Found], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
+) -> tuple[dict[str, object], int]:
+    """Return coverage and mutants of the rules of each pack, and 1 where something is not held.
+
+    Its `lines` are the text for people.
+    """
+    lines: list[str] = []
+    result: dict[str, object] = {}
+    coverage: list[dict[str, object]] = []
+    mutation: list[dict[str, object]] = []
+    status = 0
+    for pack, rulebook in books.items():
+        cases = [tried(each.path) for each in found if each.pack == pack]
+        of = "the given rules" if pack is None else visible(str(pack))
+        if arguments.coverage:
+            told, entry, is_bad = _coverage(of, _rules(pack, rulebook), rulebook, cases)
+            lines += told
+            coverage.append({"pack": None if pack is None else str(pack), **entry})
+            status = max(status, is_bad)
+        if arguments.mutate:
+            files = tuple(_files(pack, rulebook))
+            told, entry, is_bad = _mutants(of, files, rulebook, cases, arguments.jobs)
+            lines += told
+            mutation.append({"pack": None if pack is None else str(pack), **entry})
+            status = max(status, is_bad)
+    result |= {"coverage": coverage} if arguments.coverage else {}
+    result |= {"mutants": mutation} if arguments.mutate else {}
+    result |= {"lines": lines} if arguments.format == "text" else {}
+    return result, status
+
+
+def _is_of(path: str, pack: Path | None) -> bool:
+    return pack is None or Path(path).is_relative_to(pack)
+
+
+def _rules(pack: Path | None, rulebook: Rulebook) -> tuple[Rule, ...]:
+    """Return the rules of a pack; without packs our own."""
+    rules = rulebook.of_packs if rulebook.packs else rulebook.rules
+    return tuple(rule for rule in rules if _is_of(rule.span.path, pack))
+
+
+def _files(pack: Path | None, rulebook: Rulebook) -> Iterator[RuleFile]:
+    packs = rulebook.packs
+    texts = zip(rulebook.texts, rulebook.paths, strict=True)
+    for (stage, text), path in list(texts)[len(rulebook.texts) - packs if packs else 0 :]:
+        if _is_of(path, pack):
+            yield rule_file(path, stage, text.encode())
+
+
+def _coverage(
+    of: str, rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Case]
+) -> tuple[list[str], dict[str, object], int]:
+    found = covered(rules, rulebook, cases)
+    fire = len(found.rules) - len(found.silent)
+    near = len(found.rules) - len(found.silent) - len(found.never_near)
+    lines = [f"coverage of {of}: {fire} of {len(found.rules)} rules fire in a case"]
+    lines += [f"  fires in no case: {_named(rule)}" for rule in found.silent]
+    lines += [f"  never fails by one premise alone: {_named(rule)}" for rule in found.never_near]
+    entry: dict[str, object] = {
+        "rules": len(found.rules),
+        "fired": fire,
+        "near": max(near, 0),
+        "silent": [_rule_json(rule) for rule in found.silent],
+        "never_near": [_rule_json(rule) for rule in found.never_near],
+    }
+    return lines, entry, int(bool(found.silent))
+
+
+def _named(rule: Rule) -> str:
+    return visible(f"{rule.span.path}:{rule.span.line}: {rule.id}")
+
+
+def _rule_json(rule: Rule) -> dict[str, object]:
+    return {"id": rule.id, "path": rule.span.path, "line": rule.span.line}
+
+
+def _mutants(
+    of: str, files: Sequence[RuleFile], rulebook: Rulebook, cases: Sequence[Case], jobs: int | None
+) -> tuple[list[str], dict[str, object], int]:
+    mutants = [mutant for file in files for mutant in rule_mutants(file)]
+    alive = sorted(_survivors(files, mutants, rulebook, cases, jobs), key=_order)
+    killed = len(mutants) - len(alive)
+    lines = [f"mutants of {of}: {killed} of {len(mutants)} are noticed by a case"]
+    for mutant in alive:
+        lines += [f"  survives: {visible(f'{mutant.path}:{mutant.line}')}: {_shown(mutant.change)}"]
+        lines += [f"    - {_shown(mutant.before)}", f"    + {_shown(mutant.after)}"]
+    entry: dict[str, object] = {
+        "tried": len(mutants),
+        "killed": killed,
+        "survivors": [_mutant_json(mutant) for mutant in alive],
+    }
+    return lines, entry, int(bool(alive))
+
+
+def _survivors(
+    files: Sequence[RuleFile],
+    mutants: Sequence[Mutant],
+    rulebook: Rulebook,
+    cases: Sequence[Case],
+    jobs: int | None,
+) -> Iterable[Mutant]:
+    if not hasattr(os, "fork"):
+        print("mars-asp test: --mutate needs a system that can fork", file=sys.stderr)
+        return ()
+    from mars_asp.asp.cases.killers import Bench, judge
+
+    bench = Bench(rulebook, cases, DETERMINISTIC, EXPANSIONS)
+    verdicts = judge(files, mutants, bench, jobs or os.cpu_count() or 1)
+    return (verdict.mutant for verdict in verdicts if verdict.killer is None)
+
+
+def _order(mutant: Mutant) -> tuple[str, int, str]:
+    return mutant.path, mutant.line, mutant.change
+
+
+def _shown(text: str) -> str:
+    return visible(plain(text))
+
+
+def _mutant_json(mutant: Mutant) -> dict[str, object]:
+    return {
+        "path": mutant.path,
+        "line": mutant.line,
+        "change": plain(mutant.change),
+        "before": plain(mutant.before),
+        "after": plain(mutant.after),
+    }

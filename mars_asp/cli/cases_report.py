@@ -1,0 +1,130 @@
+"""Outcomes of cases as text, as JSON and as JUnit XML."""
+
+import argparse
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from mars_asp.asp.cases import Check, Failure, Outcome
+from mars_asp.asp.cases.outcomes import difference
+from mars_asp.cli.encode import encoded
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.output import visible
+
+
+class Ran(NamedTuple):
+    """A file of cases that was run: what came of it, or what is wrong with it, and the seconds."""
+
+    path: Path
+    outcome: Outcome | None
+    problems: Sequence[Diagnostic]
+    seconds: float
+
+
+def print_outcomes(
+    outcomes: Sequence[Outcome], arguments: argparse.Namespace, measured: dict[str, object]
+) -> None:
+    """Print the cases that failed, with what they expect and what was found, and how many."""
+    checks = [(outcome, check) for outcome in outcomes for check in outcome.checks]
+    failed = sum(not check.passed for _, check in checks)
+    passed = len(checks) - failed
+    if arguments.format == "json":
+        listed = [_check_json(outcome, check) for outcome, check in checks]
+        print(encoded({"passed": passed, "failed": failed, "cases": listed, **measured}))
+        return
+    for outcome, check in checks:
+        if not check.passed:
+            print(f"FAILED {visible(_name(outcome, check))}")
+            for line in _told(check):
+                print(line)
+    updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
+    files = f"{updated} file{'s' * (updated != 1)}"
+    print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
+    for line in measured.get("lines", ()) if isinstance(measured.get("lines"), list) else ():
+        print(line)
+
+
+def _name(outcome: Outcome, check: Check) -> str:
+    return str(outcome.path) if check.title is None else f"{outcome.path}: {check.title}"
+
+
+def _told(check: Check) -> Iterator[str]:
+    for failure in check.failures:
+        yield f"  {visible(_place(failure.span))}: expected {visible(failure.expected)}"
+        yield from map(visible, failure.lines)
+
+
+def _place(span: Span) -> str:
+    return f"{span.path}:{span.line}:{span.column}"
+
+
+def _check_json(outcome: Outcome, check: Check) -> dict[str, object]:
+    return {
+        "path": str(outcome.path),
+        "passed": check.passed,
+        "difference": list(difference(check)),
+        "title": check.title,
+        "line": check.span.line,
+        "failures": [_failure_json(failure) for failure in check.failures],
+    }
+
+
+def _failure_json(failure: Failure) -> dict[str, object]:
+    return {
+        "path": failure.span.path,
+        "line": failure.span.line,
+        "column": failure.span.column,
+        "expected": failure.expected,
+        "found": list(failure.found),
+        "nearest": failure.nearest,
+    }
+
+
+def junit(ran: Iterable[Ran]) -> bytes:
+    """Return outcomes as JUnit XML, one suite a folder; control characters are escaped."""
+    folders: dict[str, list[Ran]] = {}
+    for each in ran:
+        folders.setdefault(str(each.path.parent), []).append(each)
+    root = ElementTree.Element("testsuites", name="mars-asp")
+    for folder, files in folders.items():
+        suite = ElementTree.SubElement(root, "testsuite", name=visible(folder))
+        for each in files:
+            _cases(suite, each)
+        found = list(suite)
+        suite.set("tests", str(len(found)))
+        suite.set("failures", str(sum(case.find("failure") is not None for case in found)))
+        suite.set("errors", str(sum(case.find("error") is not None for case in found)))
+        suite.set("time", f"{sum(each.seconds for each in files):.3f}")
+    ElementTree.indent(root)
+    written: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return written + b"\n"
+
+
+def _cases(suite: ElementTree.Element, ran: Ran) -> None:
+    path, seconds = visible(str(ran.path)), f"{ran.seconds:.3f}"
+    classname = visible(str(ran.path.parent)).replace("/", ".")
+    if ran.outcome is None:
+        case = ElementTree.SubElement(
+            suite, "testcase", name=visible(ran.path.name), classname=classname, file=path
+        )
+        for problem in ran.problems:
+            told = f"{_place(problem.span)}: {problem.message}"
+            ElementTree.SubElement(case, "error", message=visible(told))
+        return
+    for check in ran.outcome.checks:
+        title = ran.path.name if check.title is None else f"{ran.path.name}: {check.title}"
+        case = ElementTree.SubElement(
+            suite,
+            "testcase",
+            name=visible(title),
+            classname=classname,
+            file=path,
+            line=str(check.span.line),
+            time=seconds,
+        )
+        if not check.passed:
+            first = check.failures[0]
+            message = f"{_place(first.span)}: expected {first.expected}"
+            failure = ElementTree.SubElement(case, "failure", message=visible(message))
+            failure.text = "\n".join(_told(check))

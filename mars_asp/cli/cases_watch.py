@@ -1,0 +1,53 @@
+"""Cases that run again whenever a file of theirs or of their rules changes."""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import redirect_stdout, suppress
+from pathlib import Path
+
+from mars_asp.cli.report import report_error
+from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.cases.places import pack_of
+from mars_asp.reasoning.packs import MANIFEST
+
+#: Seconds between two looks at the files.
+_BEAT = 0.3
+_PATTERNS = ("*.lp", "*.mars", MANIFEST)
+
+
+def watched(run: Callable[[argparse.Namespace], int], arguments: argparse.Namespace) -> int:
+    """Run cases now and after each change; it ends when the command is ended."""
+    while True:
+        # What a worker prints to standard output is shown when it ends, and this one does not.
+        before = _stamps(arguments)
+        with redirect_stdout(sys.stderr):
+            try:
+                run(arguments)
+            except MarsError as error:
+                report_error(error, arguments)
+            print("waiting for a change; Ctrl-C ends this", flush=True)
+        while _stamps(arguments) == before:
+            time.sleep(_BEAT)
+
+
+def _stamps(arguments: argparse.Namespace) -> Mapping[Path, tuple[int, int]]:
+    """Return when each file was changed, and its size."""
+    found: dict[Path, tuple[int, int]] = {}
+    for path in _files(arguments):
+        with suppress(OSError):
+            state = path.stat()
+            found[path] = state.st_mtime_ns, state.st_size
+    return found
+
+
+def _files(arguments: argparse.Namespace) -> Iterator[Path]:
+    for path in map(Path, (*arguments.paths, *arguments.rules)):
+        pack = pack_of(path) or pack_of(path / "any.lp")
+        for folder in (path, *((pack,) if pack else ())):
+            if folder.is_dir():
+                for pattern in _PATTERNS:
+                    yield from folder.rglob(pattern)
+            else:
+                yield folder

@@ -1,0 +1,111 @@
+"""A plugin of pytest: the cases of packs, in their folders `cases` and `tests`, are tests.
+
+A file is taken where a `pack.toml` lies beside such a folder, so that other suites stay as they
+are; `-p no:mars_asp` leaves it out altogether.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from mars_asp.asp.cases import Check
+
+_SUFFIXES = (".lp", ".mars")
+_MANIFEST, _FOLDERS = "pack.toml", ("cases", "tests")
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Collector | None":
+    """Take a file of cases of a pack."""
+    pack = _pack_of(file_path) if file_path.suffix in _SUFFIXES else None
+    if pack is None:
+        return None
+    if file_path.suffix == ".mars":
+        from mars_asp.reasoning.cases.configurations import is_case
+
+        # Others are included by those that are cases.
+        if not is_case(file_path):
+            return None
+    found: CaseFile = CaseFile.from_parent(parent, path=file_path)
+    found.pack = pack
+    return found
+
+
+def _pack_of(path: Path) -> Path | None:
+    """Return the folder of the pack of a file; little is loaded to know that there is none."""
+    inner = [each for each in path.parents if each.name in _FOLDERS]
+    return next((each.parent for each in inner if (each.parent / _MANIFEST).is_file()), None)
+
+
+class CaseFile(pytest.File):
+    """A file of cases."""
+
+    pack: Path
+
+    def collect(self) -> "Iterator[pytest.Item]":
+        """Yield its cases, run with the rules of their pack.
+
+        Raises:
+            CollectError: what is wrong with rules or cases.
+        """
+        from mars_asp.diagnostic import MarsError
+        from mars_asp.reasoning.cases import run_case
+
+        try:
+            outcome = run_case(self.path, _rulebook(self.config, self.pack))
+        except MarsError as error:
+            told = (f"{d.span.path}:{d.span.line}: {d.message}" for d in error.diagnostics)
+            raise self.CollectError("\n".join(told)) from None
+        for check in outcome.checks:
+            item = Case.from_parent(self, name=check.title or self.path.stem)
+            item.check = check
+            yield item
+
+
+class Case(pytest.Item):
+    """One case, with what came of it."""
+
+    check: "Check"
+
+    def runtest(self) -> None:
+        """Fail where the rules gave something else than what is expected.
+
+        Raises:
+            UnmetError: they did.
+        """
+        if not self.check.passed:
+            raise UnmetError(self.check)
+
+    def repr_failure(self, excinfo: "pytest.ExceptionInfo[BaseException]") -> str:  # type: ignore[override]
+        """Return what is expected, where, and what was found."""
+        if not isinstance(excinfo.value, UnmetError):
+            return str(super().repr_failure(excinfo))
+        lines = []
+        for failure in self.check.failures:
+            place = f"{failure.span.path}:{failure.span.line}:{failure.span.column}"
+            lines += [f"{place}: expected {failure.expected}", *failure.lines]
+        return "\n".join(lines)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Return where the case is."""
+        return self.path, self.check.span.line - 1, self.name
+
+
+class UnmetError(Exception):
+    """What a case expects is not what the rules gave."""
+
+
+_BOOKS = pytest.StashKey[dict[Path, object]]()
+
+
+def _rulebook(config: pytest.Config, pack: Path):  # type: ignore[no-untyped-def]
+    """Return the rules of a pack, read once."""
+    from mars_asp.reasoning.cases.places import with_companions
+    from mars_asp.reasoning.rules import STAGES, load_rulebook
+
+    books = config.stash.setdefault(_BOOKS, {})
+    if pack not in books:
+        books[pack] = load_rulebook(with_companions(pack), STAGES)
+    return books[pack]

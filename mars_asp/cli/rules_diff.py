@@ -1,0 +1,101 @@
+"""What a pack changes over configurations: findings, nodes and cost, each with how it changed."""
+
+import argparse
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.cli.diff import difference_json
+from mars_asp.cli.encode import encoded
+from mars_asp.cli.reason import load
+from mars_asp.cli.report import report_error
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.output import visible
+from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.cases.places import with_companions
+from mars_asp.reasoning.questions.diff import Difference, diff
+from mars_asp.reasoning.rules import COSTS, load_rulebook, rules_directory
+from mars_asp.reasoning.session import Reasoner
+
+
+class _Compared(NamedTuple):
+    """A configuration, and what changed in it."""
+
+    path: str
+    found: Difference
+
+
+def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace) -> int:
+    """Print what a pack changes; 1 where an error appeared, 2 where a file cannot be read.
+
+    Without files these are our examples.
+
+    Raises:
+        MarsError: what is wrong with the pack, or there are no examples.
+    """
+    given = [Path(path) for path in arguments.rules]
+    before = load_rulebook(given, trusted=arguments.trust)
+    after = load_rulebook([*given, *with_companions(Path(pack))], trusted=arguments.trust)
+    compared: list[_Compared] = []
+    status = 0
+    for path in files or _examples():
+        try:
+            project = load(arguments, path)
+            budget = Budget(arguments.time_limit)
+            found = diff(Reasoner(project, before, budget), Reasoner(project, after, budget))
+        except MarsError as error:
+            report_error(error, arguments)
+            status = 2
+            continue
+        compared.append(_Compared(path, found))
+    if arguments.format == "json":
+        listed = [{"path": each.path, **difference_json(each.found)} for each in compared]
+        print(encoded({"pack": pack, "configurations": listed}))
+    else:
+        for line in _text(compared):
+            print(visible(line))
+    return max(status, int(any(each.found.has_new_errors for each in compared)))
+
+
+def _examples() -> tuple[str, ...]:
+    folder = rules_directory().parent / "examples"
+    here = Path.cwd()
+    found = [p for p in sorted(folder.glob("*/*.mars")) if p.name == "config.mars"]
+    if not found:
+        place, advice = point("examples", 1, 1), "name the files of configurations"
+        message = "this installation has no examples"
+        raise MarsError((Diagnostic("usage", "error", message, place, help=advice),))
+    return tuple(str(p.relative_to(here) if p.is_relative_to(here) else p) for p in found)
+
+
+def _text(compared: Iterable[_Compared]) -> Iterator[str]:
+    same = 0
+    for each in compared:
+        lines = [*_changes(each.found), *_costs(each.found)]
+        same += not lines
+        if lines:
+            yield f"{each.path}:"
+            yield from (f"  {line}" for line in lines)
+    if same:
+        yield f"unchanged: {same} configuration{'s' * (same > 1)}"
+
+
+def _changes(found: Difference) -> Iterator[str]:
+    for change in found.consequences:
+        item = change.item
+        yield f"{change.how} {item.severity} {item.kind}({item.subject}): {item.message}"
+    for node in found.nodes:
+        yield f"{node.how} {node.item.name}"
+
+
+def _costs(found: Difference) -> Iterator[str]:
+    if found.old is None or found.new is None:
+        if found.old is not found.new:
+            yield f"a specification {'appeared' if found.old is None else 'vanished'}"
+        return
+    parts = []
+    for name, level in COSTS.items():
+        old, new = found.old.cost(level), found.new.cost(level)
+        parts += [f"{name} {old} -> {new}"] if old != new else []
+    if parts:
+        yield f"cost: {', '.join(parts)}"

@@ -1,0 +1,78 @@
+"""Kinds of findings and of nodes, as `rules show` shows them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.model.declarations import PackKind, node_names
+from mars_asp.reasoning.findings import consequence_kinds, kinds_of
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of finding or of node, with the rules that name it."""
+
+    name: str
+    sort: str
+    rules: tuple[Rule, ...]
+    #: What a pack states of a kind of node.
+    stated: PackKind | None = None
+    #: How nodes of it are named.
+    called: str | None = None
+
+
+def kinds(rulebook: Rulebook) -> dict[str, Kind]:
+    """Return the kinds of findings and nodes, the latter by their names in files, too."""
+    found: dict[str, Kind] = {}
+    brought = {each.kind: each for each in rulebook.brought if isinstance(each, PackKind)}
+    for kind, name in node_names(brought.values()).items():
+        rules = tuple(rule for rule in rulebook.rules if rule.because and _names(rule, kind))
+        node = Kind(kind, "node", rules, brought.get(kind), name)
+        found |= {kind: node, name: node}
+    for kind in consequence_kinds(rulebook):
+        rules = tuple(rule for rule in rulebook.rules if kind in (kinds_of(rule) or ()))
+        found[kind] = Kind(kind, "consequence", rules)
+    return found
+
+
+def _names(rule: Rule, kind: str) -> bool:
+    return kind in rule.text.replace("(", " ").replace(",", " ").replace(")", " ").split()
+
+
+def kind_document(kind: Kind) -> Iterator[str]:
+    """Yield the paragraphs about a kind, without its rules."""
+    if kind.sort == "consequence":
+        yield f"## {kind.name}"
+        yield "A kind of finding."
+    else:
+        yield f"## {kind.called}"
+        yield f"A kind of node, `{kind.name}` in rules."
+    stated = kind.stated
+    if stated is not None:
+        takes = "several inputs" if stated.takes_several else "one input"
+        gives = "several outputs" if stated.gives_several else "one output"
+        yield f"It carries {stated.carries}, with {takes} and {gives}."
+        yield f"{stated.span.path}:{stated.span.line}"
+
+
+def kind_json(kind: Kind) -> dict[str, object]:
+    """Return what is said of a kind, for programs."""
+    stated = kind.stated
+    more: dict[str, object] = {}
+    if stated is not None:
+        more = {
+            "carries": stated.carries,
+            "inputs": "several" if stated.takes_several else "one",
+            "outputs": "several" if stated.gives_several else "one",
+            "path": stated.span.path,
+            "line": stated.span.line,
+        }
+    named = {} if kind.called is None else {"name": kind.called}
+    return {
+        "kind": kind.name,
+        "sort": kind.sort,
+        **named,
+        **more,
+        "rules": [r.id for r in kind.rules],
+    }

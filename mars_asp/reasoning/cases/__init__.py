@@ -1,0 +1,16 @@
+"""Cases for the rules of MARS: facts with their answer sets, and configurations.
+
+A configuration is a case where lines of comments state what is expected of it:
+
+    # expect: warning unwatched_effector(Platform) at 4
+    # only: unwatched_effector
+    # never: control_cycle
+    # expect nodes: Watchdog 1, DataSplitter 0
+    # expect cost: nodes 1, conversion 0
+    # expect: no specification
+"""
+
+from mars_asp.reasoning.cases.places import Found, cases_of, pack_of
+from mars_asp.reasoning.cases.run import run_case, stages_of
+
+__all__ = ["Found", "cases_of", "pack_of", "run_case", "stages_of"]

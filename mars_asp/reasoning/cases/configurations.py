@@ -1,0 +1,338 @@
+"""Configurations as cases: what their comments expect to be found in them and introduced."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mars_asp.asp.cases import Check, Failure, Outcome
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.language.parse import read_text
+from mars_asp.model.declarations import node_names
+from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.findings import SEVERITIES, consequence_kinds, kinds_of
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.rules import COSTS, by_name
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.spelling import nearest
+
+SUFFIX = ".mars"
+_CODE = "case"
+_LINE = re.compile(
+    r"(?P<before>[ \t]*(?:#|//)[ \t]*)(?P<what>expect(?:[ \t]+\w+)?|never|only):[ \t]*"
+    r"(?P<rest>.*?)[ \t\r]*$",
+    re.MULTILINE,
+)
+_FINDING = re.compile(
+    r"(?:(?P<severity>note|warning|error)[ \t]+)?(?P<kind>[a-z]\w*)[ \t]*"
+    r"(?:\((?P<subject>[^)]*)\))?(?:[ \t]+at[ \t]+(?P<lines>\d+(?:[ \t]*,[ \t]*\d+)*))?"
+)
+_COUNT = re.compile(r"(?P<name>\w+)[ \t]+(?P<count>\d+)")
+_NONE = "no specification"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A finding that a line speaks of; what is `None` is left open."""
+
+    severity: str | None
+    kind: str
+    subject: str | None
+    lines: tuple[int, ...] = ()
+
+    def fits(self, found: "Told", anywhere: bool = False) -> bool:
+        """Whether a finding is one of these; `anywhere` leaves its severity and lines open."""
+        if self.kind != found.kind or self.subject not in (None, found.subject):
+            return False
+        if anywhere:
+            return True
+        return self.severity in (None, found.severity) and set(self.lines) <= set(found.lines)
+
+
+@dataclass(frozen=True)
+class Told:
+    """A finding of the configuration, with the lines of its file that it concerns."""
+
+    severity: str
+    kind: str
+    subject: str
+    lines: tuple[int, ...]
+
+    def __str__(self) -> str:
+        at = f" at {', '.join(map(str, self.lines))}" if self.lines else ""
+        return f"{self.severity} {self.kind}({self.subject}){at}"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line that expects something: `what` it is about, and its text with the place of that."""
+
+    what: str
+    before: str
+    text: str
+    span: Span
+    wanted: tuple[Wanted, ...] = ()
+    counts: Mapping[str, int] | None = None
+
+
+def is_case(path: Path) -> bool:
+    """Whether a configuration states what is expected of it."""
+    try:
+        return _LINE.search(read_text(path)) is not None
+    except MarsError:
+        return False
+
+
+def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
+    """Run a configuration as a case.
+
+    Raises:
+        MarsError: the configuration is wrong, or what it expects cannot be read.
+    """
+    text = read_text(path)
+    robot = _Robot(str(path), rulebook)
+    lines = _lines(text, robot)
+    failures = tuple(failure for line in lines for failure in _unmet(line, lines, robot))
+    if not lines:
+        advice = "write what is expected, as in `# expect: warning KIND at LINE`, or use --update"
+        failures = (Failure(_start(robot.path), "an expectation", lines=(f"  - {advice}",)),)
+    updated = _updated(text, lines, robot)
+    check = Check(None, lines[0].span if lines else _start(robot.path), failures)
+    return Outcome(path, (check,), updated if updated != text else None)
+
+
+class _Robot:
+    """A configuration with what follows from it, found when a line asks for it."""
+
+    def __init__(self, path: str, rulebook: Rulebook) -> None:
+        self.path, self.rulebook = path, rulebook
+        self._reasoner = Reasoner(load_project(path), rulebook)
+
+    @cached_property
+    def told(self) -> tuple[Told, ...]:
+        """Return its findings."""
+        return tuple(map(self._told, self._reasoner.analysis.consequences))
+
+    @property
+    def is_realised(self) -> bool:
+        """Whether there is a specification."""
+        return self._reasoner.synthesis is not None
+
+    @cached_property
+    def nodes(self) -> Mapping[str, int]:
+        """Return how many nodes there are of each kind that there could be, by its name."""
+        found = self._reasoner.synthesis
+        kinds = () if found is None else [node.kind for node in found.specification.nodes]
+        counted = Counter(self.names[kind] for kind in kinds)
+        return {name: counted[name] for name in self.names.values()}
+
+    @cached_property
+    def cost(self) -> Mapping[str, int]:
+        """Return what the specification costs."""
+        found = self._reasoner.synthesis
+        return by_name({} if found is None else found.resolution.cost)
+
+    @cached_property
+    def names(self) -> Mapping[str, str]:
+        """Return how nodes are named, by their kinds."""
+        return node_names(self._reasoner.project.configuration.kinds)
+
+    @cached_property
+    def kinds(self) -> frozenset[str]:
+        """Return the kinds of findings that rules name."""
+        return consequence_kinds(self.rulebook)
+
+    @cached_property
+    def is_open(self) -> bool:
+        """Whether a rule can find any kind."""
+        return any(kinds_of(rule) is None for rule in self.rulebook.rules)
+
+    def _told(self, found: Consequence) -> Told:
+        lines = sorted({span.line for span in found.spans if span.path == self.path})
+        return Told(found.severity, found.kind, found.subject, tuple(lines))
+
+
+# ---- What lines expect ---------------------------------------------------------------------------
+
+
+def _lines(text: str, robot: _Robot) -> tuple[Line, ...]:
+    """Return the lines that expect something.
+
+    Raises:
+        MarsError: what cannot be read of them.
+    """
+    problems: list[Diagnostic] = []
+    found = []
+    for number, line in enumerate(text.split("\n"), 1):
+        match = _LINE.match(line)
+        if match is not None:
+            begin, end = match.start("rest") + 1, match.end("rest") + 1
+            span = Span(robot.path, number, begin, number, end)
+            what = " ".join(match["what"].split())
+            before = line[: match.start("rest")]
+            found.append(_line(what, before, match["rest"], span, robot, problems))
+    if problems:
+        raise MarsError(problems)
+    return tuple(found)
+
+
+def _line(
+    what: str, before: str, text: str, span: Span, robot: _Robot, problems: list[Diagnostic]
+) -> Line:
+    if what in ("expect nodes", "expect cost"):
+        known = tuple(robot.names.values()) if what == "expect nodes" else tuple(COSTS)
+        return Line(what, before, text, span, (), _counts(text, known, span, problems))
+    if what not in ("expect", "never", "only"):
+        near = nearest(what.partition(" ")[2], ("nodes", "cost")) or "nodes"
+        message = f"`{what}` is not an expectation"
+        problems.append(_wrong(message, span, f"did you mean `expect {near}`?"))
+        return Line(what, before, text, span)
+    if what == "expect" and text == _NONE:
+        return Line(what, before, text, span)
+    # A list of kinds has commas, and so have the lines after `at`.
+    texts = re.split(r",[ \t]*", text) if what == "only" else [text]
+    wanted = (_finding(each, span, robot, problems) for each in texts)
+    return Line(what, before, text, span, tuple(filter(None, wanted)))
+
+
+def _finding(text: str, span: Span, robot: _Robot, problems: list[Diagnostic]) -> Wanted | None:
+    match = _FINDING.fullmatch(text)
+    if match is None:
+        advice = "write `KIND`, `KIND(SUBJECT)` or `SEVERITY KIND at LINE`; a severity is "
+        advice += " or ".join(SEVERITIES)
+        problems.append(_wrong(f"expected a finding, found `{text}`", span, advice))
+        return None
+    if match["kind"] not in robot.kinds and not robot.is_open:
+        near = nearest(match["kind"], robot.kinds)
+        advice = f"did you mean `{near}`?" if near else "is the pack that finds it given?"
+        problems.append(_wrong(f"no rule finds `{match['kind']}`", span, advice))
+    lines = tuple(map(int, re.findall(r"\d+", match["lines"] or "")))
+    return Wanted(match["severity"], match["kind"], match["subject"], lines)
+
+
+def _counts(
+    text: str, known: Sequence[str], span: Span, problems: list[Diagnostic]
+) -> Mapping[str, int]:
+    found: dict[str, int] = {}
+    for part in re.split(r",[ \t]*", text):
+        match = _COUNT.fullmatch(part)
+        if match is None:
+            message = f"expected a name and a number, found `{part}`"
+            problems.append(_wrong(message, span, f"as in `{known[0]} 1`"))
+        elif match["name"] not in known:
+            near = nearest(match["name"], known)
+            advice = f"did you mean `{near}`?" if near else f"one of {', '.join(known)}"
+            problems.append(_wrong(f"`{match['name']}` is not counted here", span, advice))
+        else:
+            found[match["name"]] = int(match["count"])
+    return found
+
+
+def _wrong(message: str, span: Span, advice: str) -> Diagnostic:
+    return Diagnostic(_CODE, "error", message, span, help=advice)
+
+
+def _start(path: str) -> Span:
+    return Span(path, 1, 1, 1, 1)
+
+
+# ---- What they do not get ------------------------------------------------------------------------
+
+
+def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure]:
+    if line.text == _NONE and line.what == "expect":
+        if robot.is_realised:
+            yield _failure(line.span, _NONE, [f"nodes {_listed(robot.nodes)}"])
+    elif line.counts is not None:
+        yield from _miscounted(line, line.counts, robot)
+    elif line.what == "expect":
+        (wanted,) = line.wanted
+        if not any(map(wanted.fits, robot.told)):
+            near = [each for each in robot.told if wanted.fits(each, anywhere=True)]
+            near = near or [each for each in robot.told if each.kind == wanted.kind]
+            yield _failure(line.span, line.text, [], near[0] if near else None)
+    elif line.what == "never":
+        found = [each for each in robot.told if line.wanted[0].fits(each)]
+        if found:
+            yield _failure(line.span, f"no {line.text}", found)
+    else:
+        expected = [wanted for each in lines if each.what == "expect" for wanted in each.wanted]
+        extra = [
+            each
+            for each in robot.told
+            if any(wanted.fits(each) for wanted in line.wanted)
+            and not any(wanted.fits(each) for wanted in expected)
+        ]
+        if extra:
+            yield _failure(line.span, f"no {line.text} that no line expects", extra)
+
+
+def _miscounted(line: Line, counts: Mapping[str, int], robot: _Robot) -> Iterator[Failure]:
+    if not robot.is_realised:
+        yield _failure(line.span, line.text, [_NONE])
+        return
+    there = robot.nodes if line.what == "expect nodes" else robot.cost
+    found = {name: there[name] for name in counts}
+    if found != dict(counts):
+        others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
+        yield _failure(line.span, line.text, [_listed(found | others)])
+
+
+def _listed(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in counts.items() if count) or "none"
+
+
+def _failure(span: Span, expected: str, found: Iterable[object], near: object = None) -> Failure:
+    shown, nearest_one = tuple(map(str, found)), None if near is None else str(near)
+    lines = [f"  - expected {expected}", *(f"  + found {each}" for each in shown)]
+    lines += [] if nearest_one is None else [f"    nearest: {nearest_one}"]
+    return Failure(span, expected, shown, nearest_one, tuple(lines))
+
+
+# ---- What they would get -------------------------------------------------------------------------
+
+
+def _updated(text: str, lines: Sequence[Line], robot: _Robot) -> str:
+    """Return a text whose lines expect what was found; where it has none, it gets some.
+
+    What must not be found stays as it is, and so does what is expected and not found at all.
+    """
+    if not lines:
+        new = [f"# expect: {told}" for told in robot.told]
+        new += _counted(robot) if robot.is_realised else [f"# expect: {_NONE}"]
+        return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
+    written = text.split("\n")
+    for line in lines:
+        told = _told_instead(line, robot)
+        if told is not None:
+            written[line.span.line - 1] = line.before + told
+    return "\n".join(written)
+
+
+def _counted(robot: _Robot) -> list[str]:
+    nodes = {name: count for name, count in robot.nodes.items() if count}
+    found = [f"# expect nodes: {_listed(nodes)}"] if nodes else []
+    costs = ", ".join(f"{name} {count}" for name, count in robot.cost.items())
+    return [*found, f"# expect cost: {costs}"]
+
+
+def _told_instead(line: Line, robot: _Robot) -> str | None:
+    """Return what a line is to expect, where it is to expect something else."""
+    if line.counts is not None:
+        there = robot.nodes if line.what == "expect nodes" else robot.cost
+        if not robot.is_realised or all(there[name] == n for name, n in line.counts.items()):
+            return None
+        return ", ".join(f"{name} {there[name]}" for name in line.counts)
+    if line.what != "expect" or not line.wanted or any(map(line.wanted[0].fits, robot.told)):
+        return None
+    (wanted,) = line.wanted
+    near = [each for each in robot.told if wanted.fits(each, anywhere=True)]
+    if len(near) != 1:
+        return None
+    severity = near[0].severity if wanted.severity else None
+    subject = f"({wanted.subject})" if wanted.subject is not None else ""
+    at = f" at {', '.join(map(str, near[0].lines))}" if wanted.lines and near[0].lines else ""
+    return " ".join(filter(None, (severity, f"{wanted.kind}{subject}{at}")))

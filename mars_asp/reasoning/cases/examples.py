@@ -1,0 +1,94 @@
+"""The case that a rule names as its example, explained."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.cases import case_texts
+from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.rules.read import read_rules
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.symbols import term_of
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.grounding import Grounding
+from mars_asp.asp.trace import Explainer, Trace
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.tree import Derived
+from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.reasoning.cases.configurations import SUFFIX
+from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.packs import MANIFEST
+from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import rules_directory
+
+
+def example_of(rule: Rule) -> Path | None:
+    """Return the file that a rule names as its example, where it is there.
+
+    Its path is relative to this folder, to that of the rule's pack, or to that of our sources.
+    """
+    if rule.example is None:
+        return None
+    above = (each for each in Path(rule.span.path).parents if (each / MANIFEST).is_file())
+    places = (Path(), *above, rules_directory().parent)
+    return next((each / rule.example for each in places if (each / rule.example).is_file()), None)
+
+
+def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
+    """Return an atom that a rule of the base derives in its example, and why.
+
+    Raises:
+        MarsError: the example cannot be read.
+    """
+    path = example_of(rule)
+    if path is None or rule.stage != "base":
+        return None
+    for text, facts in _examples(path):
+        program = [*rulebook.fragments("base"), Fragment(text, str(path))]
+        grounding = Grounding(program)
+        atoms = [
+            symbol
+            for head in sorted(rule.heads)
+            for symbol in grounding.symbols(head.name, head.arity)
+            if _can_derive(rule, symbol)
+        ]
+        given = GivenFacts(facts, rulebook.declarations)
+        explained = Explainer(rulebook, grounding.control, given, {}).why(atoms)
+        for symbol, trace in explained.items():
+            if isinstance(trace, Derived) and trace.rule.span == rule.span:
+                return str(symbol), trace
+    return None
+
+
+def _can_derive(rule: Rule, symbol: clingo.Symbol) -> bool:
+    """Whether the first argument of an atom is one that the heads of a rule name."""
+    firsts = {name for named in rule.firsts.values() for name in named}
+    return not firsts or not symbol.arguments or str(symbol.arguments[0]) in firsts
+
+
+def _examples(path: Path) -> Iterator[tuple[str, Sequence[Fact]]]:
+    """Yield the facts of each case of a file, as a text and with their places."""
+    if path.suffix == SUFFIX:
+        facts = project_facts(load_project(str(path)))
+        yield facts_text(facts), facts
+        return
+    for text in case_texts(path):
+        problems: list[Diagnostic] = []
+        read = read_rules(text, str(path), "base", problems)
+        if read is None:
+            raise MarsError(problems)
+        yield text, tuple(_facts(read.rules))
+
+
+def _facts(rules: Iterable[Rule]) -> Iterator[Fact]:
+    for rule in rules:
+        head, body = rule.written
+        if not body:
+            try:
+                symbol = clingo.parse_term(head)
+            except RuntimeError:
+                continue
+            if symbol.type == clingo.SymbolType.Function and symbol.name:
+                yield Fact(Atom(symbol.name, tuple(map(term_of, symbol.arguments))), rule.span)

@@ -1,0 +1,56 @@
+"""Run a case by its stages, whichever form it has."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from mars_asp.asp import cases
+from mars_asp.asp.cases import Outcome
+from mars_asp.asp.cases.coverage import Case
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.reasoning.cases.configurations import SUFFIX, run_configuration
+from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.findings import CONSEQUENCE
+from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.rules import FOLLOWING, STAGES
+
+#: Stages without choices.
+DETERMINISTIC = ("base", "verify", "run", "repair")
+
+
+def run_case(path: Path, rulebook: Rulebook) -> Outcome:
+    """Run the cases of a file; what one does not show is compared by its consequences.
+
+    Raises:
+        MarsError: it may not be given to clingo, or what it expects cannot be read.
+    """
+    if path.suffix == SUFFIX:
+        return run_configuration(path, rulebook)
+    return cases.run_case(path, rulebook, stages_of(path), CONSEQUENCE)
+
+
+def stages_of(path: Path) -> tuple[str, ...]:
+    """Return the stages that the folders of a case are named after, and those that follow them.
+
+    A configuration is resolved, so that it has the rules of that, too.
+    """
+    named = cases.stages_of(path, STAGES)
+    if path.suffix == SUFFIX:
+        named = tuple(dict.fromkeys((*named, "resolve")))
+    return tuple(dict.fromkeys((*named, *(FOLLOWING[s] for s in named if s in FOLLOWING))))
+
+
+def tried(path: Path) -> Case:
+    """Return the cases of a file as facts and stages, and what runs them.
+
+    Raises:
+        MarsError: it may not be given to clingo, or what it expects cannot be read.
+    """
+    if path.suffix == SUFFIX:
+        texts: tuple[str, ...] = (facts_text(project_facts(load_project(str(path)))),)
+    else:
+        texts = cases.case_texts(path)
+    return Case(path, texts, ("base", *stages_of(path)), _passes(path))
+
+
+def _passes(path: Path) -> Callable[[Rulebook], bool]:
+    return lambda rulebook: run_case(path, rulebook).passed
