@@ -26,8 +26,8 @@ FILES = {
     "asp": "cache fragments signature units solve rules messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
-        "gate statements rule computed expansions checks symbols arithmetic outline declarations "
-        "metadata read rulebook consistency risks names sorts"
+        "gate trees statements rule computed expansions checks symbols arithmetic outline "
+        "declarations metadata read rulebook consistency risks names sorts"
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
@@ -196,7 +196,8 @@ def test_tests_of_the_engine_use_no_robot() -> None:
 
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
 TREES = [
-    *("asp/rules/computed.py", "asp/rules/statements.py", "asp/trace/counting_rules.py"),
+    *("asp/rules/computed.py", "asp/rules/statements.py", "asp/rules/trees.py"),
+    "asp/trace/counting_rules.py",
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),
 ]

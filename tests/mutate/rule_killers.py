@@ -22,7 +22,7 @@ from mars_asp.asp.rules.expansions import expanded
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import children, sign_and_function
+from mars_asp.asp.rules.statements import sign_and_function
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.cases import run_case, stages_of
 from mars_asp.reasoning.findings import EXPANSIONS
@@ -32,6 +32,7 @@ from tests.mutate.mutant import RUNS_AWAY, Mutant, Verdict
 from tests.mutate.rule_mutants import RuleFile, Statement, is_safe
 from tests.mutate.stronger import CHECKS
 from tests.support.documents import ROOT
+from tests.support.rule_coverage import children
 
 CASES = ROOT / "tests" / "rules"
 #: Seconds of the processor that a case may take: a mutant that takes more runs away.

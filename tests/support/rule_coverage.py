@@ -15,7 +15,6 @@ from clingo import ast
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import children
 from mars_asp.reasoning.cases import stages_of
 
 _TYPE = ast.ASTType
@@ -144,6 +143,16 @@ def _refuses(rule: Rule, probe: str, rulebook: Rulebook, cases: Sequence[Path]) 
         if control.solve().satisfiable:
             return True
     return False
+
+
+def children(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
+    for key in node.child_keys:
+        child = getattr(node, key)
+        if isinstance(child, ast.ASTSequence):
+            yield from child
+        elif child is not None:
+            yield child
 
 
 def _variables(node: ast.AST) -> Iterator[str]:
