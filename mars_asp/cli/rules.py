@@ -3,30 +3,23 @@
 import argparse
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import Declaration, declarations, wrong_references
+from mars_asp.asp.lint.found import fixed
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
-from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
-from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.sorts import wrong_sorts
 from mars_asp.asp.signature import Signature
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
-from mars_asp.output import visible
-from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.facts.vocabulary import unbounded
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.output import replace_together, visible
 from mars_asp.reasoning.findings import EXPANSIONS
-from mars_asp.reasoning.project import project_facts
-from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
-from mars_asp.reasoning.sample import samples
+from mars_asp.reasoning.lint import Linted, lint
+from mars_asp.reasoning.rules import BASE, STAGES
 from mars_asp.spelling import nearest
 
 _PURPOSES = {"base": BASE, **STAGES}
@@ -42,6 +35,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="of `show`: a rule's id, a predicate or a file of rules; of `lint`: files to check",
     )
     parser.add_argument(
+        "--fix",
+        action="store_true",
+        help="of `lint`: mend what can be mended safely in the files of packs",
+    )
+    parser.add_argument(
         "--stage",
         metavar="STAGE",
         choices=tuple(_PURPOSES),
@@ -52,17 +50,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do what is asked."""
     action, what = arguments.action, arguments.what
-    wrong = _misused(action, what, arguments.stage)
+    packs = bool(arguments.rules or what)
+    wrong = _misused(action, what, arguments.stage, arguments.fix, packs)
     if wrong:
         print(f"mars-asp rules: {wrong}", file=sys.stderr)
         return 2
     if action == "lint":
-        packs = [*arguments.rules, *([what] if what else [])]
-        found = lint([Path(path) for path in packs])
-        report(found, arguments)
-        if not found:
-            print("nothing wrong")
-        return 0
+        return _lint(
+            [Path(path) for path in [*arguments.rules, *([what] if what else [])]], arguments
+        )
     rulebook = rulebook_for(arguments, STAGES)
     as_json = arguments.format == "json"
     stages = (arguments.stage,) if arguments.stage else tuple(_PURPOSES)
@@ -79,37 +75,32 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
-    """Return what is noteworthy about rule packs that an analysis would take.
+def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
+    """Report what is noteworthy about packs, and with `--fix` mend what can be mended safely."""
+    found = lint(packs)
+    if arguments.fix and packs:
+        mended = _mended(found)
+        if mended:
+            found = lint(packs)
+            print(f"mended: {mended}")
+    if found.errors:
+        raise MarsError(found.diagnostics)
+    report(found.diagnostics, arguments)
+    if not found.diagnostics:
+        print("nothing wrong")
+    return 0
 
-    They are grounded over sample robots, so that what fails while grounding is told, too.
 
-    Raises:
-        MarsError: what an analysis would refuse, with its places.
-    """
-    rulebook = load_rulebook(packs, STAGES, strict=not packs)
-    tried: dict[tuple[str, Span], Diagnostic] = {}
-    for project in samples() if rulebook.packs else ():
-        try:
-            analyse(project_facts(project), rulebook, project.configuration.span)
-        except MarsError as error:
-            for each in map(_of_sample, error.diagnostics):
-                tried.setdefault((each.code, each.span), each)
-    wrong = [each for each in tried.values() if each.severity == "error"]
-    if wrong:
-        raise MarsError(wrong)
-    misread: list[Diagnostic] = []
-    for file in rulebook.documented:
-        tuple(declarations(file.docstrings, file.path, misread))
-    misread += wrong_references(rulebook.declarations.values())
-    large = unbounded(rulebook.declarations.values())
-    return (
-        *(replace(each, severity="warning") for each in misread),
-        *wrong_sorts(rulebook.rules, rulebook.declarations, rulebook.replaced),
-        *risks(rulebook.rules, large),
-        *shared_names(rulebook),
-        *tried.values(),
-    )
+def _mended(found: Linted) -> int:
+    """Write the fixes of what was found, and return of how many findings they were."""
+    texts: dict[str, bytes] = {}
+    count = 0
+    for path in dict.fromkeys(fix.span.path for each in found.lints for fix in each.fixes):
+        text, mended = fixed(Path(path).read_text(encoding="utf-8"), path, found.lints)
+        texts[path] = text.encode()
+        count += mended
+    replace_together(texts)
+    return count
 
 
 def shown(rulebook: Rulebook, name: str) -> str:
@@ -151,21 +142,17 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     }
 
 
-def _misused(action: str, what: str | None, stage: str | None) -> str | None:
+def _misused(
+    action: str, what: str | None, stage: str | None, fix: bool, packs: bool
+) -> str | None:
     """Return what is wrong with a call, if anything is."""
     if action == "show" and not what:
         return "`show` needs the ID of a rule, a predicate or a file; `list` names rules"
+    if fix and (action != "lint" or not packs):
+        return "`--fix` has an effect only on `lint` with a pack"
     if stage and action in ("show", "lint"):
         return f"--stage has no effect on `{action}`"
     return None
-
-
-def _of_sample(found: Diagnostic) -> Diagnostic:
-    """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
-    if found.code != INCONSISTENT:
-        return found
-    message = found.message.replace("this configuration", "a sample robot")
-    return replace(found, severity="warning", message=message)
 
 
 def _named(rulebook: Rulebook, name: str) -> Rule | tuple[Declaration, ...] | str:

@@ -81,12 +81,16 @@ def rules_directory() -> Path:
 
 
 def load_rulebook(
-    extra: Sequence[Path] = (), stages: Collection[str] = ("resolve",), strict: bool = False
+    extra: Sequence[Path] = (),
+    stages: Collection[str] = ("resolve",),
+    strict: bool = False,
+    noted: list[Diagnostic] | None = None,
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
     The stage that follows one of them is read, too. The holes of the built-in messages are checked
-    only when `strict`: the tests have done so.
+    only when `strict`: the tests have done so. Where `noted` is given, it gets what is wrong, and
+    what can be read is returned.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
@@ -106,8 +110,10 @@ def load_rulebook(
         problems += wrong_packs(packs, seal(), CONTRACT)
     if strict:
         problems += repeated_ids(own.rules)
-    if problems:
+    if problems and noted is None:
         raise MarsError(problems)
+    if noted is not None:
+        noted += problems
     if not packs:
         return own
     rules = tuple(rule for pack in packs for rule in pack.rules)

@@ -14,11 +14,11 @@ from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.cli import run_here
-from mars_asp.cli.rules import lint
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.cases import run_case
 from mars_asp.reasoning.facts.compile import CONSTANTS
+from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
 from mars_asp.reasoning.sample import samples
@@ -237,9 +237,9 @@ def test_a_clean_pack_is_taken_and_lint_tells_what_else_is_noteworthy(tmp_path: 
         "-odd(M) :- team(M, _).\n"
         "consequence(K, note, M, 1..2) :- odd(M), K = (odd; even).\n"
     )
-    assert lint([path]) == ()
+    assert lint([path]).diagnostics == ()
     path.write_text("square(X * X) :- X = 1..9.\n")
-    assert [each.code for each in lint([path])] == ["rule-arithmetic"]
+    assert [each.code for each in lint([path]).diagnostics] == ["rule-arithmetic"]
 
 
 @pytest.mark.parametrize("first", range(1, 20_000, 5_000))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Literal as Choice
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import NamedTuple, Protocol, TypeAlias, TypeVar
 
 from clingo import SymbolType, ast
 
@@ -411,11 +411,16 @@ def _says(piece: str, node: ast.AST) -> bool:
 
 def defined(text: str) -> set[Signature]:
     """Return the predicates that a text says are given, by `#defined`, without signs."""
-    if "#defined" not in text:
-        return set()
-    return {
-        Signature(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined
-    }
+    return {signature for signature, _ in defined_at(text)}
+
+
+def defined_at(text: str) -> Iterator[tuple[Signature, Place]]:
+    """Yield the predicates that a text says are given, and where it does."""
+    if "#defined" in text:
+        place = places(text)
+        for each in parsed(text):
+            if each.ast_type == _TYPE.Defined:
+                yield Signature(each.name, each.arity), place(each)
 
 
 def shown(text: str) -> tuple[Signature, ...]:
@@ -550,12 +555,19 @@ def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
     return sign, symbol
 
 
-def places(text: str) -> Callable[[Node | ast.AST], Place]:
-    """Return what says where a node of the tree of a text begins; clingo counts bytes."""
+class Placing(Protocol):
+    """Says where a node begins, or with `end` where it ends."""
+
+    def __call__(self, node: Node | ast.AST, end: bool = False) -> Place:
+        """Return a line and a column."""
+
+
+def places(text: str) -> Placing:
+    """Return what says where a node of the tree of a text is; clingo counts bytes."""
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
-    def place(node: Node | ast.AST) -> Place:
-        line, column, *_ = extent_of(node)
+    def place(node: Node | ast.AST, end: bool = False) -> Place:
+        line, column = extent_of(node)[2 * end :][:2]
         if lines is None:
             return line, column
         return line, len(lines[line - 1][: column - 1].decode(errors="ignore")) + 1

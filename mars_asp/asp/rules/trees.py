@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 
 from clingo import Symbol, ast
 
+#: What nodes are.
+Kind = ast.ASTType
 _LISTS = (ast.ASTSequence, ast.StrSequence)
 
 
@@ -101,7 +103,7 @@ def raw_reader() -> Callable[[ast.AST], Node] | None:
     return read
 
 
-def _raw_reader(ffi: Any, lib: Any, check: Callable[[bool], Any]) -> Callable[[Any], Node]:
+def _raw_reader(ffi: Any, lib: Any, check: Any) -> Callable[[Any], Node]:
     forms = _forms(ffi, lib, _leaves(ffi, lib, check))
     kinds = {kind.value: kind for kind in ast.ASTType}
     get_type, get_node = lib.clingo_ast_get_type, lib.clingo_ast_attribute_get_ast
@@ -124,10 +126,12 @@ def _raw_reader(ffi: Any, lib: Any, check: Callable[[bool], Any]) -> Callable[[A
         kind = kind_at[0]
         node.ast_type = kinds[kind]
         for name, attribute, form, leaf in forms[kind]:
-            if name == "location":
-                node.extent = leaf(rep, attribute)
-            elif leaf is not None:
-                own[name] = leaf(rep, attribute)
+            if leaf is not None:
+                value = leaf(rep, attribute)
+                if name == "location":
+                    node.extent = value
+                else:
+                    own[name] = value
             elif form == one:
                 get_node(rep, attribute, inside) or check(False)
                 own[name] = child = read(make(inside[0]))
@@ -153,7 +157,7 @@ def _raw_reader(ffi: Any, lib: Any, check: Callable[[bool], Any]) -> Callable[[A
     return read
 
 
-def _leaves(ffi: Any, lib: Any, check: Callable[[bool], Any]) -> dict[int, _Leaf]:
+def _leaves(ffi: Any, lib: Any, check: Any) -> dict[int, _Leaf]:
     """Return what reads an attribute that is no node, by its form."""
     get_place, get_text = (
         lib.clingo_ast_attribute_get_location,
