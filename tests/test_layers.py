@@ -23,11 +23,15 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments signature units solve rules messages cases slice trace program",
+    "asp": "cache fragments signature units solve rules lint messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/rules": (
         "gate trees statements rule computed expansions checks symbols arithmetic outline "
-        "declarations metadata read rulebook consistency risks names sorts"
+        "declarations metadata read rulebook consistency"
+    ),
+    "asp/lint": (
+        "clauses found values orders graph catalogue sorts variables bodies aggregates recursion "
+        "joins predicates copies messages arithmetic names allow"
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
@@ -50,7 +54,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings rules cases analysis includes project sample synthesis verification "
+        "budget facts findings rules cases analysis includes project sample lint synthesis "
+        "verification "
         "session questions capability"
     ),
     "reasoning/facts": (

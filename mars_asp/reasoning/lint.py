@@ -8,6 +8,7 @@ from typing import NamedTuple
 from mars_asp.asp.lint import Host
 from mars_asp.asp.lint import lint as lint_rules
 from mars_asp.asp.lint.found import Found
+from mars_asp.asp.lint.recursion import RECURSION
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.declarations import declarations, wrong_references
 from mars_asp.asp.rules.rule import Rule
@@ -34,19 +35,15 @@ class Linted(NamedTuple):
         return by_place((*self.errors, *self.others, *(each.diagnostic for each in self.lints)))
 
 
-def lint(packs: Sequence[Path]) -> Linted:
+def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     """Return what is noteworthy about rule packs; about our own rules where there are none.
 
-    Packs that an analysis would take are grounded over sample robots, so that what fails while
-    grounding is found, too.
+    Where `grounded`, packs that an analysis would take are grounded over sample robots, so that what
+    fails while grounding is found, too; but not such as may grow without end.
     """
     errors: list[Diagnostic] = []
     rulebook = load_rulebook(packs, STAGES, strict=not packs, noted=errors)
     others: list[Diagnostic] = []
-    if rulebook.packs and not errors:
-        tried = _tried(rulebook)
-        errors += (each for each in tried if each.severity == "error")
-        others += (each for each in tried if each.severity != "error")
     misread: list[Diagnostic] = []
     for file in rulebook.documented:
         tuple(declarations(file.docstrings, file.path, misread))
@@ -62,6 +59,12 @@ def lint(packs: Sequence[Path]) -> Linted:
     )
     # Where all that was given could not be read, there is nothing else to look at.
     lints = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
+    # What grows without end would be grounded without end.
+    grows = any(each.diagnostic.code == RECURSION for each in lints)
+    if grounded and rulebook.packs and not errors and not grows:
+        tried = _tried(rulebook)
+        errors += (each for each in tried if each.severity == "error")
+        others += (each for each in tried if each.severity != "error")
     return Linted(tuple(errors), tuple(others), lints)
 
 

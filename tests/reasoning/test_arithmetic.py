@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.risks import risks
+from mars_asp.asp.lint.arithmetic import risks
 from mars_asp.cli import run_here
 from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.rules import STAGES, load_rulebook

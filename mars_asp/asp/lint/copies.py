@@ -22,10 +22,12 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[F
     alike: dict[tuple[object, ...], list[int]] = {}
     for number, clause in plain:
         alike.setdefault(_about(clause), []).append(number)
-    for numbers in alike.values():
+    for about, numbers in alike.items():
         wanted = [number for number in numbers if number in judged]
+        # What holds of any value holds of a constant.
+        others = numbers if about[-1] == "" else [*numbers, *alike.get((*about[:-1], ""), ())]
         for number in wanted:
-            for other in numbers:
+            for other in others:
                 if other != number and (found_ := _compared(clauses, number, other)):
                     yield found_
                     break
@@ -34,7 +36,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[F
 def _about(clause: Clause) -> tuple[object, ...]:
     """Return what rules with the same head have in common: predicate and constants."""
     if not clause.heads:
-        return (clause.sort,)
+        return (clause.sort, None, "")
     head = clause.heads[0][0]
     first = head.terms[0] if head.terms else None
     name = text_of(first) if first is not None and first.ast_type is Kind.SymbolicTerm else ""

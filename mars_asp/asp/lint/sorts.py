@@ -78,28 +78,27 @@ def _compared(
     clause: Clause, comparison: Comparison, environment: Environment, known: Known
 ) -> Iterator[Found]:
     left, right = (known.of(each, environment) for each in (comparison.left, comparison.right))
-    if not left or not right:
+    if not left or not right or (is_constant(comparison.left) and is_constant(comparison.right)):
         return
     place = clause.place(comparison.node)
-    # Where a variable is what it is compared with, all that is known is told of both.
-    if known.meet(left, right):
-        for term, values in ((comparison.left, right), (comparison.right, left)):
-            yield from _too_small(clause, term, values)
-        return
-    if _is_ordered_by_form(comparison, left, right):
-        return
     one, other = text_of(comparison.left), text_of(comparison.right)
-    if _units(left) and _units(right):
+    units = _units(left), _units(right)
+    if all(units) and not set(units[0]) & set(units[1]):
         message = f"`{one}` is in {_in_words(left)} and `{other}` in {_in_words(right)}"
         advice = "bring both to one unit before they are compared"
         yield found(UNIT, message, place, clause.rule, advice)
+        return
+    is_ordered = comparison.sign not in ("=", "!=")
+    if known.meet(left, right) or (is_ordered and known.comparable(left, right)):
+        for term, values in ((comparison.left, right), (comparison.right, left)):
+            yield from _too_small(clause, term, values)
         return
     for term, values in ((comparison.left, right), (comparison.right, left)):
         if is_constant(term):
             mistake = _never(clause, term, values, f"`{text_of(_other(comparison, term))}`", known)
             yield mistake
             return
-    always = {"=": "never equal", "!=": "never equal"}.get(comparison.sign, "not comparable")
+    always = "not comparable" if is_ordered else "never equal"
     message = (
         f"`{one}` is {_in_words(left)} and `{other}` is {_in_words(right)}, so they are {always}"
     )
@@ -108,12 +107,6 @@ def _compared(
 
 def _other(comparison: Comparison, term: Node) -> Node:
     return comparison.right if term is comparison.left else comparison.left
-
-
-def _is_ordered_by_form(comparison: Comparison, left: Values, right: Values) -> bool:
-    """Whether terms are put in any order that there is, as `f(X) < Y` does."""
-    forms = {each.form for each in (*(left or ()), *(right or ()))}
-    return comparison.sign not in ("=", "!=") and ("function" in forms or None in forms)
 
 
 def _wrong_constants(
@@ -217,9 +210,10 @@ def _too_small(clause: Clause, term: Node, values: Values) -> Iterator[Found]:
 
 
 def _units(values: Values) -> list[str]:
-    """Return the sorts of measures that values are, if they all are."""
-    sorts = sorted(each.sort for each in values or () if each.sort in UNITS)
-    return sorts if values and len(sorts) == len(values) else []
+    """Return the sorts of measures that values are, words such as `none` apart, if they all are."""
+    numbers = [each for each in values or () if each.form != "name"]
+    sorts = sorted(each.sort for each in numbers if each.sort in UNITS)
+    return sorts if len(sorts) == len(numbers) else []
 
 
 def _in_words(values: Values) -> str:

@@ -121,6 +121,15 @@ class Known:
         found = (self.alike(each, rest) for each in one for rest in other)
         return frozenset(each for each in found if each is not None)
 
+    def comparable(self, one: Values, other: Values) -> bool:
+        """Whether values have an order that somebody may ask for: numbers, and terms, have one."""
+        forms = [{each.form for each in values or ()} for values in (one, other)]
+        return bool(
+            self.meet(_of_any_text(one), _of_any_text(other))
+            or forms[0] & forms[1] & {"number"}
+            or {"function", None} & (forms[0] | forms[1])
+        )
+
     def uses(self, variable: str, atoms: Iterable[Atom]) -> Iterator[Use]:
         """Yield the atoms that say what a variable is."""
         for atom in atoms:
@@ -140,8 +149,9 @@ class Known:
                     (comparison.right, comparison.left),
                 ):
                     equal = name_of(one)
-                    if equal is not None and (name_of(other) is None or equal not in found):
-                        found[equal] = self.meet(found.get(equal), self.of(other, found))
+                    # What is never equal is told where the two are compared.
+                    if equal is not None and equal not in found:
+                        found[equal] = self.of(other, found)
         for aggregate in clause.aggregates:
             for sign, guard in aggregate.guards:
                 value = name_of(guard)
@@ -276,6 +286,10 @@ class Known:
                     changed = True
             if changed:
                 yield signature
+
+
+def _of_any_text(values: Values) -> Values:
+    return values and frozenset(each._replace(text="") for each in values)
 
 
 def differ_in_unit(one: str, other: str) -> bool:

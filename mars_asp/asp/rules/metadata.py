@@ -4,8 +4,8 @@ Comments `%! key: text` directly above a rule give it an `id`, a `because` (its 
 `{Variable}` holes), an `effect` (what will happen, a sentence with holes), a `help`, and `fits`:
 why what it computes fits into 32 bits. `why` tells what it is about and why that matters, `example`
 names a case of it. `allow: CODE REASON` says that a lint does not count for the rule. Keys of a
-host stand for further rules (see `expansions`). A line whose text is indented by four or more goes on
-with the one before.
+host stand for further rules (see `expansions`). A line whose text is indented by four or more goes
+on with the one before.
 `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
