@@ -38,8 +38,8 @@ class Linted(NamedTuple):
 def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     """Return what is noteworthy about rule packs; about our own rules where there are none.
 
-    Where `grounded`, packs that an analysis would take are grounded over sample robots, so that what
-    fails while grounding is found, too; but not such as may grow without end.
+    Where `grounded`, packs that an analysis would take are grounded over sample robots, so that
+    what fails while grounding is found, too; but not such as may grow without end.
     """
     errors: list[Diagnostic] = []
     rulebook = load_rulebook(packs, STAGES, strict=not packs, noted=errors)

@@ -74,7 +74,8 @@ def test_fixes_leave_nothing_to_fix(tmp_path: Path) -> None:
 def test_errors_and_lints_are_found_together(tmp_path: Path) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text(
-        "stray_here(M) :- guard(M), nowhere(M).\n#show stray_here/1.\nguarded_here(M) :- guard(M), guard(M).\n"
+        "stray_here(M) :- guard(M), missing_here(M).\n#show stray_here/1.\n"
+        "guarded_here(M) :- guard(M), guard(M).\n"
     )
     found = lint([pack])
     assert [each.code for each in found.errors] == ["rule-unknown"]

@@ -54,6 +54,8 @@ _NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
 #: What stands in any operation, or in any number that does not fit into 32 bits.
 _COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
+#: What stands in any text that minimises or maximises something.
+_COST = re.compile(r"#\s*(?:min|max)[a-z]*mi[sz]e|:~")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 #: What was read by this process, by the texts of rules; of more than so many none is remembered.
 _read: "dict[str, tuple[Statement, ...]]" = {}
@@ -433,7 +435,7 @@ def shown(text: str) -> tuple[Signature, ...]:
 
 def read_by_costs(text: str) -> frozenset[Signature]:
     """Return the predicates, without signs, on which what a text minimises or maximises rests."""
-    if "#m" not in text:
+    if _COST.search(text) is None:
         return frozenset()
     costs = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
     read = (_statement(plain(each), lambda _: _NO_PLACE) for one in costs for each in one.unpool())
