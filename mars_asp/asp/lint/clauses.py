@@ -9,7 +9,7 @@ from clingo import SymbolType
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
-from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.rules.trees import Kind, Node
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span, point
 
@@ -120,6 +120,11 @@ class Clause:
                 found |= {name for each in atom.terms for name in names_in(each)}
         return frozenset(found)
 
+    @cached_property
+    def kinds(self) -> frozenset[tuple[object, ...]]:
+        """Return of what its body is: predicates with their signs, and what else there is."""
+        return frozenset(map(_kind, self.node.body))
+
     @property
     def scopes(self) -> Iterator[Scope]:
         """Yield the literals of the body, and with them those of each element and condition."""
@@ -205,9 +210,12 @@ def name_of(term: Node) -> str | None:
 
 def names_in(node: Node) -> frozenset[str]:
     """Return the names of the variables in a tree, but for `_`."""
-    return frozenset(
-        each.name for each in below(node) if each.ast_type is Kind.Variable and each.name != "_"
-    )
+    if node.names is None:
+        if node.ast_type is Kind.Variable:
+            node.names = frozenset() if node.name == "_" else frozenset((node.name,))
+        else:
+            node.names = frozenset[str]().union(*map(names_in, node.children))
+    return node.names
 
 
 def is_constant(term: Node) -> bool:
@@ -236,6 +244,15 @@ def operation_of(term: Node) -> str | None:
 
 
 # ---- Reading -------------------------------------------------------------------------------------
+
+
+def _kind(literal: Node) -> tuple[object, ...]:
+    """Return what two literals must have in common to match."""
+    if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
+        symbol = literal.atom.symbol
+        if symbol.ast_type is Kind.Function:
+            return literal.sign, symbol.name, len(symbol.arguments)
+    return (literal.ast_type,)
 
 
 def _clause(rule: Rule, node: Node) -> Clause:

@@ -67,23 +67,12 @@ def _compared(clauses: Sequence[Clause], number: int, other: int) -> Found | Non
 
 def _covers(general: Clause, special: Clause) -> bool:
     """Whether one rule gives all that another does: some of its premises are among the others."""
-    given = [each for each in special.node.body]
-    wanted = [each for each in general.node.body]
-    kinds = {_kind(each) for each in given}
-    if any(_kind(each) not in kinds for each in wanted):
+    if not general.kinds <= special.kinds:
         return False
+    given, wanted = special.node.body, general.node.body
     start = _match(general.node.head, special.node.head, {})
     tries = [_MOST]
     return start is not None and _all_match(wanted, given, start, tries)
-
-
-def _kind(literal: Node) -> tuple[object, ...]:
-    """Return what two literals must have in common to match."""
-    if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
-        symbol = literal.atom.symbol
-        if symbol.ast_type is Kind.Function:
-            return literal.sign, symbol.name, len(symbol.arguments)
-    return (literal.ast_type,)
 
 
 def _all_match(

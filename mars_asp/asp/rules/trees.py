@@ -5,7 +5,7 @@ time that it takes to read rules.
 """
 
 import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from clingo import Symbol, ast
@@ -28,14 +28,17 @@ class Node:
     has a place.
     """
 
-    __slots__ = ("__dict__", "_tree", "ast_type", "children", "extent")
+    __slots__ = ("__dict__", "_tree", "ast_type", "children", "extent", "names")
 
     ast_type: ast.ASTType
     children: "list[Node]"
     extent: Extent
+    #: The variables in it, but for `_`; known when they have been asked for.
+    names: frozenset[str] | None
 
     def __init__(self, tree: ast.AST) -> None:
         self._tree = tree
+        self.names = None
 
     def __getattr__(self, name: str) -> Any:
         """Refuse an attribute that the node does not have; for checkers of types, it has any."""
@@ -58,11 +61,17 @@ def extent_of(node: Node | ast.AST) -> Extent:
     return begin.line, begin.column, end.line, end.column
 
 
-def below(node: Node) -> Iterator[Node]:
-    """Yield a node and all below it, in their order."""
-    yield node
+def below(node: Node) -> list[Node]:
+    """Return a node and all below it, in their order."""
+    found: list[Node] = []
+    _gather(node, found)
+    return found
+
+
+def _gather(node: Node, found: list[Node]) -> None:
+    found.append(node)
     for child in node.children:
-        yield from below(child)
+        _gather(child, found)
 
 
 def public_reader() -> Callable[[ast.AST], Node]:
