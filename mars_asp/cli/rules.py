@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fix",
         action="store_true",
-        help="of `lint`: mend what can be mended safely in the files of packs",
+        help="of `lint`: correct what has one safe fix, in the files of packs",
     )
     parser.add_argument(
         "--stage",
@@ -76,13 +76,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
-    """Report what is noteworthy about packs, and with `--fix` mend what can be mended safely."""
+    """Report what is noteworthy about packs, and with `--fix` correct what has one safe fix."""
     found = lint(packs)
     if arguments.fix and packs:
         mended = _mended(found)
         if mended:
             found = lint(packs)
-            print(f"mended: {mended}")
+            print(f"corrected: {mended}")
     if found.errors:
         raise MarsError(found.diagnostics)
     report(found.diagnostics, arguments)
@@ -250,6 +250,7 @@ def _predicate_document(declaration: Declaration) -> str:
     sentences = {"says": declaration.says, "unless": declaration.unless}
     said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
     said += [f"from: {declaration.origin}"] if declaration.origin else []
+    said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
     said += [] if declaration.cited else ["cited: never"]
@@ -271,6 +272,7 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
         "unless": list(declaration.unless),
         "cited": declaration.cited,
         "orders": declaration.ordering,
+        "keys": list(map(list, declaration.named_keys)),
         "from": declaration.origin,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,

@@ -59,7 +59,7 @@ def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     pack = tmp_path / "pack.lp"
     pack.write_text("% größer\nodd(M) :- class(M, sensr), guard(M), guard(M). #show odd/1.\n")
     assert run_here(["rules", "lint", "--fix", str(pack)]) == 0
-    assert capsys.readouterr().out == "mended: 2\nnothing wrong\n"
+    assert capsys.readouterr().out == "corrected: 2\nnothing wrong\n"
     assert pack.read_text() == "% größer\nodd(M) :- class(M, sensor), guard(M). #show odd/1.\n"
     assert run_here(["rules", "lint", "--fix"]) == 2
     assert "`--fix` has an effect only on `lint` with a pack" in capsys.readouterr().err

@@ -130,7 +130,7 @@ def _needless(clause: Clause, bounds: Sequence[Compared], replaced: Set[str]) ->
                 message = "this aggregate always has such a value"
                 place = clause.place(aggregate.node)
                 yield found(
-                    REDUNDANT, message, place, clause.rule, "leave it out, or mend its bound"
+                    REDUNDANT, message, place, clause.rule, "leave it out, or correct its bound"
                 )
 
 
@@ -196,5 +196,5 @@ def _circular(clause: Clause) -> Iterator[Found]:
             message = f"`{head.text}` is derived where it holds already"
             place = clause.place(atom.node)
             yield found(
-                REDUNDANT, message, place, clause.rule, "leave out the rule, or mend its head"
+                REDUNDANT, message, place, clause.rule, "leave out the rule, or correct its head"
             )

@@ -178,7 +178,7 @@ def _wrong_heads(
             message = (
                 f"`{name}` is {_in_words(given)}, and the head gives it as {_in_words(values)}"
             )
-            advice = f"`rules show {head.signature.unsigned}` says what its arguments are"
+            advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
             place = clause.place(head.node)
             yield found(UNIT if units else SORT, message, place, clause.rule, advice)
 

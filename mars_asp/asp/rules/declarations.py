@@ -129,6 +129,12 @@ class Declaration:
         return None if self.orders is None else self.arguments[self.orders].name
 
     @property
+    def named_keys(self) -> Iterator[tuple[str, ...]]:
+        """Yield the names of the arguments of each key."""
+        for key in self.keys:
+            yield tuple(self.arguments[at].name for at in key)
+
+    @property
     def written(self) -> str:
         """Return the predicate with the names and sorts of its arguments."""
         inside = ", ".join(map(_written, self.arguments))
