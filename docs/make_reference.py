@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from unittest.mock import patch
 
+from mars_asp.asp.lint.catalogue import PAGES
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
@@ -23,6 +24,7 @@ def pages() -> Iterator[tuple[str, str]]:
     """Yield the name of each page and its text."""
     yield "verbs.md", MADE + "\n".join(_verbs())
     yield "findings.md", MADE + "\n".join(_findings())
+    yield "lints.md", MADE + "\n".join(_lints())
 
 
 def _verbs() -> Iterator[str]:
@@ -101,6 +103,21 @@ def _findings() -> Iterator[str]:
                 yield from _example("Example", fires)
                 if (silent := _silent(kind, fires)) is not None:
                     yield from _example("Counterexample", silent)
+
+
+def _lints() -> Iterator[str]:
+    yield "# Lints\n"
+    yield "What `mars-asp rules lint` reports of rules that an analysis would take. A line"
+    yield "`%! allow: CODE REASON` above a rule switches a lint off for that rule. Each example"
+    yield "is a whole file, which the tests lint; sorts such as `city` are its own.\n"
+    for page in PAGES:
+        yield f"## {page.code}\n"
+        yield f"**{page.title}.** {page.what}\n"
+        yield f"Why: {page.why}\n"
+        if page.fixed:
+            yield f"`--fix` writes {page.fixed}.\n"
+        yield f"Reported:\n\n```clingo\n{page.bad}```\n"
+        yield f"Not reported:\n\n```clingo\n{page.good}```\n"
 
 
 def _example(heading: str, case: Path) -> Iterator[str]:

@@ -24,12 +24,16 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments signature units solve rules messages cases slice trace program",
+    "asp": "cache fragments signature units solve rules lint messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
-        "gate statements rule computed expansions checks symbols arithmetic outline declarations "
-        "metadata read namespaces rulebook consistency risks names sorts"
+        "gate trees statements rule computed expansions checks symbols arithmetic outline "
+        "declarations metadata read namespaces rulebook consistency"
+    ),
+    "asp/lint": (
+        "clauses found values orders graph catalogue sorts variables bodies aggregates recursion "
+        "joins predicates copies messages arithmetic names allow"
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (
@@ -52,7 +56,7 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs rules analysis includes project sample synthesis "
+        "budget facts findings packs rules analysis includes project sample lint synthesis "
         "verification session cases questions capability"
     ),
     "reasoning/cases": "configurations places run examples",
@@ -199,7 +203,8 @@ def test_tests_of_the_engine_use_no_robot() -> None:
 #: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
 TREES = [
     *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
-    *("asp/rules/computed.py", "asp/rules/statements.py", "asp/trace/counting_rules.py"),
+    *("asp/rules/computed.py", "asp/rules/statements.py", "asp/rules/trees.py"),
+    "asp/trace/counting_rules.py",
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),
 ]

@@ -10,8 +10,9 @@ import pytest
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
-from mars_asp.cli.rules import lint, shown, shown_json
+from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
+from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -220,4 +221,4 @@ def test_what_lint_tells_an_analysis_does_not(
 
 
 def test_no_name_of_a_built_in_rule_means_two_things() -> None:
-    assert lint([]) == ()
+    assert lint([]).diagnostics == ()

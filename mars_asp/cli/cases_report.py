@@ -41,7 +41,8 @@ def print_outcomes(
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
     files = f"{updated} file{'s' * (updated != 1)}"
     print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
-    for line in measured.get("lines", ()) if isinstance(measured.get("lines"), list) else ():
+    lines = measured.get("lines")
+    for line in lines if isinstance(lines, list) else ():
         print(line)
 
 

@@ -3,18 +3,14 @@
 import argparse
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import Declaration, declarations, wrong_references
+from mars_asp.asp.lint.found import fixed
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
-from mars_asp.asp.rules.names import shared_names
 from mars_asp.asp.rules.outline import Outline
-from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.sorts import wrong_sorts
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
@@ -23,14 +19,11 @@ from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
-from mars_asp.output import visible
-from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.facts.vocabulary import unbounded
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.output import replace_together, visible
 from mars_asp.reasoning.findings import EXPANSIONS
-from mars_asp.reasoning.project import project_facts
-from mars_asp.reasoning.rules import BASE, STAGES, declared, load_rulebook
-from mars_asp.reasoning.sample import samples
+from mars_asp.reasoning.lint import Linted, lint
+from mars_asp.reasoning.rules import BASE, STAGES
 from mars_asp.spelling import nearest
 
 _PURPOSES = {"base": BASE, **STAGES}
@@ -57,6 +50,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="DIR", help="of `doc`: write a page for each file of rules there"
     )
     parser.add_argument(
+        "--fix",
+        action="store_true",
+        help="of `lint`: correct what has one safe fix, in the files of packs",
+    )
+    parser.add_argument(
         "--stage",
         metavar="STAGE",
         choices=tuple(_PURPOSES),
@@ -72,12 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"mars-asp rules: {wrong}", file=sys.stderr)
         return 2
     if action == "lint":
-        packs = [*arguments.rules, *([what] if what else [])]
-        found = lint([Path(path) for path in packs])
-        report(found, arguments)
-        if not found:
-            print("nothing wrong")
-        return 0
+        packs = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
+        return _lint(packs, arguments)
     if action == "diff":
         from mars_asp.cli.rules_diff import print_changes
 
@@ -108,37 +102,32 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def lint(packs: Sequence[Path]) -> tuple[Diagnostic, ...]:
-    """Return what is noteworthy about rule packs that an analysis would take.
+def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
+    """Report what is noteworthy about packs, and with `--fix` correct what has one safe fix."""
+    found = lint(packs)
+    if arguments.fix and packs:
+        mended = _mended(found)
+        if mended:
+            found = lint(packs)
+            print(f"corrected: {mended}")
+    if found.errors:
+        raise MarsError(found.diagnostics)
+    report(found.diagnostics, arguments)
+    if not found.diagnostics:
+        print("nothing wrong")
+    return 0
 
-    They are grounded over sample robots, so that what fails while grounding is told, too.
 
-    Raises:
-        MarsError: what an analysis would refuse, with its places.
-    """
-    rulebook = load_rulebook(packs, STAGES, strict=not packs)
-    tried: dict[tuple[str, Span], Diagnostic] = {}
-    for project in samples() if rulebook.packs else ():
-        try:
-            analyse(project_facts(project), rulebook, project.configuration.span)
-        except MarsError as error:
-            for each in map(_of_sample, error.diagnostics):
-                tried.setdefault((each.code, each.span), each)
-    wrong = [each for each in tried.values() if each.severity == "error"]
-    if wrong:
-        raise MarsError(wrong)
-    misread: list[Diagnostic] = []
-    for file in rulebook.documented:
-        tuple(declarations(file.docstrings, file.path, misread))
-    misread += wrong_references(rulebook.declarations.values())
-    large = unbounded(rulebook.declarations.values())
-    return (
-        *(replace(each, severity="warning") for each in misread),
-        *wrong_sorts(rulebook.rules, declared(rulebook), rulebook.replaced),
-        *risks(rulebook.rules, large),
-        *shared_names(rulebook),
-        *tried.values(),
-    )
+def _mended(found: Linted) -> int:
+    """Write the fixes of what was found, and return of how many findings they were."""
+    texts: dict[str, bytes] = {}
+    count = 0
+    for path in dict.fromkeys(fix.span.path for each in found.lints for fix in each.fixes):
+        text, mended = fixed(Path(path).read_text(encoding="utf-8"), path, found.lints)
+        texts[path] = text.encode()
+        count += mended
+    replace_together(texts)
+    return count
 
 
 def shown(rulebook: Rulebook, name: str) -> str:
@@ -192,6 +181,8 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     if action in ("new", "diff") and not what:
         wanted = "the name of a TOPIC" if action == "new" else "the folder of a PACK"
         return f"`{action}` needs {wanted}"
+    if arguments.fix and (action != "lint" or not (arguments.rules or what)):
+        return "`--fix` has an effect only on `lint` with a pack"
     if arguments.stage and action not in ("list", "doc"):
         return f"--stage has no effect on `{action}`"
     if arguments.output and action != "doc":
@@ -199,14 +190,6 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
     if arguments.files and action != "diff":
         return f"`{action}` takes one name, and `{visible(arguments.files[0])}` is another"
     return None
-
-
-def _of_sample(found: Diagnostic) -> Diagnostic:
-    """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
-    if found.code != INCONSISTENT:
-        return found
-    message = found.message.replace("this configuration", "a sample robot")
-    return replace(found, severity="warning", message=message)
 
 
 def _named(rulebook: Rulebook, name: str) -> Rule | Kind | tuple[Declaration, ...] | str:
@@ -346,6 +329,7 @@ def _predicate_document(declaration: Declaration) -> str:
     sentences = {"says": declaration.says, "unless": declaration.unless}
     said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
     said += [f"from: {declaration.origin}"] if declaration.origin else []
+    said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
     said += [] if declaration.cited else ["cited: never"]
@@ -367,6 +351,7 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
         "unless": list(declaration.unless),
         "cited": declaration.cited,
         "orders": declaration.ordering,
+        "keys": list(map(list, declaration.named_keys)),
         "from": declaration.origin,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,

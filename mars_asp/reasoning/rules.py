@@ -8,7 +8,7 @@ from typing import NamedTuple
 from mars_asp.asp.cache import digest, made_of
 from mars_asp.asp.rules import checks
 from mars_asp.asp.rules.checks import Seal
-from mars_asp.asp.rules.declarations import Argument, Declaration, Documented
+from mars_asp.asp.rules.declarations import Documented
 from mars_asp.asp.rules.metadata import file_name, repeated_ids
 from mars_asp.asp.rules.namespaces import apart
 from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, told_apart, wrong_packs
@@ -106,12 +106,15 @@ def load_rulebook(
     stages: Collection[str] = ("resolve",),
     strict: bool = False,
     trusted: bool = False,
+    noted: list[Diagnostic] | None = None,
 ) -> Rulebook:
     """Read the built-in rules of the base and of `stages`, and rule packs from elsewhere.
 
     The stage that follows one of them is read, too. The holes of the built-in messages are checked
     only when `strict`: the tests have done so. Packs that are `trusted` may rank what they minimise
     above nodes, conversions and lines.
+    only when `strict`: the tests have done so. Where `noted` is given, it gets what is wrong, and
+    what can be read is returned.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and
@@ -134,8 +137,10 @@ def load_rulebook(
         spaces = tuple(apart(spaces, sealed))
     if strict:
         problems += repeated_ids(own.rules)
-    if problems:
+    if problems and noted is None:
         raise MarsError(problems)
+    if noted is not None:
+        noted += problems
     if not packs:
         return own
     every = (file for space in spaces for file in space.files)
@@ -151,24 +156,8 @@ def load_rulebook(
         (*own.paths, *(r.span.path for r in stated), *(file.shown for file in files)),
         (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
         kinds,
+        ((next(iter(NODE_NAMES)), tuple(kind.kind for kind in kinds)),) if kinds else (),
     )
-
-
-def declared(rulebook: Rulebook) -> Mapping[Signature, Declaration]:
-    """Return what is declared of predicates, where the kinds of nodes of packs are kinds, too."""
-    brought = tuple(each.kind for each in rulebook.brought if isinstance(each, PackKind))
-    if not brought:
-        return rulebook.declarations
-    return {
-        signature: replace(each, arguments=tuple(_widened(one, brought) for one in each.arguments))
-        for signature, each in rulebook.declarations.items()
-    }
-
-
-def _widened(argument: Argument, kinds: tuple[str, ...]) -> Argument:
-    if not NODE_NAMES.keys() <= set(argument.constants):
-        return argument
-    return argument._replace(constants=(*argument.constants, *kinds))
 
 
 def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:

@@ -9,9 +9,10 @@ PACK = """\
 M is one of ours.
 *%
 #defined ours/1.
-slow(R) :- module(R), required_rate(R, F), F < 3.
+slow(R) :- module(R), required_rate(R, F), F < 3000.
 odd(M) :- class(M, sensr).
 both(P) :- ours(P), output(_, _, P).
+#show slow/1. #show odd/1. #show both/1.
 """
 
 
@@ -29,7 +30,7 @@ def test_lint_hands_sorts_on(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert told == [
         f"{pack}:5:23: warning: `R` is a module in `module/1` and a relationship in "
         "`required_rate/2` [rule-sort]",
-        f"{pack}:6:11: warning: `K` of `class/2` is never `sensr` [rule-sort]",
+        f"{pack}:6:20: warning: `K` of `class/2` is never `sensr` [rule-value]",
         f"{pack}:7:21: warning: `P` is a module in `ours/1` and a representation in `output/3` "
         "[rule-sort]",
     ]
@@ -52,3 +53,26 @@ def test_a_wrong_declaration_is_told(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_predicates_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["rules", "show", "architecture/1"]) == 0
     assert "architecture(K: {flat, hierarchical})" in capsys.readouterr().out
+
+
+def test_fixes_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text("% größer\nodd(M) :- class(M, sensr), guard(M), guard(M). #show odd/1.\n")
+    assert run_here(["rules", "lint", "--fix", str(pack)]) == 0
+    assert capsys.readouterr().out == "corrected: 2\nnothing wrong\n"
+    assert pack.read_text() == "% größer\nodd(M) :- class(M, sensor), guard(M). #show odd/1.\n"
+    assert run_here(["rules", "lint", "--fix"]) == 2
+    assert "`--fix` has an effect only on `lint` with a pack" in capsys.readouterr().err
+
+
+def test_what_an_analysis_would_refuse_comes_with_the_lints(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text(
+        "odd(M) :- missing_here(M, sensr).\nsees(M) :- class(M, sensr). #show sees/1.\n"
+    )
+    assert run_here(["rules", "lint", str(pack)]) == 2
+    told = capsys.readouterr().err
+    assert "[rule-unknown]" in told
+    assert "[rule-value]" in told

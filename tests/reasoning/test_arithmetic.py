@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mars_asp.asp.rules.risks import risks
+from mars_asp.asp.lint.arithmetic import risks
 from mars_asp.cli import run_here
 from mars_asp.reasoning.facts.vocabulary import unbounded
 from mars_asp.reasoning.rules import STAGES, load_rulebook
@@ -39,5 +39,6 @@ def test_lint_tells_risks_and_is_content(
 
 def test_our_own_rules_compute_nothing_that_may_not_fit() -> None:
     rulebook = load_rulebook(stages=STAGES, strict=True)
-    found = risks(rulebook.rules, unbounded(rulebook.declarations.values()))
+    large = unbounded(rulebook.declarations.values())
+    found = [each.diagnostic for each in risks(rulebook.rules, large)]
     assert [f"{each.span.path}:{each.span.line}: {each.message}" for each in found] == []

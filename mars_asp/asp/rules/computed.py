@@ -24,6 +24,7 @@ from mars_asp.asp.rules.statements import (
     tree,
     variables,
 )
+from mars_asp.asp.rules.trees import plain
 
 _TYPE = ast.ASTType
 _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
@@ -95,7 +96,7 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
     reader = ArithmeticReader(text)
     for rule in tree(text).unpool():
         for site in _sites(rule):
-            for operation in reader.outermost(site.node):
+            for operation in reader.outermost(plain(site.node)):
                 if isinstance(operation, Operation) and _is_open(operation):
                     told = leaves(operation)
                     body = _body(told, site)

@@ -8,7 +8,7 @@
     *%
 
 A sort behind an argument says what its values are: one word or several (`edge |
-node`), or the constants that there are (`{flat, hierarchical}`). Behind the words for readers
+node`), the constants that there are (`{flat, hierarchical}`), or both. Behind the words for readers
 stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
 that rules from elsewhere may derive it, `packs: read` that those with a name may read it, and
 `joins: nothing` that its facts do not bring together what they name. Names of arguments and words
@@ -19,12 +19,14 @@ unit of its sort, and `{edge.X}` the argument X of the given fact that has the s
 of all arguments that both declarations name alike. Of several forms the first counts of which all
 holes have a value: an absence leaves arguments open. `cited: never` is said of what is no reason
 for anything, such as how something is written, and `orders: P` that things are told in the order
-of the numbers P, the highest first. A line goes on in lines that begin with white space.
+of the numbers P, the highest first. `key: E, F` says that there is one fact at most for each value
+of some arguments, `key: nothing` that there is one at most. A line goes on in lines that begin with
+white space.
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
@@ -56,7 +58,10 @@ _SAID: Mapping[str, tuple[str, ...]] = {
 #: The keys of lines that hold a sentence, of which there can be several.
 _SENTENCES = ("says", "unless")
 _ORDERS = "orders"
-_KEYS = (*_SAID, *_SENTENCES, _ORDERS)
+_KEY = "key"
+#: Of what has no key there is one fact at most.
+_NO_KEY = "nothing"
+_KEYS = (*_SAID, *_SENTENCES, _ORDERS, _KEY)
 _CONTINUED = r"\n[ \t]+(?![a-z]+:)"
 #: A hole of a sentence: an argument, of the predicate itself or of the fact of another one.
 SENTENCE_HOLE = r"\{(?:([a-z_]\w*)\.)?([A-Z_]\w*'*)\}"
@@ -96,7 +101,8 @@ class Documented(NamedTuple):
 class Declaration:
     """What is declared of a predicate; `origin` is `None` where nobody says it.
 
-    `orders` is the position from 0 of the argument that things are ordered by.
+    `orders` is the position from 0 of the argument that things are ordered by, `keys` those of
+    arguments for whose values there is one fact at most.
     """
 
     name: str
@@ -111,6 +117,7 @@ class Declaration:
     unless: tuple[str, ...] = ()
     cited: bool = True
     orders: int | None = None
+    keys: tuple[tuple[int, ...], ...] = ()
 
     @property
     def signature(self) -> Signature:
@@ -124,11 +131,27 @@ class Declaration:
         return None if self.orders is None else self.arguments[self.orders].name
 
     @property
+    def named_keys(self) -> Iterator[tuple[str, ...]]:
+        """Yield the names of the arguments of each key."""
+        for key in self.keys:
+            yield tuple(self.arguments[at].name for at in key)
+
+    @property
     def written(self) -> str:
         """Return the predicate with the names and sorts of its arguments."""
         inside = ", ".join(map(_written, self.arguments))
         name = plain(self.name)
         return f"{name}({inside})" if inside else name
+
+    def with_constants(self, known: str, more: tuple[str, ...]) -> "Declaration":
+        """Return it with more constants for the arguments that may be a certain one."""
+        if not any(known in each.constants for each in self.arguments):
+            return self
+        arguments = tuple(
+            each._replace(constants=(*each.constants, *more)) if known in each.constants else each
+            for each in self.arguments
+        )
+        return replace(self, arguments=arguments)
 
     def places(self, *sorts: str) -> tuple[int, ...]:
         """Return the positions from 0 of the arguments that are of one of some sorts."""
@@ -187,6 +210,14 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
     if _ORDERS in first and first[_ORDERS] not in names:
         message = f"`{_ORDERS}: {first[_ORDERS]}` names no argument"
         problems.append(_problem(message, place, f"name one of {', '.join(names)}"))
+    keys = []
+    for written in said.get(_KEY, ()):
+        key = [] if written == _NO_KEY else [each.strip() for each in written.split(",")]
+        if set(key) <= set(names):
+            keys.append(tuple(map(names.index, key)))
+        else:
+            advice = f"name some of {', '.join(names)}, or `{_NO_KEY}`"
+            problems.append(_problem(f"`{_KEY}: {written}` names no argument", place, advice))
     return Declaration(
         match[1],
         read,
@@ -200,6 +231,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         unless=tuple(said.get("unless", ())),
         cited="cited" not in said,
         orders=names.index(first[_ORDERS]) if first.get(_ORDERS) in names else None,
+        keys=tuple(keys),
     )
 
 
@@ -257,22 +289,23 @@ def _argument(written: str, place: Span, problems: list[Diagnostic]) -> Argument
         return None
     if match[2] is None:
         return Argument(match[1])
-    constants = re.fullmatch(_CONSTANTS, match[2])
-    if constants:
-        named = tuple(constant.strip() for constant in constants[1].split(","))
-        if all(named):
-            return Argument(match[1], constants=named)
+    sorts, named = set[str](), list[str]()
+    for each in map(str.strip, match[2].split("|")):
+        constants = re.fullmatch(_CONSTANTS, each)
+        if constants:
+            named += (constant.strip() for constant in constants[1].split(","))
+        elif re.fullmatch(_SORT, each):
+            sorts.add(each)
+        else:
+            advice = "write a word in small letters, `{constants}`, or several with `|`"
+            problems.append(_problem(f"`{each}` is not a sort", place, advice))
+            return None
+    if not all(named):
         problems.append(
             _problem(f"`{match[2]}` is not a constant", place, "write `{first, second}`")
         )
         return None
-    sorts = [each.strip() for each in match[2].split("|")]
-    wrong = [each for each in sorts if not re.fullmatch(_SORT, each)]
-    if wrong:
-        advice = "write a word in small letters, several with `|`, or `{constants}`"
-        problems.append(_problem(f"`{wrong[0]}` is not a sort", place, advice))
-        return None
-    return Argument(match[1], frozenset(sorts))
+    return Argument(match[1], frozenset(sorts), tuple(named))
 
 
 def _lines(
@@ -292,7 +325,7 @@ def _lines(
             problems.append(
                 _problem(f"`{key}: {value}` is not a key of a documented predicate", place, wrong)
             )
-        elif key in said and key not in _SENTENCES:
+        elif key in said and key not in (*_SENTENCES, _KEY):
             problems.append(_problem(f"`{key}` occurs twice", place, "leave out one of them"))
         else:
             said.setdefault(key, []).insert(0, value)
@@ -309,13 +342,9 @@ def _wrong_line(key: str, value: str, near_key: str) -> str | None:
 
 
 def _written(argument: Argument) -> str:
-    if argument.constants:
-        return f"{argument.name}: {{{', '.join(argument.constants)}}}"
-    return (
-        f"{argument.name}: {' | '.join(sorted(argument.sorts))}"
-        if argument.sorts
-        else argument.name
-    )
+    named = [f"{{{', '.join(argument.constants)}}}"] if argument.constants else []
+    kinds = " | ".join((*sorted(argument.sorts), *named))
+    return f"{argument.name}: {kinds}" if kinds else argument.name
 
 
 def _problem(

@@ -3,8 +3,9 @@
 Comments `%! key: text` directly above a rule give it an `id`, a `because` (its message, with
 `{Variable}` holes), an `effect` (what will happen, a sentence with holes), a `help`, and `fits`:
 why what it computes fits into 32 bits. `why` tells what it is about and why that matters, `example`
-names a case of it. Keys of a host stand for further rules (see `expansions`). A line whose text is
-indented by four or more goes on with the one before.
+names a case of it. `allow: CODE REASON` says that a lint does not count for the rule. Keys of a
+host stand for further rules (see `expansions`). A line whose text is indented by four or more goes
+on with the one before.
 `%*! predicate(Arguments) ... *%` documents a predicate.
 
 An id begins with the name of its file: `data/link` in `data.lp`, `resolve/data/edge` in that of the
@@ -18,13 +19,15 @@ from pathlib import Path
 from types import MappingProxyType
 
 from mars_asp.asp.rules.expansions import Expansions, expanded, wrong
-from mars_asp.asp.rules.rule import HOLE, Rule
+from mars_asp.asp.rules.rule import HOLE, Allow, Rule
 from mars_asp.asp.rules.statements import Piece, bound_variables
 from mars_asp.asp.units import UNITS
 from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
 KEYS = ("id", "because", "effect", "help", "fits", "why", "example")
+#: A line that allows a lint, of which there can be several.
+_ALLOW = "allow"
 _METADATA = re.compile(r"%!\s*([A-Za-z_-]+)\s*:\s*(.*)")
 _CONTINUED = re.compile(r"%!\s{4,}(\S.*)")
 
@@ -56,7 +59,7 @@ def rules_of(
         if piece.sort == "comment":
             match = _METADATA.match(piece.text)
             if match:
-                keys = (*KEYS, *expansions)
+                keys = (*KEYS, _ALLOW, *expansions)
                 _note_metadata(pending, match, point(shown, *piece.begin), keys, problems)
                 last_line = piece.begin[0]
             elif (more := _CONTINUED.match(piece.text)) and piece.begin[0] == last_line + 1:
@@ -103,6 +106,9 @@ def _note_metadata(
                 "rule-metadata", "error", f"`{key}` is not a metadata key", span, help=help_text
             )
         )
+    elif key == _ALLOW:
+        # Each line has a key of its own.
+        pending[f"{_ALLOW} {span.line}"] = (value, span)
     elif key in pending:
         problems.append(
             Diagnostic("rule-metadata", "error", f"`{key}` occurs twice above one rule", span)
@@ -139,6 +145,11 @@ def _rule(
         given.get("example"),
         tuple((key, listed) for key, (listed, _) in lists.items()),
         effect=given.get("effect"),
+        allows=tuple(
+            Allow(text.partition(" ")[0], text.partition(" ")[2].strip(), place)
+            for key, (text, place) in metadata.items()
+            if key.startswith(f"{_ALLOW} ")
+        ),
     )
 
 
@@ -185,7 +196,7 @@ def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
         Diagnostic(
             "rule-metadata",
             "error",
-            f"`{key}` is not directly above a rule",
+            f"`{key.partition(' ')[0]}` is not directly above a rule",
             span,
             help="put it on the line above the rule it belongs to",
         )

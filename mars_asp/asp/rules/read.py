@@ -280,18 +280,20 @@ def _syntax(note: str, shown: str) -> Diagnostic:
 def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterator[NameSpace]:
     """Yield packs of which no two name a rule alike.
 
-    Rules of a pack with a manifest have its name before their ids. Of the others, where the name of
-    a file is `taken`, or another's, its path stands before the lines of rules that have no id:
-    `mine/data.lp:17`.
+    Rules of a pack with a manifest have its name before their ids, once. Of the others, where the
+    name of a file is `taken`, or another's, its path stands before the lines of rules that have no
+    id: `mine/data.lp:17`.
     """
-    names = set(taken)
+    ours = frozenset(taken)
+    names = set(ours)
     ids: set[str] = set()
     for space in spaces:
         files: list[RuleFile] = []
         for file in space.files:
             rules = file.rules
             if space.needs is not None:
-                rules = tuple(replace(rule, id=f"{space.name}/{rule.id}") for rule in rules)
+                stays = "" if space.name in ours else f"{space.name}/"
+                rules = tuple(_in_pack(rule, space.name, stays) for rule in rules)
             elif file.name in names:
                 rules = tuple(_named_by_path(rule, file) for rule in rules)
             names.add(file.name)
@@ -310,6 +312,12 @@ def _named_by_space(space: NameSpace) -> NameSpace:
             for file in space.files
         )
     )
+
+
+def _in_pack(rule: Rule, name: str, stays: str) -> Rule:
+    """Return a rule with the name of its pack before its id, unless it begins so and `stays`."""
+    is_named = bool(stays) and rule.id.startswith(stays)
+    return rule if is_named else replace(rule, id=f"{name}/{rule.id}")
 
 
 def _of_space(rule: Rule, name: str, file: RuleFile) -> Rule:

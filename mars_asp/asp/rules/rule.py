@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import NamedTuple
 
 from mars_asp.asp.rules.statements import Statement, Tree, statements, tree
 from mars_asp.asp.signature import Signature
@@ -11,6 +12,14 @@ from mars_asp.diagnostic import Span
 
 #: A variable in a message, and the sort in the unit of which its value is written, if any.
 HOLE = re.compile(r"\{([^{}:]*)(?::([a-z_]+))?\}")
+
+
+class Allow(NamedTuple):
+    """A line of metadata that allows a lint: its code, the reason, and where it stands."""
+
+    code: str
+    reason: str
+    span: Span
 
 
 @dataclass(frozen=True)
@@ -35,6 +44,8 @@ class Rule:
     listed: Span | None = None
     #: What will happen, a sentence for those who read no more of the rule.
     effect: str | None = None
+    #: The lints that have nothing to say of the rule.
+    allows: tuple[Allow, ...] = ()
 
     @cached_property
     def ast(self) -> Tree:

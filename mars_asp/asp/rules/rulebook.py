@@ -38,6 +38,8 @@ class Rulebook:
     documented: tuple[Documented, ...] = ()
     #: What packs bring besides rules, for the host to read.
     brought: tuple[object, ...] = ()
+    #: Constants that packs add to the finite sorts that have a certain one.
+    added: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def text(self, stage: str) -> str:
         """Return the rules of one stage as clingo reads them."""
@@ -70,7 +72,9 @@ class Rulebook:
         rules = self.rules[: len(self.rules) - self.pack_rules]
         texts, paths = self.texts[: -self.packs], self.paths[: -self.packs]
         documented = self.documented[: -self.packs]
-        return Rulebook(rules, texts, paths=paths, documented=documented, brought=self.brought)
+        return Rulebook(
+            rules, texts, paths=paths, documented=documented, brought=self.brought, added=self.added
+        )
 
     def pack_texts(self, stage: str) -> tuple[str, ...]:
         """Return the texts of packs in one stage."""
@@ -89,6 +93,8 @@ class Rulebook:
         for file in self.documented:
             for each in file.declarations:
                 found.setdefault(each.signature, each)
+        for known, more in self.added:
+            found = {at: each.with_constants(known, more) for at, each in found.items()}
         return found
 
     def declared_in(self, stage: str) -> tuple[Declaration, ...]:

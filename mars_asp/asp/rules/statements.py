@@ -8,14 +8,16 @@ it, so that of our own rules is made when the package is built.
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Literal as Choice
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias, TypeVar
 
 from clingo import SymbolType, ast
 
 from mars_asp.asp.cache import made_of
+from mars_asp.asp.rules import trees
+from mars_asp.asp.rules.trees import Node, below, extent_of, plain
 from mars_asp.asp.signature import Signature
 
 #: A line and a column in the text of a rule, both from 1; columns count characters.
@@ -52,6 +54,8 @@ _NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
 #: What stands in any operation, or in any number that does not fit into 32 bits.
 _COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
+#: What stands in any text that minimises or maximises something.
+_COST = re.compile(r"#\s*(?:min|max)[a-z]*mi[sz]e|:~")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 #: What was read by this process, by the texts of rules; of more than so many none is remembered.
 _read: "dict[str, tuple[Statement, ...]]" = {}
@@ -286,8 +290,7 @@ def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     asked = tuple(texts)
     found = {text: _read.get(text) for text in asked}
     new = [text for text, known in found.items() if known is None]
-    files = map(Path, (__file__, ast.__file__))
-    made = made_of("statements", files, new, _statements) if new else {}
+    made = made_of("statements", _makers(), new, _statements) if new else {}
     _remember(made)
     return {text: made[text] if known is None else known for text, known in found.items()}
 
@@ -298,9 +301,13 @@ def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:
     _read.update(found)
 
 
+def _makers() -> tuple[Path, ...]:
+    return tuple(map(Path, (__file__, trees.__file__, ast.__file__)))
+
+
 def _statements(text: str) -> tuple[Statement, ...]:
-    place = _places(text)
-    return tuple(_statement(node, place) for node in tree(text).unpool())
+    place = places(text)
+    return tuple(_statement(node, place) for node in variants(text))
 
 
 def program_of(text: str) -> Program | None:
@@ -311,7 +318,7 @@ def program_of(text: str) -> Program | None:
         if node.ast_type == _TYPE.ProjectSignature:
             projected.append(Signature(node.name, node.arity, bool(node.positive)))
         elif node.ast_type in (_TYPE.Rule, _TYPE.Minimize):
-            found += (_statement(each, lambda _: _NO_PLACE) for each in node.unpool())
+            found += (_statement(plain(each), lambda _: _NO_PLACE) for each in node.unpool())
         elif node.ast_type not in _SILENT:
             return None
     if not all(statement.known for statement in found):
@@ -321,13 +328,13 @@ def program_of(text: str) -> Program | None:
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
     """Return what stands for itself in each of some rules."""
-    return made_of("constants", map(Path, (__file__, ast.__file__)), texts, constants)
+    return made_of("constants", _makers(), texts, constants)
 
 
 def constants(text: str) -> Constants:
     """Return what stands for itself in a rule."""
     names, strings = set(), set()
-    for node in _below(tree(text)):
+    for node in below(written(text)):
         if node.ast_type == _TYPE.Function:
             names.add(node.name)
         elif node.ast_type == _TYPE.SymbolicTerm:
@@ -341,7 +348,7 @@ def constants(text: str) -> Constants:
 def bound_variables(text: str) -> frozenset[str]:
     """Return the variables outside of aggregates and negated literals of a rule's body."""
     found: set[str] = set()
-    for literal in tree(text).body:
+    for literal in written(text).body:
         if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
             continue
         if literal.atom.ast_type not in _AGGREGATES:
@@ -355,7 +362,7 @@ def bound_variables(text: str) -> frozenset[str]:
 
 def argument_place(text: str, variant: int, at: int) -> Place:
     """Return where an argument of the head of a rule, in one of its variants, begins."""
-    return _places(text)(tree(text).unpool()[variant].head.atom.symbol.arguments[at])
+    return places(text)(variants(text)[variant].head.atom.symbol.arguments[at])
 
 
 def masked(text: str) -> str:
@@ -406,11 +413,16 @@ def _says(piece: str, node: ast.AST) -> bool:
 
 def defined(text: str) -> set[Signature]:
     """Return the predicates that a text says are given, by `#defined`, without signs."""
-    if "#defined" not in text:
-        return set()
-    return {
-        Signature(each.name, each.arity) for each in parsed(text) if each.ast_type == _TYPE.Defined
-    }
+    return {signature for signature, _ in defined_at(text)}
+
+
+def defined_at(text: str) -> Iterator[tuple[Signature, Place]]:
+    """Yield the predicates that a text says are given, and where it does."""
+    if "#defined" in text:
+        place = places(text)
+        for each in parsed(text):
+            if each.ast_type == _TYPE.Defined:
+                yield Signature(each.name, each.arity), place(each)
 
 
 def shown(text: str) -> tuple[Signature, ...]:
@@ -423,10 +435,10 @@ def shown(text: str) -> tuple[Signature, ...]:
 
 def read_by_costs(text: str) -> frozenset[Signature]:
     """Return the predicates, without signs, on which what a text minimises or maximises rests."""
-    if "#m" not in text:
+    if _COST.search(text) is None:
         return frozenset()
     costs = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
-    read = (_statement(each, lambda _: _NO_PLACE) for node in costs for each in node.unpool())
+    read = (_statement(plain(each), lambda _: _NO_PLACE) for one in costs for each in one.unpool())
     return frozenset(signature.unsigned for statement in read for signature in statement.reads)
 
 
@@ -435,7 +447,7 @@ def constant_names(text: str) -> frozenset[str]:
     return frozenset(
         node.symbol.name
         for one in parsed(text)
-        for node in _below(one)
+        for node in below(plain(one))
         if node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == SymbolType.Function
     )
 
@@ -444,15 +456,15 @@ def calls(text: str) -> tuple[tuple[Place, str], ...]:
     """Return the functions outside of clingo that a rule calls, by `@`, with their places."""
     if "@" not in text:
         return ()
-    place = _places(text)
-    found = (node for node in _below(tree(text)) if node.ast_type == _TYPE.Function)
+    place = places(text)
+    found = (node for node in below(written(text)) if node.ast_type == _TYPE.Function)
     return tuple((place(node), node.name) for node in found if node.external)
 
 
 def head_pool(text: str) -> Place | None:
     """Return where the head of a rule holds a pool, if it does."""
-    found = (node for node in _below(tree(text).head) if node.ast_type == _TYPE.Pool)
-    return next(map(_places(text), found), None)
+    found = (node for node in below(written(text).head) if node.ast_type == _TYPE.Pool)
+    return next(map(places(text), found), None)
 
 
 def renamed(text: str, names: Mapping[Signature, str]) -> str:
@@ -466,7 +478,7 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
             new = names.get(Signature(node.name, node.arity))
             if new is not None:
                 found.append((_begin(node), node.name, new))
-        for each in _below(node):
+        for each in below(plain(node)):
             if each.ast_type == _TYPE.SymbolicAtom:
                 _, symbol = sign_and_function(each.symbol)
                 variants = symbol.arguments if symbol.ast_type == _TYPE.Pool else (symbol,)
@@ -483,15 +495,16 @@ def renamed(text: str, names: Mapping[Signature, str]) -> str:
     return "\n".join(lines)
 
 
-def _begin(node: ast.AST) -> Place:
-    return node.location.begin.line, node.location.begin.column
+def _begin(node: Node | ast.AST) -> Place:
+    line, column, _, _ = extent_of(node)
+    return line, column
 
 
 def costs(text: str) -> tuple[Statement, ...]:
     """Return what the statements of a text minimise or maximise, without pools, with places."""
-    place = _places(text)
+    place = places(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Minimize)
-    return tuple(_statement(each, place) for node in nodes for each in node.unpool())
+    return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
 
 
 def operands(text: str) -> tuple[Operand, ...]:
@@ -502,14 +515,15 @@ def operands(text: str) -> tuple[Operand, ...]:
     if _COMPUTING.search(text.replace(":-", "")) is None:
         return ()
     reader = ArithmeticReader(text)
-    return tuple(operand for node in parsed(text) for operand in reader.outermost(node))
+    nodes = (node for node in parsed(text) if reader.may_compute(node))
+    return tuple(operand for node in nodes for operand in reader.outermost(plain(node)))
 
 
 def definitions(text: str) -> dict[str, Operand]:
     """Return what each constant stands for that a text replaces, by `#const`."""
     reader = ArithmeticReader(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
-    return {str(node.name): reader.operand(node.value, []) for node in nodes}
+    return {str(node.name): reader.operand(plain(node.value), []) for node in nodes}
 
 
 def replaced(text: str) -> set[str]:
@@ -557,7 +571,25 @@ def tree(text: str) -> ast.AST:
     return next(node for node in parsed(text) if node.ast_type == _TYPE.Rule)
 
 
-def sign_and_function(symbol: ast.AST) -> tuple[str, ast.AST]:
+@lru_cache(maxsize=8192)
+def written(text: str) -> Node:
+    """Return the tree of the text of a rule as it is written, with its pools."""
+    return plain(tree(text))
+
+
+@lru_cache(maxsize=8192)
+def variants(text: str) -> tuple[Node, ...]:
+    """Return the trees of the text of a rule without its pools, one for each way to read it."""
+    node = written(text)
+    if all(each.ast_type != _TYPE.Pool for each in below(node)):
+        return (node,)
+    return tuple(map(plain, tree(text).unpool()))
+
+
+_Tree = TypeVar("_Tree", ast.AST, Node)
+
+
+def sign_and_function(symbol: _Tree) -> tuple[str, _Tree]:
     """Return the sign of classical negation, or nothing, and an atom without it."""
     sign = ""
     while symbol.ast_type == _TYPE.UnaryOperation:
@@ -565,39 +597,27 @@ def sign_and_function(symbol: ast.AST) -> tuple[str, ast.AST]:
     return sign, symbol
 
 
-def children(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes of clingo's syntax tree directly below one, in order of its keys."""
-    for key in node.child_keys:
-        child = getattr(node, key)
-        if isinstance(child, ast.ASTSequence):
-            yield from child
-        elif child is not None:
-            yield child
+class Placing(Protocol):
+    """Says where a node begins, or with `end` where it ends."""
+
+    def __call__(self, node: Node | ast.AST, end: bool = False) -> Place:
+        """Return a line and a column."""
 
 
-def _below(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a node and all below it."""
-    yield node
-    for child in children(node):
-        yield from _below(child)
-
-
-def _places(text: str) -> Callable[[ast.AST], Place]:
-    """Return what says where a node of the tree of a text begins; clingo counts bytes."""
+def places(text: str) -> Placing:
+    """Return what says where a node of the tree of a text is; clingo counts bytes."""
     lines = None if text.isascii() else [line.encode() for line in text.split("\n")]
 
-    def place(node: ast.AST) -> Place:
-        begin = node.location.begin
+    def place(node: Node | ast.AST, end: bool = False) -> Place:
+        line, column = extent_of(node)[2 * end :][:2]
         if lines is None:
-            return begin.line, begin.column
-        return begin.line, len(
-            lines[begin.line - 1][: begin.column - 1].decode(errors="ignore")
-        ) + 1
+            return line, column
+        return line, len(lines[line - 1][: column - 1].decode(errors="ignore")) + 1
 
     return place
 
 
-def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
+def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
     reader = _Reader(place)
     for literal in node.body:
         reader.read(literal)
@@ -630,7 +650,7 @@ def _statement(node: ast.AST, place: Callable[[ast.AST], Place]) -> Statement:
 class _Reader:
     """Reads one statement, literal by literal."""
 
-    def __init__(self, place: Callable[[ast.AST], Place]) -> None:
+    def __init__(self, place: Callable[[Node], Place]) -> None:
         self._place = place
         self.positive: list[Literal] = []
         self.others: list[Literal] = []
@@ -639,7 +659,7 @@ class _Reader:
         #: Whether all that was read is of a known sort.
         self.known = True
 
-    def head(self, head: ast.AST) -> tuple[list[Head], bool, bool]:
+    def head(self, head: Node) -> tuple[list[Head], bool, bool]:
         """Return the atoms of a head, and whether it forces one and whether it offers them."""
         if head.ast_type == _TYPE.Literal:
             if head.atom.ast_type == _TYPE.BooleanConstant:
@@ -667,7 +687,7 @@ class _Reader:
                 self.known = False
         return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
 
-    def read(self, literal: ast.AST) -> None:
+    def read(self, literal: Node) -> None:
         """Read a literal of the body."""
         if literal.ast_type == _TYPE.ConditionalLiteral:
             condition = self._scope(literal.condition)
@@ -687,7 +707,7 @@ class _Reader:
             self.positive += scope.positive
             self.others += scope.others
 
-    def _read_aggregate(self, literal: ast.AST) -> None:
+    def _read_aggregate(self, literal: Node) -> None:
         elements = []
         for element in literal.atom.elements:
             first = _term(element.terms[0]).structure if element.terms else None
@@ -699,14 +719,14 @@ class _Reader:
             if guard.comparison == ast.ComparisonOperator.Equal:
                 self.assigned.append((_term(guard.term).structure, tuple(elements)))
 
-    def _scope(self, literals: Iterable[ast.AST]) -> Scope:
+    def _scope(self, literals: Iterable[Node]) -> Scope:
         literals = tuple(literals)
         self.known &= all(map(_is_plain, literals))
         found = [self.literal(literal) for literal in literals if _is_symbolic(literal)]
         positive = tuple(literal for literal in found if literal.binds)
         return Scope(positive, tuple(literal for literal in found if not literal.binds))
 
-    def literal(self, literal: ast.AST) -> Literal:
+    def literal(self, literal: Node) -> Literal:
         """Return a literal of a predicate."""
         sign, symbol = sign_and_function(literal.atom.symbol)
         terms = tuple(map(_term, symbol.arguments))
@@ -716,7 +736,7 @@ class _Reader:
         )
 
 
-def _is_plain(literal: ast.AST) -> bool:
+def _is_plain(literal: Node) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type in (
         _TYPE.SymbolicAtom,
         _TYPE.Comparison,
@@ -724,21 +744,26 @@ def _is_plain(literal: ast.AST) -> bool:
     )
 
 
-def _is_symbolic(literal: ast.AST) -> bool:
+def _is_symbolic(literal: Node) -> bool:
     return literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.SymbolicAtom
 
 
-def _term(term: ast.AST) -> Pattern:
-    kind, text = term.ast_type, str(term)
-    if kind == _TYPE.SymbolicTerm:
-        return Pattern(text, True, False, True, _NONE, None)
+def _term(term: Node) -> Pattern:
+    kind = term.ast_type
     if kind == _TYPE.Variable:
+        text = term.name
         if text == "_":
             return Pattern(text, True, False, False, _NONE, None)
         return Pattern(text, True, True, False, frozenset((text,)), text)
+    if kind == _TYPE.SymbolicTerm:
+        return Pattern(str(term.symbol), True, False, True, _NONE, None)
     if kind != _TYPE.Function or term.external:
-        return Pattern(text, False, False, False, _NONE, None)
+        return Pattern(str(term), False, False, False, _NONE, None)
     inside = tuple(map(_term, term.arguments))
+    listed = ",".join([each.text for each in inside])
+    # A tuple of one has a comma, and a name without arguments no brackets.
+    more = "," if len(inside) == 1 and not term.name else ""
+    text = f"{term.name}({listed}{more})" if inside or not term.name else term.name
     is_plain = all(each.is_plain for each in inside)
     variables = _NONE.union(*(each.variables for each in inside)) if is_plain else _NONE
     is_constant = all(each.is_constant for each in inside)
@@ -746,9 +771,10 @@ def _term(term: ast.AST) -> Pattern:
     return Pattern(text, is_plain, False, is_constant, variables, structure if inside else None)
 
 
-def variables(node: ast.AST) -> frozenset[str]:
+def variables(node: Node | ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
-    names = (each.name for each in _below(node) if each.ast_type == _TYPE.Variable)
+    read = node if isinstance(node, Node) else plain(node)
+    names = (each.name for each in below(read) if each.ast_type == _TYPE.Variable)
     return frozenset(name for name in names if name != "_")
 
 
@@ -758,11 +784,17 @@ class ArithmeticReader:
     def __init__(self, text: str) -> None:
         self._lines = text.encode().split(b"\n")
         #: Where a node of the tree begins.
-        self.place = _places(text)
+        self.place = places(text)
 
-    def outermost(self, node: ast.AST) -> Iterator[Number | Operation]:
+    def may_compute(self, node: ast.AST) -> bool:
+        """Whether something in the lines of a tree may be computed."""
+        line, _, end, _ = extent_of(node)
+        lines = b"\n".join(self._lines[line - 1 : end]).replace(b":-", b"")
+        return _COMPUTING.search(lines.decode(errors="replace")) is not None
+
+    def outermost(self, node: Node) -> Iterator[Number | Operation]:
         """Yield the numbers and operations in a tree that stand in no other operation."""
-        rest = list(children(node))
+        rest = list(node.children)
         if node.ast_type in _OPERANDS:
             rest.clear()
             operand = self.operand(node, rest)
@@ -771,7 +803,7 @@ class ArithmeticReader:
         for child in rest:
             yield from self.outermost(child)
 
-    def operand(self, node: ast.AST, rest: list[ast.AST]) -> Operand:
+    def operand(self, node: Node, rest: list[Node]) -> Operand:
         """Return a node as an operand; below what is not computed, `rest` gets the nodes."""
         match node.ast_type:
             case _TYPE.SymbolicTerm if node.symbol.type == SymbolType.Number:
@@ -781,19 +813,19 @@ class ArithmeticReader:
             case _TYPE.UnaryOperation if node.argument.ast_type not in _COMPOUND:
                 sign, inside = _UNARY.get(node.operator_type), [node.argument]
             case _:
-                rest += children(node)
+                rest += node.children
                 return str(node)
         operands = tuple(self.operand(each, rest) for each in inside)
         return Operation(sign or "", operands, self._written(node), self.place(node))
 
-    def _written(self, node: ast.AST) -> str:
+    def _written(self, node: Node) -> str:
         """Return what stands in the text: a number that does not fit is another in the tree."""
-        begin, end = node.location.begin, node.location.end
-        if begin.line != end.line:
+        line, column, end_line, end = node.extent
+        if line != end_line:
             return str(node)
-        return str(self._lines[begin.line - 1][begin.column - 1 : end.column - 1], "utf-8")
+        return str(self._lines[line - 1][column - 1 : end - 1], "utf-8")
 
-    def _number(self, node: ast.AST) -> int:
+    def _number(self, node: Node) -> int:
         written = self._written(node)
         try:
             return int(written, 0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     # Who reads a configuration alone needs no rules.
+    from mars_asp.asp.lint.values import Form
     from mars_asp.asp.rules.declarations import Declaration, Docstring, Origin
     from mars_asp.asp.rules.rulebook import Rulebook
     from mars_asp.asp.signature import Signature
@@ -16,6 +17,16 @@ if TYPE_CHECKING:
 IDENTIFYING = ("relationship", "annotation", "module")
 #: Sorts of numbers that users state, however large.
 UNBOUNDED = ("millihertz", "milliseconds", "priority", "cost")
+#: What the values of sorts are that are no measures; of others it is not known.
+FORMS: "Mapping[str, Form]" = {
+    **dict.fromkeys(("relationship", "annotation", "index", "vertex", "walk", "sign"), "number"),
+    **dict.fromkeys(("priority", "cost", "count", "line", "column"), "number"),
+    **dict.fromkeys(("module", "representation", "function", "text", "robot"), "string"),
+    **dict.fromkeys(("mode", "term"), "function"),
+    "kind": "name",
+}
+#: Sorts of which a configuration has as many values as it is large.
+THINGS = frozenset((*IDENTIFYING, "representation"))
 
 
 class Given(NamedTuple):

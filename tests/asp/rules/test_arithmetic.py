@@ -6,9 +6,9 @@ from dataclasses import replace
 import clingo
 import pytest
 
+from mars_asp.asp.lint.arithmetic import risks
 from mars_asp.asp.rules.arithmetic import LEAST, MOST, Asked, overflows, telling, wrapped
 from mars_asp.asp.rules.computed import computations
-from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import pieces
 from mars_asp.asp.signature import Signature
@@ -105,7 +105,10 @@ def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[
         for each in pieces(text)
         if each.sort == "rule"
     ]
-    found = [(each.message.split("`")[1], each.span.column) for each in risks(rules, STATED)]
+    found = [
+        (each.message.split("`")[1], each.span.column)
+        for each in (one.diagnostic for one in risks(rules, STATED))
+    ]
     assert not list(risks((replace(rule, fits="it does") for rule in rules), STATED))
     assert [written for written, _ in found] == risky
     assert all(text.startswith(written, column - 1) for written, column in found)

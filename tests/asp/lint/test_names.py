@@ -1,9 +1,9 @@
 """Names that two predicates share, in programs about anything."""
 
-from mars_asp.asp.rules.names import shared_names
+from mars_asp.asp.lint.names import shared_names
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.diagnostic import Diagnostic
+from mars_asp.diagnostic import Diagnostic, by_place
 
 
 def found(*texts: str) -> list[tuple[str, tuple[str, int, int], tuple[str, int, int]]]:
@@ -20,7 +20,7 @@ def found(*texts: str) -> list[tuple[str, tuple[str, int, int], tuple[str, int, 
             (each.span.path, each.span.line, each.span.column),
             (each.labels[0][0].path, each.labels[0][0].line, each.labels[0][0].column),
         )
-        for each in shared_names(book)
+        for each in by_place(each.diagnostic for each in shared_names(book))
     ]
 
 

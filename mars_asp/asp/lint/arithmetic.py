@@ -2,16 +2,16 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Set
 
-from mars_asp.asp.rules.checks import placed
+from mars_asp.asp.lint.clauses import placed
+from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import Operand, Operation, Statement, operands, statements_of
 from mars_asp.asp.signature import Signature
-from mars_asp.diagnostic import Diagnostic
+
+ARITHMETIC = "rule-arithmetic"
 
 
-def risks(
-    rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]
-) -> Iterator[Diagnostic]:
+def risks(rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]) -> Iterator[Found]:
     """Yield what rules compute that may not fit: products, and sums of numbers a user states.
 
     `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.
@@ -30,14 +30,13 @@ def risks(
             message = f"`{operation.text}` may not fit into 32 bits"
             if names:
                 message += f", as `{names[0]}` has no upper bound"
-            place = placed(rule.span, operation.place)
             advice = "compare numbers, or signs, not products; or state in `%! fits:` why it fits"
-            yield Diagnostic("rule-arithmetic", "warning", message, place, help=advice)
+            yield found(ARITHMETIC, message, placed(rule, operation.place), rule, advice)
 
 
-def _risky(found: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
+def _risky(read: Iterable[Operand], large: Set[str]) -> Iterator[Operation]:
     """Yield the outermost operations that may not fit, where some variables are `large`."""
-    for operand in found:
+    for operand in read:
         if isinstance(operand, Operation):
             if _is_risky(operand, large):
                 yield operand

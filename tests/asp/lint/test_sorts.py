@@ -1,12 +1,11 @@
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
-from mars_asp.asp.rules import sorts
+from mars_asp.asp.lint.clauses import Clause, clauses_of
+from mars_asp.asp.lint.sorts import wrong_values
+from mars_asp.asp.lint.values import Known
 from mars_asp.asp.rules.read import read_rules
-from mars_asp.asp.rules.sorts import wrong_sorts
-from mars_asp.asp.rules.statements import Statement
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Diagnostic
 
@@ -33,9 +32,15 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
     assert file is not None
     assert not problems
     declared = {each.signature: each for each in file.documented.declarations}
-    found = wrong_sorts(file.rules, declared, replaced)
+    clauses = [clause for of in clauses_of(file.rules).values() for clause in of]
+    known = Known(clauses, declared, {}, replaced)
+    found = (each for clause in clauses for each in wrong_values(clause, known, declared))
     first = DECLARED.count("\n")
-    return [f"{each.span.line - first}:{each.span.column} {each.message}" for each in found]
+    told = {
+        f"{each.span.line - first}:{each.span.column} {each.message}"
+        for each in (one.diagnostic for one in found)
+    }
+    return sorted(told)
 
 
 @pytest.mark.parametrize(
@@ -48,10 +53,9 @@ def found_in(rules: str, replaced: frozenset[str] = frozenset()) -> list[str]:
         # Each condition has variables of its own.
         "p :- city(X) : city(X); road(X, _, _, _) : road(X, _, _, _).",
         "p(N) :- N = #count { X : city(X) ; X : road(X, _, _, _) }.",
-        # What is negated holds of what is another sort, and no head keeps a rule from firing.
+        # What is negated holds of what is another sort.
         "p(C) :- city(C), not road(C, _, _, _).",
         "p :- city(C), road(C, D, D, _) : city(D).",
-        "{ road(C, C, C, paved) } :- city(C).",
         "{ p(X) : city(X); q(X) : road(X, _, _, _) }.",
         # Nothing is known of what is computed, or of what nobody derives.
         "#defined other/1.\np(X) :- city(X), other(X).",
@@ -76,7 +80,8 @@ def test_values_of_one_sort_are_as_they_should_be(rules: str) -> None:
             "4:15 `R` is a road in `r/1` and a city in `city/1`",
         ),
         ("p(L) :- place(_, L), city(L).", "1:22 `L` is a line in `place/2` and a city in"),
-        ("p(C) :- road(_, C, _, dirt).", "1:9 `K` of `road/4` is never `dirt`"),
+        ("p(C) :- road(_, C, _, dirt).", "1:23 `K` of `road/4` is never `dirt`"),
+        ("{ road(C, D, D, paved) : city(D) } :- city(C).", "1:3 `C` is a city, and the head gives"),
     ],
 )
 def test_a_value_of_two_sorts_is_told(rules: str, problem: str) -> None:
@@ -91,13 +96,13 @@ def test_a_constant_that_is_replaced_may_be_any() -> None:
 def test_a_long_chain_of_rules_takes_no_square_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     count = 300
     chain = [f"p{n}(X) :- p{n - 1}(X)." for n in range(count, 0, -1)]
-    steps: list[Statement] = []
-    own = sorts._handed_on
+    steps: list[Clause] = []
+    own = Known._handed_on
 
-    def counted(statement: Statement, *told: Any) -> Iterator[Signature]:
-        steps.append(statement)
-        return own(statement, *told)
+    def counted(known: Known, clause: Clause) -> Iterator[Signature]:
+        steps.append(clause)
+        return own(known, clause)
 
-    monkeypatch.setattr(sorts, "_handed_on", counted)
+    monkeypatch.setattr(Known, "_handed_on", counted)
     assert found_in("\n".join([*chain, "p0(X) :- city(X)."])) == []
     assert len(steps) < 4 * count

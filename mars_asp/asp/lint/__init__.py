@@ -1,0 +1,140 @@
+"""What is noteworthy in rules: a function from rules and declarations to diagnostics.
+
+Each family of lints has a file; `catalogue` says of each lint what it does and why.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+from mars_asp.asp.lint.aggregates import wrong_aggregates
+from mars_asp.asp.lint.allow import allowed
+from mars_asp.asp.lint.arithmetic import risks
+from mars_asp.asp.lint.bodies import wrong_bodies
+from mars_asp.asp.lint.clauses import Atom, Clause, clauses_of, name_of
+from mars_asp.asp.lint.copies import superfluous
+from mars_asp.asp.lint.found import Found
+from mars_asp.asp.lint.graph import Dependencies
+from mars_asp.asp.lint.joins import paired
+from mars_asp.asp.lint.messages import (
+    Functions,
+    missing_examples,
+    open_messages,
+    wrong_holes,
+)
+from mars_asp.asp.lint.names import declared_in, shared_names
+from mars_asp.asp.lint.predicates import undefined, unused
+from mars_asp.asp.lint.recursion import wrong_recursion
+from mars_asp.asp.lint.sorts import wrong_values
+from mars_asp.asp.lint.values import Form, Known
+from mars_asp.asp.lint.variables import single_variables
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import read_by_costs, shown
+from mars_asp.asp.signature import Signature
+
+
+def _any_rule(_: Rule) -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class Host:
+    """What lint cannot read in rules.
+
+    `finding` is the predicate that tells users what was found, `forms` are those of sorts, `things`
+    the sorts of which there are many values, `unbounded` the positions from 0 of numbers that users
+    state. `kinds` says of a sort of which argument it has all values that rules give. `exists` is
+    whether the example of a rule is there.
+    """
+
+    finding: Signature | None = None
+    forms: Mapping[str, Form] = field(default_factory=dict)
+    things: frozenset[str] = frozenset()
+    unbounded: Mapping[Signature, Iterable[int]] = field(default_factory=dict)
+    kinds: Mapping[str, tuple[Signature, int]] = field(default_factory=dict)
+    exists: Callable[[Rule], bool] = _any_rule
+
+
+def lint(rulebook: Rulebook, host: Host) -> tuple[Found, ...]:
+    """Return what is noteworthy about the rules of packs, or of all rules where there are none.
+
+    Findings that a rule allows are left out; in the order of their places.
+    """
+    first = len(rulebook.rules) - rulebook.pack_rules if rulebook.packs else 0
+    own = rulebook.rules[first:]
+    stages = {"base", *(rule.stage for rule in own)}
+    rules = [rule for rule in rulebook.rules[:first] if rule.stage in stages]
+    begin = len(rules)
+    rules += own
+    found = {
+        (each.diagnostic.span, each.diagnostic.code, each.diagnostic.message): each
+        for each in _found(rulebook, host, rules, begin)
+    }
+    told = allowed(own, tuple(found.values()))
+    return tuple(sorted(told, key=lambda each: (each.diagnostic.span, each.diagnostic.code)))
+
+
+def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Iterator[Found]:
+    """Yield what is noteworthy about the rules from the number `begin` on."""
+    read = clauses_of(rules)
+    clauses = [clause for number in range(len(rules)) for clause in read[number]]
+    after = sum(len(read[number]) for number in range(begin))
+    judged = frozenset(range(after, len(clauses)))
+    declared, replaced = rulebook.declarations, rulebook.replaced
+    known = Known(clauses, declared, host.forms, replaced, host.kinds)
+    circle = Dependencies(clauses).circle
+    functions = Functions(clauses, declared)
+    reported = frozenset({host.finding} if host.finding else ())
+    is_large = partial(_is_large, known=known, things=host.things)
+    for number in range(begin, len(rules)):
+        rule, listed = rules[number], _listed(rules, read, number)
+        if rule.listed is None:
+            yield from single_variables(read[number], listed)
+            yield from missing_examples(rule, host.exists)
+        for clause in read[number]:
+            yield from wrong_values(clause, known, declared)
+            if rule.listed is not None:
+                # Of its body all is said where that stands.
+                continue
+            yield from wrong_bodies(clause, replaced)
+            yield from wrong_aggregates(clause)
+            yield from wrong_recursion(clause, circle)
+            yield from paired(clause, is_large)
+            yield from open_messages(clause, reported, functions)
+            yield from wrong_holes(clause, known)
+    yield from superfluous(clauses, judged)
+    own = (
+        rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts
+    )
+    yield from unused(clauses, judged, _public(rulebook))
+    at = declared_in(rulebook, own)
+    documented = {s for s, each in declared.items() if each.words or each.origin}
+    yield from undefined(clauses, at, documented)
+    yield from risks(rules[begin:], host.unbounded)
+    yield from shared_names(rulebook)
+
+
+def _listed(rules: list[Rule], read: Mapping[int, tuple[Clause, ...]], number: int) -> list[Clause]:
+    """Return the rules that the metadata of one stands for; they come after it."""
+    found: list[Clause] = []
+    while (number := number + 1) < len(rules) and rules[number].listed is not None:
+        found += read[number]
+    return found
+
+
+def _public(rulebook: Rulebook) -> set[Signature]:
+    """Return the predicates that are shown, that costs rest on, and that many may derive."""
+    found = {each.signature for each in rulebook.declarations.values() if each.public}
+    for _, text in rulebook.texts:
+        found |= read_by_costs(text)
+        found |= {each.unsigned for each in shown(text)}
+    return found
+
+
+def _is_large(atom: Atom, known: Known, things: frozenset[str]) -> bool:
+    """Whether an atom may hold of very many values: a variable in it is one of many things."""
+    return any(
+        values is not None and name_of(term) and any(each.sort in things for each in values)
+        for term, values in zip(atom.terms, known.arguments(atom.signature), strict=False)
+    )

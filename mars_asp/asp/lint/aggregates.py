@@ -1,0 +1,89 @@
+"""Aggregates that count less, or something else, than they seem to."""
+
+from collections.abc import Iterator
+
+from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of, names_in, text_of
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.trees import Kind, below
+
+AGGREGATE = "rule-aggregate"
+_SUMS = ("sum", "sum+")
+
+
+def wrong_aggregates(clause: Clause) -> Iterator[Found]:
+    """Yield the elements of aggregates in which equal tuples count once, by accident."""
+    for number, aggregate in enumerate(clause.aggregates):
+        bound = clause.bound
+        for element in aggregate.elements:
+            if aggregate.function != "set" and element.terms:
+                yield from _element(clause, aggregate, element, bound)
+        for _, guard in aggregate.guards:
+            name = name_of(guard)
+            inside = {each for one in aggregate.elements for each in names_in(one.node)}
+            others = clause.aggregates[:number] + clause.aggregates[number + 1 :]
+            if (
+                name is not None
+                and name in inside
+                and not _is_bound_elsewhere(clause, name, others)
+            ):
+                message = f"`{name}` is the value of the aggregate and a variable in it"
+                advice = "use two variables: what is in the braces is another thing"
+                yield found(AGGREGATE, message, clause.place(guard), clause.rule, advice)
+
+
+def _is_bound_elsewhere(clause: Clause, name: str, others: tuple[Aggregate, ...]) -> bool:
+    atoms = {each for atom in clause.body.positive for one in atom.terms for each in names_in(one)}
+    compared = {
+        each
+        for one in clause.body.comparisons
+        if one.sign == "="
+        for each in names_in(one.left) | names_in(one.right)
+    }
+    guards = {each for one in others for _, guard in one.guards for each in names_in(guard)}
+    return name in atoms | compared | guards
+
+
+def _element(
+    clause: Clause, aggregate: Aggregate, element: Element, bound: frozenset[str]
+) -> Iterator[Found]:
+    first, *rest = element.terms
+    counted = [first, *rest] if aggregate.function not in _SUMS else rest
+    place = clause.place(first)
+    told = frozenset().union(*(names_in(term) for term in element.terms))
+    local = told - bound
+    inside = frozenset().union(*(names_in(atom.node) for atom in element.scope.atoms))
+    if aggregate.function in _SUMS and not rest:
+        if lost := _lost(element, told | bound):
+            message = f"`{text_of(first)}` is added once, however many {lost} have it"
+            advice = f"add what tells them apart: `{text_of(first)}, {lost.strip('`')} : ...`"
+            if lost == "others":
+                advice = f"add what tells them apart: `{text_of(first)}, X : ...`, not `_`"
+            yield found(AGGREGATE, message, place, clause.rule, advice)
+        return
+    if aggregate.function in ("count", *_SUMS) and not local and inside - bound:
+        what = ", ".join(map(text_of, element.terms))
+        message = f"at most one `{what}` is counted, as nothing in it varies"
+        advice = f"count what differs: `{min(inside - bound)}`"
+        yield found(AGGREGATE, message, place, clause.rule, advice)
+        return
+    for term in counted:
+        name = name_of(term)
+        if name is not None and name in bound and _is_bound(clause, name):
+            message = f"`{name}` is bound outside of the aggregate, so it is one value in it"
+            advice = "use another variable for what is counted, or leave it out of the tuple"
+            yield found(AGGREGATE, message, clause.place(term), clause.rule, advice)
+
+
+def _is_bound(clause: Clause, name: str) -> bool:
+    return _is_bound_elsewhere(clause, name, clause.aggregates)
+
+
+def _lost(element: Element, told: frozenset[str]) -> str:
+    """Return what of a condition is in no tuple, so that equal weights are one."""
+    for atom in element.scope.positive:
+        for name in sorted(names_in(atom.node) - told):
+            return f"`{name}`"
+    for atom in element.scope.positive:
+        if any(each.ast_type is Kind.Variable and each.name == "_" for each in below(atom.node)):
+            return "others"
+    return ""

@@ -1,0 +1,200 @@
+"""Bodies that never hold, and literals that change nothing."""
+
+from collections.abc import Iterator, Sequence, Set
+
+from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, Scope, text_of
+from mars_asp.asp.lint.found import Fix, Found, found
+from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
+from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.diagnostic import Span
+
+CONTRADICTION, REDUNDANT = "rule-contradiction", "rule-redundant"
+_NEVER = "so the rule never fires: leave out one of the two"
+_INNER = "so nothing is in it: leave out one of the two"
+
+
+def wrong_bodies(clause: Clause, replaced: Set[str]) -> Iterator[Found]:
+    """Yield what makes a body never hold, and what says nothing in it."""
+    bounds = [each for at, one in enumerate(clause.aggregates) for each in _bounds(at, one)]
+    contradiction = _contradiction(clause, Scope(), clause.body, bounds, replaced)
+    if contradiction is not None:
+        yield contradiction
+    else:
+        for inner in clause.inner:
+            contradiction = _contradiction(clause, clause.body, inner, bounds, replaced)
+            if contradiction is not None:
+                yield contradiction
+        yield from _needless(clause, bounds, replaced)
+    yield from _repeated(clause)
+    yield from _circular(clause)
+
+
+def _contradiction(
+    clause: Clause,
+    outer: Scope,
+    inner: Scope,
+    bounds: Sequence[Compared],
+    replaced: Set[str],
+) -> Found | None:
+    advice = _NEVER if outer == Scope() else _INNER
+    atoms = (*outer.atoms, *inner.atoms)
+    for one in inner.atoms:
+        for other in atoms:
+            if _exclude(one, other):
+                node = max(one.node, other.node, key=lambda node: node.extent)
+                message = f"`{one.node}` and `{other.node}` are never true together"
+                return found(CONTRADICTION, message, clause.place(node), clause.rule, advice)
+    for each in inner.others:
+        if str(each) == "#false":
+            message = "`#false` never holds"
+            return found(CONTRADICTION, message, clause.place(each), clause.rule, advice)
+    comparisons = (*outer.comparisons, *inner.comparisons)
+    constants = constants_in(comparisons, replaced)
+    given = [*map(compared, comparisons), *bounds]
+    if not given or not never(given, constants):
+        return None
+    if outer.comparisons and never([*map(compared, outer.comparisons), *bounds], constants):
+        return None
+    # Of what excludes each other as little is named as does so.
+    least = list(comparisons)
+    for one_of in comparisons:
+        rest = [other for other in least if other is not one_of]
+        if never([*map(compared, rest), *bounds], constants):
+            least = rest
+    places = [each.node for each in least] or [each.node for each in clause.aggregates]
+    said = " and ".join(f"`{each.text}`" for each in least)
+    if len(least) > 1:
+        message = f"{said} are never true together"
+    else:
+        message = f"{said or 'what this aggregate is compared with'} never holds"
+        advice = advice.replace("one of the two", "it")
+    if least and bounds and not never(list(map(compared, least)), constants):
+        message += " with the bounds of an aggregate"
+    return found(CONTRADICTION, message, clause.place(places[-1]), clause.rule, advice)
+
+
+def _exclude(one: Atom, other: Atom) -> bool:
+    """Whether the first, which is not negated, and another are never true together."""
+    if one.signature.unsigned != other.signature.unsigned or one is other:
+        return False
+    if one.signature.positive != other.signature.positive:
+        return one.sign == other.sign == 0 and one.text[1:] == other.text and "_" not in one.text
+    if {one.sign, other.sign} not in ({0, 1}, {1, 2}):
+        return False
+    denied, stated = (one, other) if one.sign == 1 else (other, one)
+    return all(
+        text_of(no) == "_" or (text_of(no) == text_of(yes) and "_" not in _bare(no))
+        for no, yes in zip(denied.terms, stated.terms, strict=True)
+    )
+
+
+def _bare(term: Node) -> set[str]:
+    """Return the variables of a term, with `_` among them where it has such."""
+    return {each.name for each in below(term) if each.ast_type is Kind.Variable}
+
+
+def _bounds(number: int, aggregate: Aggregate) -> Iterator[Compared]:
+    """Yield what an aggregate is compared with, by a name of its own, and what it never is."""
+    if aggregate.sign:
+        return
+    name = f"#{number}"
+    yield from (guarded(name, sign, term) for sign, term in aggregate.guards)
+    if aggregate.function in ("count", "set", "sum+"):
+        yield Compared("", "<=", name, 0)
+
+
+def _needless(clause: Clause, bounds: Sequence[Compared], replaced: Set[str]) -> Iterator[Found]:
+    """Yield the comparisons that hold anyway."""
+    own = clause.body.comparisons
+    constants = constants_in(own, replaced)
+    kept = list(own)
+    for each in own:
+        rest = [other for other in kept if other is not each]
+        if _holds_anyway(each, rest, constants):
+            kept = rest
+            why = (
+                "whatever its terms are"
+                if never([_denied(each)], constants)
+                else ("wherever the other comparisons do")
+            )
+            message = f"`{each.text}` holds {why}"
+            fixes = _without(clause, each.node)
+            place = clause.place(each.node)
+            yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
+    for at, aggregate in enumerate(clause.aggregates):
+        said = list(_bounds(at, aggregate))
+        count = len(aggregate.guards)
+        if aggregate.sign == 0 and count and len(said) > count and not _binds(aggregate):
+            known = said[count:]
+            if all(never([*known, _turned(guard)]) for guard in said[:count]):
+                message = "this aggregate always has such a value"
+                place = clause.place(aggregate.node)
+                yield found(
+                    REDUNDANT, message, place, clause.rule, "leave it out, or correct its bound"
+                )
+
+
+def _binds(aggregate: Aggregate) -> bool:
+    return any(sign == "=" for sign, _ in aggregate.guards)
+
+
+def _holds_anyway(each: Comparison, rest: Sequence[Comparison], constants: Set[str]) -> bool:
+    if each.sign == "=" and text_of(each.left) != text_of(each.right):
+        # It may be what binds a variable.
+        return False
+    return never([*map(compared, rest), _denied(each)], constants)
+
+
+_DENIED = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
+
+
+def _denied(each: Comparison) -> Compared:
+    return _turned(compared(each))
+
+
+def _turned(each: Compared) -> Compared:
+    return each._replace(sign=_DENIED[each.sign])
+
+
+def _repeated(clause: Clause) -> Iterator[Found]:
+    """Yield the literals that stand twice in a body, an element or a condition."""
+    for literals in (
+        clause.node.body,
+        *(element.node.condition for each in clause.aggregates for element in each.elements),
+    ):
+        seen: dict[str, Node] = {}
+        for literal in literals:
+            if literal.ast_type.name == "Literal" and literal.atom.ast_type.name == "Comparison":
+                continue
+            first = seen.setdefault(str(literal), literal)
+            if first is not literal:
+                message = f"`{literal}` is repeated"
+                fixes = _without(clause, literal)
+                place = clause.place(literal)
+                yield found(REDUNDANT, message, place, clause.rule, "leave it out", fixes)
+
+
+def _without(clause: Clause, literal: Node) -> tuple[Fix, ...]:
+    """Return how a literal is taken out of a body, with what separates it from the one before."""
+    body = list(clause.node.body)
+    if literal not in body or body.index(literal) == 0:
+        return ()
+    before, own = clause.span(body[body.index(literal) - 1]), clause.span(literal)
+    if before is None or own is None:
+        return ()
+    span = Span(own.path, before.end_line, before.end_column, own.end_line, own.end_column)
+    return (Fix(span, ""),)
+
+
+def _circular(clause: Clause) -> Iterator[Found]:
+    """Yield a rule whose head is one of its own premises."""
+    if clause.sort != "rule":
+        return
+    head = clause.heads[0][0]
+    for atom in clause.body.positive:
+        if atom.text == head.text and "_" not in _bare(atom.node):
+            message = f"`{head.text}` is derived where it holds already"
+            place = clause.place(atom.node)
+            yield found(
+                REDUNDANT, message, place, clause.rule, "leave out the rule, or correct its head"
+            )

@@ -1,0 +1,344 @@
+"""Rules as they are written: literals, comparisons and aggregates with their terms and places."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple, TypeAlias
+
+from clingo import SymbolType
+
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import places, sign_and_function, variants
+from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.signature import Signature
+from mars_asp.diagnostic import Span, point
+
+#: A comparison's sign as it is written, by clingo's numbers.
+SIGNS = (">", "<", "<=", ">=", "!=", "=")
+OPPOSITE = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
+TURNED = {">": "<", "<": ">", "<=": ">=", ">=": "<=", "!=": "!=", "=": "="}
+_FUNCTIONS = ("count", "sum", "sum+", "min", "max")
+#: Clingo's numbers of operations.
+_OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
+
+#: What heads are: one atom, some of several atoms, one of several, or none.
+Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"]
+
+
+class Atom(NamedTuple):
+    """A literal of a predicate; `sign` is how often it is negated by `not`, 0 to 2."""
+
+    signature: Signature
+    terms: tuple[Node, ...]
+    sign: int
+    node: Node
+
+    @property
+    def text(self) -> str:
+        """Return it as it is written, without `not`."""
+        inside = ",".join(map(text_of, self.terms))
+        minus = "" if self.signature.positive else "-"
+        return f"{minus}{self.signature.name}({inside})" if self.terms else self.signature.name
+
+
+class Comparison(NamedTuple):
+    """Two terms compared; `not X < Y` is `X >= Y`."""
+
+    left: Node
+    sign: str
+    right: Node
+    node: Node
+
+    @property
+    def text(self) -> str:
+        """Return it as clingo would write it."""
+        return f"{text_of(self.left)} {self.sign} {text_of(self.right)}"
+
+
+class Scope(NamedTuple):
+    """Literals that hold together."""
+
+    atoms: tuple[Atom, ...] = ()
+    comparisons: tuple[Comparison, ...] = ()
+    #: Whatever else there is, such as `#false`.
+    others: tuple[Node, ...] = ()
+
+    @property
+    def positive(self) -> tuple[Atom, ...]:
+        """Return the atoms that must hold."""
+        return tuple(atom for atom in self.atoms if atom.sign == 0)
+
+
+class Element(NamedTuple):
+    """An element of an aggregate: what is counted, and where it counts."""
+
+    terms: tuple[Node, ...]
+    scope: Scope
+    node: Node
+
+
+class Aggregate(NamedTuple):
+    """An aggregate in a body: `function` is `set` for `{ ... }`; guards stand to its left."""
+
+    function: str
+    guards: tuple[tuple[str, Node], ...]
+    elements: tuple[Element, ...]
+    sign: int
+    node: Node
+
+
+class Conditional(NamedTuple):
+    """A literal that has to hold wherever its condition does."""
+
+    literal: Scope
+    condition: Scope
+
+
+@dataclass(frozen=True)
+class Clause:
+    """A rule, without its pools: one for each way to read them."""
+
+    rule: Rule
+    node: Node
+    sort: Sort
+    heads: tuple[tuple[Atom, Scope], ...]
+    body: Scope
+    aggregates: tuple[Aggregate, ...]
+    conditionals: tuple[Conditional, ...]
+
+    @cached_property
+    def bound(self) -> frozenset[str]:
+        """Return the variables that are shared by all of the rule."""
+        found = {name for atom in self.body.atoms for each in atom.terms for name in names_in(each)}
+        for each in self.body.comparisons:
+            found |= names_in(each.left) | names_in(each.right)
+        for aggregate in self.aggregates:
+            for _, guard in aggregate.guards:
+                found |= names_in(guard)
+        for atom, condition in self.heads:
+            if not condition.atoms:
+                found |= {name for each in atom.terms for name in names_in(each)}
+        return frozenset(found)
+
+    @cached_property
+    def kinds(self) -> frozenset[tuple[object, ...]]:
+        """Return of what its body is: predicates with their signs, and what else there is."""
+        return frozenset(map(_kind, self.node.body))
+
+    @property
+    def scopes(self) -> Iterator[Scope]:
+        """Yield the literals of the body, and with them those of each element and condition."""
+        yield self.body
+        for inner in self.inner:
+            yield joined(self.body, inner)
+
+    @property
+    def inner(self) -> Iterator[Scope]:
+        """Yield the literals of elements and conditions."""
+        yield from (element.scope for each in self.aggregates for element in each.elements)
+        for conditional in self.conditionals:
+            yield conditional.condition
+        yield from (condition for _, condition in self.heads if condition.atoms)
+
+    @property
+    def read(self) -> Iterator[Atom]:
+        """Yield all atoms but heads."""
+        yield from self.body.atoms
+        yield from (atom for scope in self.inner for atom in scope.atoms)
+        yield from (atom for each in self.conditionals for atom in each.literal.atoms)
+
+    def place(self, node: Node) -> Span:
+        """Return where a node begins in its file; a rule that metadata stands for is there."""
+        if self.rule.listed is not None:
+            return self.rule.listed
+        return placed(self.rule, places(self.rule.text)(node))
+
+    def span(self, node: Node) -> Span | None:
+        """Return where a node is in its file, so that it can be replaced."""
+        if self.rule.listed is not None:
+            return None
+        where = places(self.rule.text)
+        begin, end = placed(self.rule, where(node)), placed(self.rule, where(node, end=True))
+        return Span(begin.path, begin.line, begin.column, end.line, end.column)
+
+
+def placed(rule: Rule, place: tuple[int, int]) -> Span:
+    """Return where something is in a file that has a place in a rule."""
+    line, column = place
+    begin = rule.span
+    return point(begin.path, begin.line + line - 1, column + (begin.column - 1) * (line == 1))
+
+
+def joined(one: Scope, other: Scope) -> Scope:
+    """Return the literals of two scopes."""
+    return Scope(
+        one.atoms + other.atoms,
+        one.comparisons + other.comparisons,
+        one.others + other.others,
+    )
+
+
+def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
+    """Return how each of some rules is written, by its number."""
+    return {
+        number: tuple(_clause(rule, node) for node in variants(rule.text))
+        for number, rule in enumerate(rules)
+    }
+
+
+# ---- Terms ---------------------------------------------------------------------------------------
+
+
+def text_of(term: Node) -> str:
+    """Return a term as clingo writes it."""
+    kind = term.ast_type
+    if kind is Kind.Variable:
+        name: str = term.name
+        return name
+    if kind is Kind.SymbolicTerm:
+        return str(term.symbol)
+    return str(term)
+
+
+def name_of(term: Node) -> str | None:
+    """Return the name of a variable, but for `_`; `None` for other terms."""
+    if term.ast_type is Kind.Variable and term.name != "_":
+        name: str = term.name
+        return name
+    return None
+
+
+def names_in(node: Node) -> frozenset[str]:
+    """Return the names of the variables in a tree, but for `_`."""
+    if node.names is None:
+        if node.ast_type is Kind.Variable:
+            node.names = frozenset() if node.name == "_" else frozenset((node.name,))
+        else:
+            node.names = frozenset[str]().union(*map(names_in, node.children))
+    return node.names
+
+
+def is_constant(term: Node) -> bool:
+    """Whether a term is one value."""
+    kind = term.ast_type
+    return kind is Kind.SymbolicTerm or (
+        kind is Kind.Function and not term.external and all(map(is_constant, term.arguments))
+    )
+
+
+def number_of(term: Node) -> int | None:
+    """Return the number that a term is, if it is one."""
+    if term.ast_type is Kind.SymbolicTerm and term.symbol.type == SymbolType.Number:
+        number: int = term.symbol.number
+        return number
+    if term.ast_type is Kind.UnaryOperation and str(term).startswith("-"):
+        inside = number_of(term.argument)
+        return None if inside is None else -inside
+    return None
+
+
+def operation_of(term: Node) -> str | None:
+    """Return the sign of the operation that a term is, if it is one."""
+    kind = term.ast_type
+    return _OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
+
+
+# ---- Reading -------------------------------------------------------------------------------------
+
+
+def _kind(literal: Node) -> tuple[object, ...]:
+    """Return what two literals must have in common to match."""
+    if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
+        symbol = literal.atom.symbol
+        if symbol.ast_type is Kind.Function:
+            return literal.sign, symbol.name, len(symbol.arguments)
+    return (literal.ast_type,)
+
+
+def _clause(rule: Rule, node: Node) -> Clause:
+    sort, heads = _heads(node.head)
+    plain, aggregates, conditionals = [], [], []
+    for literal in node.body:
+        kind = literal.ast_type
+        if kind is Kind.ConditionalLiteral:
+            scope = _scope([literal.literal])
+            conditionals.append(Conditional(scope, _scope(literal.condition)))
+        elif kind is Kind.Literal and literal.atom.ast_type in (Kind.BodyAggregate, Kind.Aggregate):
+            aggregates.append(_aggregate(literal))
+        else:
+            plain.append(literal)
+    return Clause(
+        rule, node, sort, tuple(heads), _scope(plain), tuple(aggregates), tuple(conditionals)
+    )
+
+
+def _heads(head: Node) -> tuple[Sort, list[tuple[Atom, Scope]]]:
+    kind = head.ast_type
+    if kind is Kind.Literal:
+        if head.atom.ast_type is Kind.SymbolicAtom:
+            return ("rule" if head.sign == 0 else "other"), [(_atom(head), Scope())]
+        return ("constraint" if str(head) == "#false" else "other"), []
+    if kind not in (Kind.Aggregate, Kind.HeadAggregate, Kind.Disjunction):
+        return "other", []
+    elements = head.elements
+    if kind is Kind.HeadAggregate:
+        elements = [each.condition for each in elements]
+    found = [
+        (_atom(each.literal), _scope(each.condition))
+        for each in elements
+        if each.literal.atom.ast_type is Kind.SymbolicAtom
+    ]
+    return ("disjunction" if kind is Kind.Disjunction else "choice"), found
+
+
+def _aggregate(literal: Node) -> Aggregate:
+    atom = literal.atom
+    guards = []
+    if atom.left_guard is not None:
+        # Clingo keeps what stands to the left of an aggregate with its sign.
+        guards.append((SIGNS[atom.left_guard.comparison], atom.left_guard.term))
+    if atom.right_guard is not None:
+        guards.append((TURNED[SIGNS[atom.right_guard.comparison]], atom.right_guard.term))
+    if atom.ast_type is Kind.BodyAggregate:
+        function = _FUNCTIONS[atom.function]
+        elements = tuple(
+            Element(each.terms, _scope(each.condition), each) for each in atom.elements
+        )
+    else:
+        function = "set"
+        elements = tuple(
+            Element((), _scope((*each.condition, each.literal)), each) for each in atom.elements
+        )
+    return Aggregate(function, tuple(guards), elements, literal.sign, literal)
+
+
+def _scope(literals: Iterable[Node]) -> Scope:
+    atoms: list[Atom] = []
+    comparisons: list[Comparison] = []
+    others: list[Node] = []
+    for literal in literals:
+        kind = literal.atom.ast_type if literal.ast_type is Kind.Literal else None
+        if kind is Kind.SymbolicAtom:
+            atoms.append(_atom(literal))
+        elif kind is Kind.Comparison:
+            comparisons += _comparisons(literal)
+        else:
+            others.append(literal)
+    return Scope(tuple(atoms), tuple(comparisons), tuple(others))
+
+
+def _atom(literal: Node) -> Atom:
+    minus, symbol = sign_and_function(literal.atom.symbol)
+    signature = Signature(symbol.name, len(symbol.arguments), not minus)
+    return Atom(signature, symbol.arguments, literal.sign, literal)
+
+
+def _comparisons(literal: Node) -> Iterator[Comparison]:
+    left = literal.atom.term
+    guards = literal.atom.guards
+    if literal.sign == 1 and len(guards) > 1:
+        return
+    for guard in guards:
+        sign = SIGNS[guard.comparison]
+        yield Comparison(left, OPPOSITE[sign] if literal.sign == 1 else sign, guard.term, literal)
+        left = guard.term

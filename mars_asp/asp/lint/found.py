@@ -1,0 +1,61 @@
+"""What lint finds: a diagnostic, the rule it is about, and what would mend it."""
+
+from collections.abc import Iterable
+from itertools import accumulate
+from typing import NamedTuple
+
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.diagnostic import Diagnostic, Severity, Span
+
+
+class Fix(NamedTuple):
+    """A stretch of a file, and what is to be written there instead."""
+
+    span: Span
+    text: str
+
+
+class Found(NamedTuple):
+    """A diagnostic about a rule, or about a file where there is none."""
+
+    diagnostic: Diagnostic
+    rule: Rule | None
+    fixes: tuple[Fix, ...] = ()
+
+
+def found(
+    code: str,
+    message: str,
+    place: Span,
+    rule: Rule | None,
+    advice: str,
+    fixes: tuple[Fix, ...] = (),
+    labels: tuple[tuple[Span, str], ...] = (),
+    severity: Severity = "warning",
+) -> Found:
+    """Return what is said of a rule."""
+    return Found(Diagnostic(code, severity, message, place, labels, advice), rule, fixes)
+
+
+def fixed(text: str, path: str, lints: Iterable[Found]) -> tuple[str, int]:
+    """Return the text of a file with the fixes of what was found, and of how many findings.
+
+    Where two fixes are about one stretch, the first counts.
+    """
+    lines = text.split("\n")
+    starts = [0, *accumulate(len(line) + 1 for line in lines)]
+    taken: list[tuple[int, int, str]] = []
+    count = 0
+    for each in lints:
+        wanted = [
+            (starts[at.line - 1] + at.column - 1, starts[at.end_line - 1] + at.end_column - 1, new)
+            for at, new in each.fixes
+            if at.path == path
+        ]
+        free = all(end <= b or e <= begin for begin, end, _ in wanted for b, e, _ in taken)
+        if wanted and free:
+            taken += wanted
+            count += 1
+    for begin, end, new in sorted(taken, reverse=True):
+        text = f"{text[:begin]}{new}{text[end:]}"
+    return text, count

@@ -1,0 +1,60 @@
+"""Premises that share no variable, so that each of one is paired with each of the other."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, names_in
+from mars_asp.asp.lint.found import Found, found
+
+JOIN = "rule-join"
+
+
+def paired(clause: Clause, is_large: Callable[[Atom], bool]) -> Iterator[Found]:
+    """Yield the premises of a body, or of an element or condition, that nothing joins."""
+    yield from _apart(
+        clause, clause.body.positive, clause.body.comparisons, clause.aggregates, is_large
+    )
+    for inner in clause.inner:
+        # What the body binds is one value there.
+        free = tuple(a for a in inner.positive if not names_in(a.node) & clause.bound)
+        yield from _apart(clause, free, inner.comparisons, (), is_large)
+
+
+def _apart(
+    clause: Clause,
+    atoms: Sequence[Atom],
+    comparisons: Sequence[Comparison],
+    aggregates: Sequence[Aggregate],
+    is_large: Callable[[Atom], bool],
+) -> Iterator[Found]:
+    group: dict[str, str] = {}
+
+    def root(name: str) -> str:
+        while group.get(name, name) != name:
+            name = group[name]
+        return name
+
+    def join(names: frozenset[str]) -> None:
+        roots = sorted(map(root, names))
+        for each in roots:
+            group[each] = roots[0]
+
+    for atom in atoms:
+        join(names_in(atom.node))
+    for each in comparisons:
+        if each.sign == "=":
+            join(names_in(each.left) | names_in(each.right))
+    for aggregate in aggregates:
+        for sign, guard in aggregate.guards:
+            if sign == "=":
+                inside = frozenset().union(*(names_in(one.node) for one in aggregate.elements))
+                join(names_in(guard) | (inside & clause.bound))
+    first: dict[str, Atom] = {}
+    for atom in atoms:
+        names = names_in(atom.node)
+        if names and is_large(atom):
+            first.setdefault(root(min(names)), atom)
+    if len(first) > 1:
+        one, other, *_ = first.values()
+        message = f"each `{one.text}` is paired with each `{other.text}`"
+        advice = "join them by a variable, or derive what belongs together by a rule of its own"
+        yield found(JOIN, message, clause.place(other.node), clause.rule, advice)

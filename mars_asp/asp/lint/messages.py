@@ -1,0 +1,129 @@
+"""What metadata says: messages that depend on chance, and files and words that do not exist."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from mars_asp.asp.lint.clauses import Atom, Clause, names_in
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.values import Known, Value
+from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.rule import HOLE, Rule
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.units import UNITS
+
+MESSAGE, HOLES, EXAMPLE = "rule-message", "rule-hole", "rule-example"
+
+
+def open_messages(
+    clause: Clause, reported: frozenset[Signature], functions: "Functions"
+) -> Iterator[Found]:
+    """Yield the holes in the message of a finding that two derivations of it may fill unlike."""
+    rule = clause.rule
+    if rule.because is None or clause.sort != "rule":
+        return
+    head = clause.heads[0][0]
+    if head.signature.unsigned not in reported:
+        return
+    fixed = functions.closed(clause, names_in(head.node))
+    for hole in rule.holes:
+        if hole not in fixed and hole in names_in(clause.node):
+            message = f"`{{{hole}}}` may be several things for one `{head.text}`"
+            advice = f"put `{hole}` into the head, or choose one: `{hole} = #min {{ ... }}`"
+            yield found(MESSAGE, message, rule.span, rule, advice)
+
+
+class Functions:
+    """Which arguments of predicates settle which others."""
+
+    def __init__(
+        self, clauses: Sequence[Clause], declared: Mapping[Signature, Declaration]
+    ) -> None:
+        self._keys = {s: d.keys for s, d in declared.items() if d.keys}
+        self._rules: dict[Signature, list[tuple[Clause, Atom]]] = {}
+        for clause in clauses:
+            for head, condition in clause.heads:
+                whole = clause.sort == "rule" and not condition.atoms
+                if whole:
+                    self._rules.setdefault(head.signature, []).append((clause, head))
+        self._settled: dict[tuple[Signature, frozenset[int]], frozenset[int]] = {}
+
+    def closed(self, clause: Clause, names: frozenset[str]) -> frozenset[str]:
+        """Return the variables of a body that have one value where others have."""
+        known = names
+        while True:
+            more = known
+            for atom in clause.body.positive:
+                more |= self._by_atom(atom, more)
+            for each in clause.body.comparisons:
+                for one, other in ((each.left, each.right), (each.right, each.left)):
+                    if each.sign == "=" and names_in(other) <= more:
+                        more |= names_in(one)
+            for aggregate in clause.aggregates:
+                inside = frozenset[str]().union(*(names_in(one.node) for one in aggregate.elements))
+                for sign, guard in aggregate.guards:
+                    if sign == "=" and inside & clause.bound - names_in(guard) <= more:
+                        more |= names_in(guard)
+            if more == known:
+                return known
+            known = more
+
+    def _by_atom(self, atom: Atom, known: frozenset[str]) -> frozenset[str]:
+        given = frozenset(at for at, term in enumerate(atom.terms) if self._is_known(term, known))
+        if len(given) == len(atom.terms):
+            return frozenset()
+        settled = self.settled(atom.signature, given)
+        return frozenset[str]().union(*(names_in(atom.terms[at]) for at in settled))
+
+    def _is_known(self, term: object, known: frozenset[str]) -> bool:
+        return str(term) != "_" and names_in(term) <= known  # type: ignore[arg-type]
+
+    def settled(self, signature: Signature, given: frozenset[int]) -> frozenset[int]:
+        """Return the arguments that have one value where those at some positions have."""
+        keys = self._keys.get(signature.unsigned, ())
+        every = frozenset(range(signature.arity))
+        if any(given >= set(key) for key in keys):
+            return every
+        asked = (signature, given)
+        if asked not in self._settled:
+            # While it is looked at, a predicate that reads itself settles nothing.
+            self._settled[asked] = given
+            rules = self._rules.get(signature, [])
+            if len(rules) == 1:
+                ((clause, head),) = rules
+                names = frozenset[str]().union(*(names_in(head.terms[at]) for at in given))
+                fixed = self.closed(clause, names)
+                self._settled[asked] = frozenset(
+                    at for at in every if names_in(head.terms[at]) <= fixed
+                )
+            elif rules and signature.unsigned not in self._keys and self._is_table(rules, given):
+                self._settled[asked] = every
+        return self._settled[asked]
+
+    def _is_table(self, rules: Sequence[tuple[Clause, Atom]], given: frozenset[int]) -> bool:
+        """Whether facts list what belongs together, each of what is given once."""
+        rows = [tuple(str(head.terms[at]) for at in sorted(given)) for _, head in rules]
+        plain = all(not clause.node.body and not names_in(head.node) for clause, head in rules)
+        return plain and bool(given) and len(set(rows)) == len(rows)
+
+
+def wrong_holes(clause: Clause, known: Known) -> Iterator[Found]:
+    """Yield the holes that are to be written in the unit of another sort than they have."""
+    rule = clause.rule
+    environment = known.environment(clause, clause.body)
+    for text in filter(None, (rule.because, rule.effect, rule.help)):
+        for name, sort in HOLE.findall(text):
+            values = environment.get(name)
+            if sort in UNITS and values:
+                wanted = frozenset({Value("number", sort)})
+                if not known.meet(values, wanted):
+                    own = " or ".join(sorted({each.sort or each.text for each in values}))
+                    message = f"`{{{name}:{sort}}}` writes what is {own} as {sort}"
+                    advice = f"write `{{{name}:{own}}}`" if own in UNITS else f"write `{{{name}}}`"
+                    yield found(HOLES, message, rule.span, rule, advice)
+
+
+def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Found]:
+    """Yield an example of a rule that is the path of no file."""
+    if rule.example is not None and not exists(rule):
+        message = f"the example `{rule.example}` is not a file"
+        advice = "name a case by its path, from the folder of the rule or from here"
+        yield found(EXAMPLE, message, rule.span, rule, advice)

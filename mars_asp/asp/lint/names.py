@@ -1,0 +1,64 @@
+"""Predicates of rules that share their name with another."""
+
+from collections.abc import Iterator, Sequence
+
+from mars_asp.asp.lint.clauses import placed
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import defined_at
+from mars_asp.asp.signature import Signature
+from mars_asp.diagnostic import Span, point
+
+NAME = "rule-name"
+
+
+def shared_names(rulebook: Rulebook) -> Iterator[Found]:
+    """Yield the predicates that share their name with an earlier one of other arity.
+
+    Who reads one of them takes it for the other, and a forgotten argument shows nowhere.
+    """
+    first: dict[str, dict[int, tuple[Span, Rule | None]]] = {}
+    by_path: dict[str, list[Rule]] = {}
+    for rule in rulebook.rules:
+        by_path.setdefault(rule.span.path, []).append(rule)
+    for path, (_, text) in zip(rulebook.paths, rulebook.texts, strict=True):
+        for (name, arity, _), place in _declarations(path, text):
+            first.setdefault(name, {}).setdefault(arity, (place, None))
+        for rule in by_path.get(path, ()):
+            for (name, arity, _), place in _named(rule):
+                first.setdefault(name, {}).setdefault(arity, (place, rule))
+    for name, places in first.items():
+        (arity, (earlier, _)), *others = places.items()
+        for other, (place, owner) in others:
+            message = f"`{name}/{other}` shares its name with `{name}/{arity}`"
+            labels = ((earlier, f"`{name}/{arity}`, first named here"),)
+            advice = "one name has one meaning: give each predicate its own name"
+            yield found(NAME, message, place, owner, advice, labels=labels)
+
+
+def declared_in(rulebook: Rulebook, texts: Sequence[tuple[str, str]]) -> dict[Signature, Span]:
+    """Return where some of the texts say that a predicate is given, by `#defined`."""
+    return {
+        signature: place
+        for path, each in zip(rulebook.paths, rulebook.texts, strict=True)
+        if each in texts
+        for signature, place in _declarations(path, each[1])
+    }
+
+
+def _declarations(path: str, text: str) -> Iterator[tuple[Signature, Span]]:
+    """Yield the predicates that a file declares as given, with their places."""
+    for signature, place in defined_at(text):
+        yield signature, point(path, *place)
+
+
+def _named(rule: Rule) -> Iterator[tuple[Signature, Span]]:
+    """Yield the predicates that a rule names, with their places."""
+    literals = {
+        (literal.place, literal.signature.unsigned)
+        for statement in rule.statements
+        for literal in statement.literals
+    }
+    for place, signature in sorted(literals):
+        yield signature, rule.listed or placed(rule, place)

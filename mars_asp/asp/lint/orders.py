@@ -1,0 +1,112 @@
+"""What comparisons of terms exclude, each by itself and all together.
+
+A term is a base and a number added to it: `X + 2`, or 7, of which the base is nothing. Comparisons
+bound the differences of bases, so the shortest paths between them show whether all can hold.
+"""
+
+from collections.abc import Iterable, Mapping, Set
+from typing import NamedTuple
+
+from mars_asp.asp.lint.clauses import Comparison, is_constant, number_of, operation_of, text_of
+from mars_asp.asp.rules.trees import Node
+
+#: The base of plain numbers.
+_ZERO = ""
+_Distances = dict[str, dict[str, int]]
+
+
+class Compared(NamedTuple):
+    """A comparison of two bases: `left + plus` has some order to `right`."""
+
+    left: str
+    sign: str
+    right: str
+    plus: int
+
+
+def compared(comparison: Comparison) -> Compared:
+    """Return a comparison as one of bases."""
+    (left, one), (right, other) = parted(comparison.left), parted(comparison.right)
+    return Compared(left, comparison.sign, right, one - other)
+
+
+def guarded(name: str, sign: str, term: Node) -> Compared:
+    """Return the comparison of a term, which is to the left, with what has a name."""
+    base, plus = parted(term)
+    return Compared(base, sign, name, plus)
+
+
+def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) -> bool:
+    """Whether comparisons exclude each other; `constants` are bases of different values."""
+    given = tuple(comparisons)
+    paths = _paths(given, constants)
+    if paths is None:
+        return True
+    for left, sign, right, plus in given:
+        if sign == "!=" and _is_fixed(paths, left, right, -plus):
+            return True
+    fixed = sorted({*constants, _ZERO} & paths.keys())
+    return any(
+        _are_tied(paths, one, other) for at, one in enumerate(fixed) for other in fixed[at + 1 :]
+    )
+
+
+def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> frozenset[str]:
+    """Return the constants that are compared, which are values of their own; numbers apart."""
+    return frozenset(
+        text_of(term)
+        for comparison in comparisons
+        for term in (comparison.left, comparison.right)
+        if is_constant(term) and number_of(term) is None and text_of(term) not in replaced
+    )
+
+
+def parted(term: Node) -> tuple[str, int]:
+    """Return the base of a term, and the number that is added to it."""
+    number = number_of(term)
+    if number is not None:
+        return _ZERO, number
+    sign = operation_of(term)
+    if sign in ("+", "-"):
+        left, right = number_of(term.left), number_of(term.right)
+        if right is not None:
+            base, plus = parted(term.left)
+            return base, plus + (right if sign == "+" else -right)
+        if left is not None and sign == "+":
+            base, plus = parted(term.right)
+            return base, plus + left
+    return text_of(term), 0
+
+
+def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:
+    """Return the most by which bases differ from others; `None` where nothing is possible."""
+    paths: _Distances = {}
+    for left, sign, right, plus in given:
+        for base in (left, right):
+            paths.setdefault(base, {})[base] = 0
+        if sign in ("<", "<=", "="):
+            _bound(paths, left, right, -plus - (sign == "<"))
+        if sign in (">", ">=", "="):
+            _bound(paths, right, left, plus - (sign == ">"))
+    for middle in paths:
+        for one, known in paths.items():
+            if middle in known:
+                for other, far in list(paths[middle].items()):
+                    _bound(paths, one, other, known[middle] + far)
+    return None if any(known[base] < 0 for base, known in paths.items()) else paths
+
+
+def _bound(paths: Mapping[str, dict[str, int]], one: str, other: str, most: int) -> None:
+    known = paths[one]
+    known[other] = min(most, known.get(other, most))
+
+
+def _is_fixed(paths: _Distances, one: str, other: str, difference: int) -> bool:
+    """Whether one base is another and some number."""
+    there, back = paths[one].get(other), paths[other].get(one)
+    return there == difference and back == -difference
+
+
+def _are_tied(paths: _Distances, one: str, other: str) -> bool:
+    there, back = paths[one].get(other), paths[other].get(one)
+    return there is not None and back is not None and there + back == 0

@@ -1,0 +1,161 @@
+"""Recursion that grows without end, and recursion through negation."""
+
+from collections.abc import Iterator, Mapping
+
+from mars_asp.asp.lint.clauses import (
+    Atom,
+    Clause,
+    is_constant,
+    name_of,
+    names_in,
+    number_of,
+    operation_of,
+    text_of,
+)
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.orders import parted
+from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.signature import Signature
+
+RECURSION, NEGATION = "rule-recursion", "rule-negation"
+
+
+def wrong_recursion(clause: Clause, circle: Mapping[Signature, int]) -> Iterator[Found]:
+    """Yield the heads of a rule that grow with each turn, and what negates itself."""
+    for head, condition in clause.heads:
+        number = circle.get(head.signature)
+        if number is None:
+            continue
+        atoms = (*clause.body.atoms, *condition.atoms)
+        if clause.sort in ("rule", "other"):
+            for atom in atoms:
+                if atom.sign == 1 and circle.get(atom.signature) == number:
+                    yield _negated(clause, head, atom)
+        again = [a for a in atoms if a.sign == 0 and circle.get(a.signature) == number]
+        if again:
+            yield from _growing(clause, head, again, atoms)
+
+
+def _negated(clause: Clause, head: Atom, atom: Atom) -> Found:
+    one, other = head.signature, atom.signature
+    itself = "its own negation" if one == other else f"the negation of `{other}`, which rests on it"
+    message = f"`{one}` rests on {itself}"
+    advice = "what follows is then open, or nothing: break the circle"
+    return found(NEGATION, message, clause.place(atom.node), clause.rule, advice)
+
+
+def _growing(
+    clause: Clause, head: Atom, again: list[Atom], atoms: tuple[Atom, ...]
+) -> Iterator[Found]:
+    others = [a for a in atoms if a.sign == 0 and a not in again]
+    bounded = frozenset[str]().union(*(names_in(a.node) for a in others))
+    carried = frozenset[str]().union(*(names_in(a.node) for a in again))
+    if _is_led(clause, head, again, bounded) or _shrinks(clause, head, carried):
+        return
+    values = _assigned(clause, carried)
+    for term in head.terms:
+        name = name_of(term)
+        meant = term if name is None else values.get(name, term)
+        direction = _direction(meant, carried)
+        if direction is None or (name is not None and name in bounded):
+            continue
+        grown = names_in(meant) & carried
+        limited = bounded | _limited(clause, direction) | _met(again)
+        if grown <= limited or (name is not None and name in limited):
+            continue
+        if any(text_of(meant) == text_of(t) for a in others for t in a.terms):
+            continue
+        # What is taken apart as well is put together again.
+        if any(name_of(t) is None and names_in(t) & grown for a in again for t in a.terms):
+            continue
+        message = f"`{text_of(meant)}` grows with each turn of `{head.signature}`"
+        variable = min(grown - limited)
+        advice = f"bound `{variable}`: compare it, or read it from a predicate outside the circle"
+        yield found(RECURSION, message, clause.place(term), clause.rule, advice)
+
+
+def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, Node]:
+    """Return the terms that further variables stand for: `Y = X + 1`."""
+    return {
+        name: term
+        for each in clause.body.comparisons
+        if each.sign == "="
+        for name, term in (
+            (name_of(each.left), each.right),
+            (name_of(each.right), each.left),
+        )
+        if name is not None and name not in carried and not is_constant(term)
+    }
+
+
+def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[str]) -> bool:
+    """Whether some argument goes through known values in one direction."""
+    ordered = {
+        frozenset((text_of(each.left), text_of(each.right)))
+        for each in clause.body.comparisons
+        if each.sign in ("<", ">")
+    }
+    for atom in again:
+        if atom.signature != head.signature:
+            continue
+        for new, old in zip(head.terms, atom.terms, strict=True):
+            (one, plus), (other, more) = parted(new), parted(old)
+            if one == other and plus != more and names_in(new) & bounded:
+                return True
+            known = (names_in(new) | names_in(old)) & bounded
+            if known and frozenset((text_of(new), text_of(old))) in ordered:
+                return True
+    return False
+
+
+def _shrinks(clause: Clause, head: Atom, carried: frozenset[str]) -> bool:
+    """Whether an argument gets less with each turn, and a comparison says how far."""
+    compared = frozenset[str]().union(*(names_in(each.node) for each in clause.body.comparisons))
+    return any(
+        operation_of(term) in ("/", "-")
+        and number_of(term.right) is not None
+        and names_in(term) & carried & compared
+        for term in head.terms
+    )
+
+
+def _limited(clause: Clause, direction: str) -> frozenset[str]:
+    """Return the variables that a comparison, or an aggregate, bounds in one direction."""
+    found: frozenset[str] = frozenset()
+    for each in clause.body.comparisons:
+        ends = {"<": each.left, "<=": each.left, ">": each.right, ">=": each.right}
+        small = ends.get(each.sign)
+        if each.sign == "!=" or Kind.Interval in (each.left.ast_type, each.right.ast_type):
+            found |= names_in(each.left) | names_in(each.right)
+        elif small is not None:
+            large = each.right if small is each.left else each.left
+            found |= names_in(small) if direction != "-" else frozenset()
+            found |= names_in(large) if direction != "+" else frozenset()
+    for aggregate in clause.aggregates:
+        for _, guard in aggregate.guards:
+            found |= names_in(guard)
+    return found
+
+
+def _met(again: list[Atom]) -> frozenset[str]:
+    """Return the variables on which two predicates of the circle have to agree."""
+    first: dict[str, Signature] = {}
+    found = set()
+    for atom in again:
+        for name in names_in(atom.node):
+            if first.setdefault(name, atom.signature) != atom.signature:
+                found.add(name)
+    return frozenset(found)
+
+
+def _direction(term: Node, carried: frozenset[str]) -> str | None:
+    """Return where a term leads that is made of what is carried: `+`, `-` or `()`, if anywhere."""
+    kind = term.ast_type
+    if not names_in(term) & carried:
+        return None
+    if kind is Kind.Function and (term.arguments or not term.name):
+        return "()"
+    sign = operation_of(term)
+    if sign in ("+", "*", "**"):
+        return "+"
+    return "-" if sign == "-" else None

@@ -1,0 +1,227 @@
+"""Values in rules that can never be: of the wrong sort, misspelt, in another form or unit."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from mars_asp.asp.lint.clauses import (
+    Atom,
+    Clause,
+    Comparison,
+    is_constant,
+    name_of,
+    number_of,
+    operation_of,
+    text_of,
+)
+from mars_asp.asp.lint.found import Fix, Found, found
+from mars_asp.asp.lint.values import Environment, Known, Use, Value, Values, differ_in_unit
+from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.units import UNITS, measured
+from mars_asp.spelling import nearest
+
+SORT, UNIT, VALUE, FORM = "rule-sort", "rule-unit", "rule-value", "rule-form"
+_WORDS = {"number": "a number", "string": "a string", "name": "a constant", "function": "a term"}
+#: Numbers nobody means in thousandths or less: what is less than one of the unit people use.
+_FINE = ("millihertz", "micrometres", "millionths")
+
+
+def wrong_values(
+    clause: Clause, known: Known, names: Mapping[Signature, Declaration]
+) -> Iterator[Found]:
+    """Yield the variables of a rule that stand for two things, and values that never are."""
+    for atom in (*(head for head, _ in clause.heads), *clause.read):
+        is_head = any(atom is head for head, _ in clause.heads)
+        yield from _wrong_constants(clause, atom, is_head, known, names)
+    environments = []
+    for scope in clause.scopes:
+        environment = known.environment(clause, scope)
+        environments.append(environment)
+        yield from _contradictions(clause, scope.positive, environment, known)
+        for comparison in scope.comparisons:
+            yield from _compared(clause, comparison, environment, known)
+    for head, condition in clause.heads:
+        environment = known.environment(clause, condition) if condition.atoms else {}
+        yield from _wrong_heads(clause, head, {**environments[0], **environment}, known)
+    whole = {name: values for each in environments for name, values in each.items()}
+    yield from _mixed_sums(clause, whole, known)
+
+
+def _contradictions(
+    clause: Clause, atoms: Sequence[Atom], environment: Environment, known: Known
+) -> Iterator[Found]:
+    for name, values in sorted(environment.items()):
+        if values is None or values:
+            continue
+        first: Use | None = None
+        for use in known.uses(name, atoms):
+            if not use.values:
+                continue
+            both = known.meet(None if first is None else first.values, use.values)
+            if first is not None and not both:
+                yield _two_things(clause, name, first, use)
+                break
+            first = use if first is None else Use(first.atom, both or first.values)
+
+
+def _two_things(clause: Clause, name: str, first: Use, use: Use) -> Found:
+    one, other = _in_words(first.values), _in_words(use.values)
+    code, advice = SORT, "these are two things: use two variables, and state how they are related"
+    if _units(first.values) and _units(use.values):
+        code, advice = UNIT, "numbers of two units are two things: use two variables"
+    message = f"`{name}` is {one} in `{first.atom.signature.unsigned}`"
+    message += f" and {other} in `{use.atom.signature.unsigned}`"
+    return found(code, message, clause.place(use.atom.node), clause.rule, advice)
+
+
+def _compared(
+    clause: Clause, comparison: Comparison, environment: Environment, known: Known
+) -> Iterator[Found]:
+    left, right = (known.of(each, environment) for each in (comparison.left, comparison.right))
+    if not left or not right or (is_constant(comparison.left) and is_constant(comparison.right)):
+        return
+    place = clause.place(comparison.node)
+    one, other = text_of(comparison.left), text_of(comparison.right)
+    units = _units(left), _units(right)
+    if all(units) and not set(units[0]) & set(units[1]):
+        message = f"`{one}` is in {_in_words(left)} and `{other}` in {_in_words(right)}"
+        advice = "bring both to one unit before they are compared"
+        yield found(UNIT, message, place, clause.rule, advice)
+        return
+    is_ordered = comparison.sign not in ("=", "!=")
+    if known.meet(left, right) or (is_ordered and known.comparable(left, right)):
+        for term, values in ((comparison.left, right), (comparison.right, left)):
+            yield from _too_small(clause, term, values)
+        return
+    for term, values in ((comparison.left, right), (comparison.right, left)):
+        if is_constant(term):
+            mistake = _never(clause, term, values, f"`{text_of(_other(comparison, term))}`", known)
+            yield mistake
+            return
+    always = "not comparable" if is_ordered else "never equal"
+    message = (
+        f"`{one}` is {_in_words(left)} and `{other}` is {_in_words(right)}, so they are {always}"
+    )
+    yield found(SORT, message, place, clause.rule, "compare values of one sort")
+
+
+def _other(comparison: Comparison, term: Node) -> Node:
+    return comparison.right if term is comparison.left else comparison.left
+
+
+def _wrong_constants(
+    clause: Clause,
+    atom: Atom,
+    is_head: bool,
+    known: Known,
+    names: Mapping[Signature, Declaration],
+) -> Iterator[Found]:
+    signature = atom.signature.unsigned
+    declared = known.declared.get(signature)
+    every = (declared or ()) if is_head else known.arguments(signature)
+    for at, (term, values) in enumerate(zip(atom.terms, every, strict=False)):
+        if not values or not is_constant(term):
+            continue
+        given = known.of(term, {})
+        if given is None:
+            continue
+        if known.meet(given, values):
+            yield from _too_small(clause, term, values)
+            continue
+        declaration = names.get(signature)
+        name = declaration.arguments[at].name if declaration else f"argument {at + 1}"
+        yield _never(clause, term, values, f"`{name}` of `{signature}`", known)
+
+
+def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) -> Found:
+    """Return what is said of a constant that something never is."""
+    text, values = text_of(term), values or frozenset()
+    place = clause.place(term)
+    (given,) = known.of(term, {}) or {Value(None)}
+    bare = text.strip('"')
+    for other in (bare, f'"{bare}"'):
+        if other != text and any(each.text == other for each in values):
+            message = f"{what} is never {_WORDS[given.form or 'name']}, such as `{text}`"
+            fix = _replaced(clause, term, other)
+            return found(FORM, message, place, clause.rule, f"write `{other}`", fix)
+    forms = {each.form for each in values}
+    if None not in forms and given.form not in forms:
+        wanted = " or ".join(sorted(_WORDS[form] for form in forms if form))
+        message = f"{what} is {wanted}, and `{text}` is {_WORDS[given.form or 'name']}"
+        advice, fix = "write what it holds", ()
+        if forms == {"string"} and given.form == "name":
+            advice, fix = f'write `"{text}"`', _replaced(clause, term, f'"{text}"')
+        return found(FORM, message, place, clause.rule, advice, fix)
+    texts = sorted(each.text for each in values if each.text)
+    near = nearest(text, texts)
+    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(texts[:12])}"
+    alone = [each for each in texts if nearest(text, [each])]
+    fix = _replaced(clause, term, near) if near and len(alone) == 1 else ()
+    return found(VALUE, f"{what} is never `{text}`", place, clause.rule, advice, fix)
+
+
+def _replaced(clause: Clause, term: Node, text: str) -> tuple[Fix, ...]:
+    span = clause.span(term)
+    return () if span is None else (Fix(span, text),)
+
+
+def _wrong_heads(
+    clause: Clause, head: Atom, environment: Environment, known: Known
+) -> Iterator[Found]:
+    """Yield the variables of a head that are none of what its predicate declares."""
+    declared = known.declared.get(head.signature.unsigned, ())
+    for term, values in zip(head.terms, declared, strict=False):
+        name = name_of(term)
+        given = environment.get(name) if name is not None else None
+        if values and given and not known.meet(values, given):
+            units = _units(values) and _units(given)
+            message = (
+                f"`{name}` is {_in_words(given)}, and the head gives it as {_in_words(values)}"
+            )
+            advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
+            place = clause.place(head.node)
+            yield found(UNIT if units else SORT, message, place, clause.rule, advice)
+
+
+def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
+    """Yield the sums and differences of numbers of two units."""
+    for node in below(clause.node):
+        if node.ast_type is Kind.BinaryOperation and operation_of(node) in ("+", "-"):
+            left, right = known.of(node.left, environment), known.of(node.right, environment)
+            one, other = _units(left), _units(right)
+            if one and other and all(differ_in_unit(a, b) for a in one for b in other):
+                message = f"`{text_of(node)}` adds {' or '.join(one)} and {' or '.join(other)}"
+                if operation_of(node) == "-":
+                    message = message.replace(" adds ", " subtracts ")
+                advice = "bring both to one unit first"
+                yield found(UNIT, message, clause.place(node), clause.rule, advice)
+
+
+def _too_small(clause: Clause, term: Node, values: Values) -> Iterator[Found]:
+    """Yield a number that is too small to be meant in the unit of what it is compared with."""
+    number, units = number_of(term), _units(values)
+    if number is None or len(units) != 1 or units[0] not in _FINE:
+        return
+    whole, unit = UNITS[units[0]]
+    if 0 < abs(number) < whole:
+        message = f"`{number}` {units[0]} are {measured(number, units[0])}"
+        advice = f"for {number}{unit} write `{number * whole}`"
+        yield found(UNIT, message, clause.place(term), clause.rule, advice)
+
+
+def _units(values: Values) -> list[str]:
+    """Return the sorts of measures that values are, words such as `none` apart, if they all are."""
+    numbers = [each for each in values or () if each.form != "name"]
+    sorts = sorted(each.sort for each in numbers if each.sort in UNITS)
+    return sorts if len(sorts) == len(numbers) else []
+
+
+def _in_words(values: Values) -> str:
+    texts = sorted(
+        each.sort or (f"`{each.text}`" if each.text else _WORDS[each.form or "name"])
+        for each in values or ()
+    )
+    first = texts[0] if texts else "nothing"
+    article = "" if first.startswith(("`", "a ")) or first in UNITS else "a "
+    more = f" or {len(texts) - 4} others" if len(texts) > 5 else ""
+    return f"{article}{' or '.join(texts[:4] if more else texts)}{more}"

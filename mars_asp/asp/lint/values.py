@@ -1,0 +1,297 @@
+"""What the values of arguments are: sorts that predicates declare, and constants that rules give.
+
+Both are handed on from rule to rule. A name, or what identifies a thing, is of one sort alone, so
+that a variable of two never has a value.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from typing import Literal, NamedTuple, TypeAlias
+
+from clingo import SymbolType
+
+from mars_asp.asp.lint.clauses import (
+    Aggregate,
+    Atom,
+    Clause,
+    Scope,
+    is_constant,
+    name_of,
+    operation_of,
+)
+from mars_asp.asp.lint.clauses import text_of as written
+from mars_asp.asp.rules.declarations import Argument, Declaration
+from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.units import UNITS
+
+#: What values are made of.
+Form: TypeAlias = Literal["number", "string", "name", "function"]
+
+
+class Value(NamedTuple):
+    """Some values: those of a sort, of a form, or the one that is written `text`."""
+
+    form: Form | None
+    sort: str = ""
+    text: str = ""
+
+
+#: All that a value can be; `None` where it can be anything.
+Values: TypeAlias = frozenset[Value] | None
+Environment: TypeAlias = Mapping[str, Values]
+
+NUMBERS: Values = frozenset({Value("number")})
+_NOTHING: frozenset[Value] = frozenset()
+_NUMBER: Form = "number"
+#: Of more values than this nothing is known.
+_MOST = 200
+
+
+class Use(NamedTuple):
+    """An atom that says what a variable is, and what that is."""
+
+    atom: Atom
+    values: frozenset[Value]
+
+
+class Known:
+    """What the arguments of predicates are.
+
+    `forms` are those of sorts, `replaced` the constants that stand for other values. `kinds` says
+    of a sort of which argument, at a position from 0, it has all values that rules give.
+    """
+
+    def __init__(
+        self,
+        clauses: Sequence[Clause],
+        declared: Mapping[Signature, Declaration],
+        forms: Mapping[str, Form],
+        replaced: Set[str],
+        kinds: Mapping[str, tuple[Signature, int]] | None = None,
+    ) -> None:
+        self.forms: dict[str, Form] = {**dict.fromkeys(UNITS, _NUMBER), **forms}
+        self._replaced = replaced
+        self.declared = {
+            signature: tuple(map(self._argument, each.arguments))
+            for signature, each in declared.items()
+        }
+        self._arguments: dict[Signature, list[Values]] = {
+            signature: list(values) for signature, values in self.declared.items()
+        }
+        #: The positions of what rules give, of which nothing is declared.
+        self.derived: dict[Signature, tuple[int, ...]] = {}
+        self._infer(clauses)
+        for sort, (signature, at) in (kinds or {}).items():
+            given = self.arguments(signature)[at] if self.arguments(signature) else None
+            self._close(sort, given)
+
+    def _close(self, sort: str, given: Values) -> None:
+        """Replace a sort that is declared by the values that it has, if these are known."""
+        names = given and all(each.text and each.form == "name" for each in given)
+        of = frozenset({Value(self.forms.get(sort), sort)})
+        for signature, values in self.declared.items() if names else ():
+            closed = tuple(given if each == of else each for each in values)
+            self.declared[signature] = closed
+            for at, each in enumerate(self._arguments[signature]):
+                if each == of:
+                    self._arguments[signature][at] = given
+
+    def arguments(self, signature: Signature) -> Sequence[Values]:
+        """Return what the arguments of a predicate are; nothing where nothing is known."""
+        return self._arguments.get(signature.unsigned, ())
+
+    def alike(self, one: Value, other: Value) -> Value | None:
+        """Return what is both of two, if anything can be."""
+        if one == other:
+            return one
+        if other.text:
+            one, other = other, one
+        if (one.text and other.text) or (one.sort and other.sort):
+            return None
+        if one.form and other.form and one.form != other.form:
+            return None
+        return one if one.text or one.sort else other
+
+    def meet(self, one: Values, other: Values) -> Values:
+        """Return what is in both."""
+        if one is None:
+            return other
+        if other is None or one == other:
+            return one
+        found = (self.alike(each, rest) for each in one for rest in other)
+        return frozenset(each for each in found if each is not None)
+
+    def comparable(self, one: Values, other: Values) -> bool:
+        """Whether values have an order that somebody may ask for: numbers, and terms, have one."""
+        forms = [{each.form for each in values or ()} for values in (one, other)]
+        return bool(
+            self.meet(_of_any_text(one), _of_any_text(other))
+            or forms[0] & forms[1] & {"number"}
+            or {"function", None} & (forms[0] | forms[1])
+        )
+
+    def uses(self, variable: str, atoms: Iterable[Atom]) -> Iterator[Use]:
+        """Yield the atoms that say what a variable is."""
+        for atom in atoms:
+            for term, values in zip(atom.terms, self.arguments(atom.signature), strict=False):
+                if values is not None and name_of(term) == variable:
+                    yield Use(atom, values)
+
+    def environment(self, clause: Clause, scope: Scope) -> dict[str, Values]:
+        """Return what the variables of a scope are, so far as that is known."""
+        found: dict[str, Values] = {}
+        for name, values in self._named(scope):
+            found[name] = self.meet(found.get(name), values)
+        for comparison in scope.comparisons:
+            if comparison.sign == "=":
+                for one, other in (
+                    (comparison.left, comparison.right),
+                    (comparison.right, comparison.left),
+                ):
+                    equal = name_of(one)
+                    # What is never equal is told where the two are compared.
+                    if equal is not None and equal not in found:
+                        found[equal] = self.of(other, found)
+        for aggregate in clause.aggregates:
+            for sign, guard in aggregate.guards:
+                value = name_of(guard)
+                if sign == "=" and value is not None and value not in found:
+                    found[value] = self._aggregated(aggregate, found)
+        return found
+
+    def _aggregated(self, aggregate: Aggregate, environment: Environment) -> Values:
+        """Return what the value of an aggregate is: of the sort of what it adds or compares."""
+        if aggregate.function in ("count", "set"):
+            return NUMBERS
+        found: frozenset[Value] = _NOTHING
+        for element in aggregate.elements:
+            inside = dict(environment)
+            for name, values in self._named(element.scope):
+                inside[name] = self.meet(inside.get(name), values)
+            given = self.of(element.terms[0], inside) if element.terms else None
+            if given is None:
+                return NUMBERS if aggregate.function.startswith("sum") else None
+            found |= given
+        if aggregate.function.startswith("sum"):
+            return frozenset(Value("number", each.sort) for each in found if each.form == "number")
+        return found | {Value("name", text="#inf"), Value("name", text="#sup")}
+
+    def _named(self, scope: Scope) -> Iterator[tuple[str, Values]]:
+        """Yield the variables of the atoms of a scope with what these say of them."""
+        for atom in scope.positive:
+            for term, values in zip(atom.terms, self.arguments(atom.signature), strict=False):
+                name = name_of(term)
+                if name is not None and values is not None:
+                    yield name, values
+
+    def of(self, term: Node, environment: Environment) -> Values:
+        """Return what the values of a term are."""
+        kind = term.ast_type
+        if kind is Kind.Variable:
+            return environment.get(term.name)
+        if kind in (Kind.SymbolicTerm, Kind.Function):
+            return self._constant(term)
+        if kind is Kind.UnaryOperation:
+            return self.of(term.argument, environment) or NUMBERS
+        if kind is Kind.BinaryOperation:
+            return self._computed(term, environment)
+        return NUMBERS if kind is Kind.Interval else None
+
+    def _computed(self, term: Node, environment: Environment) -> Values:
+        """Return what a sum or a multiple is: of the sort of what is added or multiplied."""
+        inside = [self.of(each, environment) for each in (term.left, term.right)]
+        sorts = [
+            {each.sort for each in values or () if each.sort and each.form == "number"}
+            for values in inside
+        ]
+        sign, plain = operation_of(term), [is_constant(term.left), is_constant(term.right)]
+        if sign in ("+", "-", "*") or (sign in ("/", "\\") and plain[1]):
+            named = [one for one in sorts if one]
+            rest = [is_plain for one, is_plain in zip(sorts, plain, strict=True) if not one]
+            if named and all(one == named[0] for one in named) and all(rest):
+                if len(named) == 1 or sign in ("+", "-"):
+                    return frozenset(Value("number", sort) for sort in named[0])
+        return NUMBERS
+
+    def _constant(self, term: Node) -> Values:
+        if term.ast_type is Kind.Function and (term.arguments or not term.name):
+            return frozenset({Value("function", text=f"{term.name}/{len(term.arguments)}")})
+        text = written(term)
+        if text in self._replaced:
+            return None
+        if term.ast_type is Kind.Function or term.symbol.type == SymbolType.Function:
+            return frozenset({Value("name", text=text)})
+        if term.symbol.type == SymbolType.Number:
+            return frozenset({Value("number", text=text)})
+        if term.symbol.type == SymbolType.String:
+            return frozenset({Value("string", text=text)})
+        # What is less, or more, than any other value.
+        return frozenset({Value("name", text=text)})
+
+    def _argument(self, argument: Argument) -> Values:
+        if not argument.sorts and not argument.constants:
+            return None
+        constants = (Value("name", text=text) for text in argument.constants)
+        return frozenset({*(Value(self.forms.get(s), s) for s in argument.sorts), *constants})
+
+    # ---- From rule to rule -----------------------------------------------------------------------
+
+    def _infer(self, clauses: Sequence[Clause]) -> None:
+        """Hand on what rules give: at first nothing, and more until nothing changes."""
+        for clause in clauses:
+            for head, _ in clause.heads:
+                signature = head.signature.unsigned
+                if signature not in self.derived:
+                    values = self._arguments.setdefault(signature, [None] * signature.arity)
+                    places = tuple(at for at, each in enumerate(values) if each is None)
+                    self.derived[signature] = places
+                    for at in places:
+                        values[at] = _NOTHING
+        reading: dict[Signature, list[int]] = {}
+        for number, clause in enumerate(clauses):
+            for signature in {atom.signature.unsigned for atom in clause.read}:
+                reading.setdefault(signature, []).append(number)
+        # Once each in the order in which they were asked for, so that long chains take no longer.
+        waiting = dict.fromkeys(range(len(clauses)))
+        while waiting:
+            number = next(iter(waiting))
+            del waiting[number]
+            for signature in self._handed_on(clauses[number]):
+                waiting.update(dict.fromkeys(reading.get(signature, ())))
+
+    def _handed_on(self, clause: Clause) -> Iterator[Signature]:
+        """Note what a rule gives to its heads, and yield the predicates of which more is known."""
+        shared: dict[str, Values] | None = None
+        for head, condition in clause.heads:
+            signature = head.signature.unsigned
+            places = self.derived[signature]
+            if not places:
+                continue
+            if condition.atoms or shared is None:
+                both = Scope(
+                    clause.body.atoms + condition.atoms,
+                    clause.body.comparisons + condition.comparisons,
+                )
+                shared = self.environment(clause, both)
+            known = self._arguments[signature]
+            changed = False
+            for at in places:
+                before = known[at]
+                if before is None:
+                    continue
+                given = self.of(head.terms[at], shared)
+                if given is None or not given <= before:
+                    more = None if given is None else before | given
+                    known[at] = None if more is None or len(more) > _MOST else more
+                    changed = True
+            if changed:
+                yield signature
+
+
+def _of_any_text(values: Values) -> Values:
+    return values and frozenset(each._replace(text="") for each in values)
+
+
+def differ_in_unit(one: str, other: str) -> bool:
+    """Whether two sorts are measured in different units."""
+    return one in UNITS and other in UNITS and UNITS[one] != UNITS[other]

@@ -1,0 +1,60 @@
+"""Variables that occur once, so that nothing is said of what they stand for."""
+
+from collections.abc import Iterator, Sequence
+
+from mars_asp.asp.lint.clauses import Clause, names_in
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.rule import HOLE
+from mars_asp.asp.rules.trees import Kind, Node, below
+
+SINGLETON = "rule-singleton"
+
+
+def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Iterator[Found]:
+    """Yield the variables of a rule that occur once, in whichever way its pools are read.
+
+    `listed` are the rules that its metadata stands for. Of a variable whose name begins with `_`
+    it is meant to be so.
+    """
+    rule = clauses[0].rule
+    # Of `{ p(X) }` it is the atoms that count, one for each X.
+    counted = frozenset[str]().union(*(_counted(clause.node) for clause in clauses))
+    said = (
+        counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
+    )
+    places: dict[str, Node] = {}
+    most: dict[str, int] = {}
+    for clause in clauses:
+        _count(clause.node, most, places)
+    own = dict(most)
+    for clause in listed:
+        _count(clause.node, most, {})
+    for name, node in places.items():
+        if name.startswith("_"):
+            if own[name] > 1:
+                message = f"`{name}` occurs {own[name]} times, and its name means an unused value"
+                advice = (
+                    f"call it `{name.lstrip('_').capitalize() or 'X'}`, or write `_` in each place"
+                )
+                yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
+        elif most[name] == 1 and name not in said:
+            message = f"`{name}` occurs once"
+            advice = f"write `_`, or `_{name}`, where any value will do; else it is misspelt"
+            yield found(SINGLETON, message, clauses[0].place(node), rule, advice)
+
+
+def _counted(node: Node) -> frozenset[str]:
+    """Return the variables of the atoms of which some number holds."""
+    sets = (each for each in below(node) if each.ast_type is Kind.Aggregate)
+    elements = (element.literal for each in sets for element in each.elements)
+    return frozenset[str]().union(*map(names_in, elements))
+
+
+def _count(node: Node, most: dict[str, int], places: dict[str, Node]) -> None:
+    counts: dict[str, int] = {}
+    for each in below(node):
+        if each.ast_type is Kind.Variable and each.name != "_":
+            counts[each.name] = counts.get(each.name, 0) + 1
+            places.setdefault(each.name, each)
+    for name, count in counts.items():
+        most[name] = max(count, most.get(name, 0))

@@ -1,0 +1,102 @@
+"""What is noteworthy about rule packs, and about our own rules."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from mars_asp.asp.lint import Host
+from mars_asp.asp.lint import lint as lint_rules
+from mars_asp.asp.lint.found import Found
+from mars_asp.asp.lint.recursion import RECURSION
+from mars_asp.asp.rules.consistency import INCONSISTENT
+from mars_asp.asp.rules.declarations import declarations, wrong_references
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.facts.vocabulary import FORMS, THINGS, unbounded
+from mars_asp.reasoning.findings import CONSEQUENCE
+from mars_asp.reasoning.project import project_facts
+from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
+from mars_asp.reasoning.sample import samples
+
+#: Packs of more rules are tried on one sample: to ground them takes most of the time.
+_MOST_RULES = 2_000
+
+
+class Linted(NamedTuple):
+    """What lint found: `errors` are what an analysis would refuse, `others` what it would take."""
+
+    errors: tuple[Diagnostic, ...]
+    others: tuple[Diagnostic, ...]
+    lints: tuple[Found, ...]
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """Return all of it, by place."""
+        return by_place((*self.errors, *self.others, *(each.diagnostic for each in self.lints)))
+
+
+def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
+    """Return what is noteworthy about rule packs; about our own rules where there are none.
+
+    Where `grounded`, packs that an analysis would take are grounded over sample robots, so that
+    what fails while grounding is found, too; but not such as may grow without end.
+    """
+    errors: list[Diagnostic] = []
+    rulebook = load_rulebook(packs, STAGES, strict=not packs, noted=errors)
+    others: list[Diagnostic] = []
+    misread: list[Diagnostic] = []
+    for file in rulebook.documented:
+        tuple(declarations(file.docstrings, file.path, misread))
+    misread += wrong_references(rulebook.declarations.values())
+    others += (replace(each, severity="warning") for each in misread)
+    host = Host(
+        CONSEQUENCE,
+        FORMS,
+        THINGS,
+        unbounded(rulebook.declarations.values()),
+        {"kind": (CONSEQUENCE, 0)},
+        _has_example,
+    )
+    # Where all that was given could not be read, there is nothing else to look at.
+    lints = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
+    # What grows without end would be grounded without end.
+    grows = any(each.diagnostic.code == RECURSION for each in lints)
+    if grounded and rulebook.packs and not errors and not grows:
+        tried = _tried(rulebook)
+        errors += (each for each in tried if each.severity == "error")
+        others += (each for each in tried if each.severity != "error")
+    return Linted(tuple(errors), tuple(others), lints)
+
+
+def _tried(rulebook: Rulebook) -> list[Diagnostic]:
+    """Return what fails when the rules are grounded over sample robots."""
+    found: dict[tuple[str, Span], Diagnostic] = {}
+    tried = samples()[:1] if rulebook.pack_rules > _MOST_RULES else samples()
+    for project in tried:
+        try:
+            analyse(project_facts(project), rulebook, project.configuration.span)
+        except MarsError as error:
+            for each in map(_of_sample, error.diagnostics):
+                found.setdefault((each.code, each.span), each)
+    return list(found.values())
+
+
+def _of_sample(found: Diagnostic) -> Diagnostic:
+    """Return what is said of a sample robot: what has no answer there may have one elsewhere."""
+    if found.code != INCONSISTENT:
+        return found
+    message = found.message.replace("this configuration", "a sample robot")
+    return replace(found, severity="warning", message=message)
+
+
+def _has_example(rule: Rule) -> bool:
+    """Whether the example of a rule is a file; ours are in the source tree alone."""
+    example = rule.example or ""
+    path = Path(rule.span.path)
+    if path.is_file():
+        return any((folder / example).is_file() for folder in (Path(), *path.parents))
+    tree = rules_directory().parent
+    return (tree / example).is_file() or not (tree / "tests").is_dir()
