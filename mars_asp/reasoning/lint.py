@@ -21,7 +21,6 @@ from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 from mars_asp.reasoning.sample import samples
 
-
 #: Packs of more rules are tried on one sample: to ground them takes most of the time.
 _MOST_RULES = 2_000
 
