@@ -16,6 +16,7 @@ from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.perform import scenario_text, specified
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_project
+from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.output import visible
 
@@ -75,6 +76,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=ending(".svg"),
         help="draw how many runs passed over a key with several values",
     )
+    add_schema(parser, "a line of OUT.jsonl", campaign_schema)
 
 
 def _seeds(text: str) -> tuple[int, ...]:

@@ -5,7 +5,7 @@ import json
 import os.path
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from fractions import Fraction
@@ -26,6 +26,7 @@ from mars_asp.cli.reason import (
     read_project,
 )
 from mars_asp.cli.report import report
+from mars_asp.cli.schemas import add_schema
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
 
@@ -77,23 +78,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="list whose code would run and what is simulated; import and run nothing",
     )
-    parser.add_argument(
-        "--schema", action=_Schema, help="print the JSON Schema of scenarios, and do nothing else"
-    )
+    add_schema(parser, "scenarios", _scenario_schema)
     add_outputs(parser)
 
 
-class _Schema(argparse.Action):
-    """Prints the schema in the place of a run, as `--help` does."""
+def _scenario_schema() -> str:
+    from mars_asp.execution.scenario.schema import SCHEMA
 
-    def __init__(self, option_strings: Sequence[str], dest: str, **settings: Any) -> None:
-        super().__init__(option_strings, dest, nargs=0, **settings)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object, **settings: object) -> None:
-        from mars_asp.execution.scenario.schema import SCHEMA
-
-        print(json.dumps(SCHEMA, indent=2))
-        parser.exit()
+    return f"{json.dumps(SCHEMA, indent=2)}\n"
 
 
 def run(arguments: argparse.Namespace) -> int:
