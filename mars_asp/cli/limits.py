@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import importlib
 import os
 import sys
 import time
@@ -75,6 +76,18 @@ def limit_memory(megabytes: float | None) -> None:
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     if hard != resource.RLIM_INFINITY:
         most = min(most, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+
+
+def load_simulator() -> None:
+    """Import what runs need, for which this process may take more: NumPy ends one that has less."""
+    if not hasattr(os, "fork"):
+        return
+    import resource
+
+    most, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    importlib.import_module("mars_asp.execution.trial")
     resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 

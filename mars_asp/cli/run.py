@@ -16,6 +16,7 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.limits import load_simulator
 from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
 from mars_asp.cli.pace import shown
@@ -90,6 +91,7 @@ def _scenario_schema() -> str:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
+    load_simulator()
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.scenario.functions import bound_functions
 

@@ -351,6 +351,23 @@ def test_each_key_of_a_line_is_in_the_schema(example: str, capsys: Captured) -> 
             assert not _OF_LINE.is_valid({k: value for k, value in line.items() if k != key})
 
 
+@pytest.mark.parametrize("verb", [("run",), ("campaign", "--seeds", "1")], ids=["run", "campaign"])
+@pytest.mark.parametrize("limit", ["150", "200"])
+def test_too_little_memory_for_numpy_is_reported(
+    verb: tuple[str, ...], limit: str, tmp_path: Path
+) -> None:
+    (tmp_path / "robot.mars").write_text(DRIVE)
+    (tmp_path / "s.toml").write_text('duration = 1\n[robot]\nmodule = "P"\n')
+    words = [verb[0], "robot.mars", "--scenario", "s.toml", *verb[1:], "--memory-limit", limit]
+    command = [sys.executable, "-m", "mars_asp", *words]
+    env = {**os.environ, **PLAIN, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (3, "")
+    assert ended.stderr == f"mars-asp: the memory limit of {limit} MB ended this\n"
+
+
 def test_the_schema_is_printed_without_a_file(capsys: Captured) -> None:
     assert run_command(["campaign", "--schema"]) == 0
     assert capsys.readouterr().out == campaign_schema()
