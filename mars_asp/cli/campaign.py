@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mars_asp import __version__
 from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import add_line, grow_file, write_file
-from mars_asp.cli.limits import load_simulator
+from mars_asp.cli.limits import load_freely
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.perform import scenario_text, specified
@@ -97,7 +97,7 @@ def _count(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Carry out the runs that are missing; 1 where one did not pass."""
-    load_simulator()
+    load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_job")
     from mars_asp.cli.campaign_job import code_of, hashes, job_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
 

@@ -16,7 +16,7 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
-from mars_asp.cli.limits import load_simulator
+from mars_asp.cli.limits import load_freely
 from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
 from mars_asp.cli.pace import shown
@@ -91,7 +91,7 @@ def _scenario_schema() -> str:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
-    load_simulator()
+    load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.scenario.functions import bound_functions
 
@@ -233,6 +233,7 @@ def _millimetres(clearance: float) -> float | None:
 
 def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
     reached = None if robot.reach is None else trial.reached(robot)
+    missing = None if robot.reach is None else trial.nearest(robot)[0]
     return {
         "name": robot.name,
         "module": robot.module,
@@ -243,6 +244,11 @@ def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, objec
         "min_clearance_mm": _millimetres(body.clearance),
         "nearest": body.beside or None,
         "reached_s": None if reached is None else round(reached, 6),
+        "nearest_to_place_mm": None if missing is None else round(missing, 3),
+        "control_time": {
+            name: round(seconds, 6)
+            for name, seconds in sorted(trial.times_in_control(robot).items())
+        },
         "driven_mm": round(body.driven, 3),
         "turn_while_driving_s": round(body.both, 6),
     }

@@ -352,7 +352,7 @@ def test_each_key_of_a_line_is_in_the_schema(example: str, capsys: Captured) -> 
 
 
 @pytest.mark.parametrize("verb", [("run",), ("campaign", "--seeds", "1")], ids=["run", "campaign"])
-@pytest.mark.parametrize("limit", ["150", "200"])
+@pytest.mark.parametrize("limit", ["60", "200"])
 def test_too_little_memory_for_numpy_is_reported(
     verb: tuple[str, ...], limit: str, tmp_path: Path
 ) -> None:
