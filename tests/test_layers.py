@@ -93,7 +93,7 @@ FILES = {
     "execution/recording": "frame lanes signs picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
-        "limits trace_document trace_schema worker reason perform ignores baseline settings "
+        "limits trace_document schemas worker reason perform ignores baseline settings "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
         "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
         "campaign_job campaign_table campaign synthesise test verify diff repair check account "
