@@ -13,6 +13,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import clingo
 
@@ -33,7 +34,7 @@ _CONTINUED = re.compile(r"\r?\n%\+")
 _COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 _MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
 #: What is asked to be said here, beside what cases ask of rules themselves.
-_STAGE = "case"
+SPOKEN = "case"
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
@@ -92,6 +93,49 @@ def stages_of(path: Path, stages: Collection[str]) -> tuple[str, ...]:
     return tuple(stage for stage in stages if stage in parts)
 
 
+class Case(NamedTuple):
+    """The text of a case, the sorted answer sets that it expects, and what it compares of each.
+
+    These are the atoms of predicates `wanted`, and where it has one of them messages and costs.
+    """
+
+    text: str
+    expected: tuple[tuple[str, ...], ...]
+    wanted: tuple[Signature, ...]
+    has_messages: bool
+    has_costs: bool
+
+    def hears(self, rule: Rule) -> bool:
+        """Whether what a rule says is compared."""
+        return bool(self.has_messages and rule.because and rule.heads.intersection(self.wanted))
+
+    def compared(self, atoms: Iterable[clingo.Symbol], speakers: Sequence[Rule]) -> Iterator[str]:
+        """Yield what is compared of an answer with what rules say, whose `saying` is in it."""
+        for atom in atoms:
+            if signature_of(atom) in self.wanted:
+                yield str(atom)
+            elif self.has_messages and atom.name == predicate_of(SPOKEN):
+                told = heard(as_term(atom), speakers)
+                if self.hears(told.rule):
+                    yield f"%> {told.rule.id}: {told.message}"
+
+
+def case_of(path: Path, finding: Signature) -> Case:
+    """Return a case; `finding` is the predicate that is compared where it shows none.
+
+    Raises:
+        MarsError: it may not be given to clingo.
+    """
+    text, written = read_case(path)
+    messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
+    costs = [f"%~ {cost}" for cost in _COST.findall(text)]
+    rest = [*messages, *costs]
+    expected = tuple(
+        sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
+    )
+    return Case(text, expected, _shown(written) or (finding,), bool(messages), bool(costs))
+
+
 def run_case(
     path: Path, rulebook: Rulebook, stages: Collection[str], finding: Signature
 ) -> Outcome:
@@ -102,35 +146,19 @@ def run_case(
     Raises:
         MarsError: the case may not be given to clingo.
     """
-    text, written = read_case(path)
-    messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
-    costs = [f"%~ {cost}" for cost in _COST.findall(text)]
-    rest = [*messages, *costs]
-    expected = tuple(
-        sorted(tuple(sorted([*_atoms(e), *rest])) for e in map(_one_line, _EXPECTED.findall(text)))
-    )
-    wanted = _shown(written) or (finding,)
+    case = case_of(path, finding)
     stages = ("base", *stages)
-    speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages, wanted)]
-    program = [Fragment(text, str(path))]
+    speakers = [rule for rule in rulebook.rules if case.hears(rule) and rule.stage in stages]
+    program = [Fragment(case.text, str(path))]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
-    program += saying(_STAGE, speakers)
+    program += saying(SPOKEN, speakers)
     asked = rulebook.asked
     program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
     control = _grounded(program)
     overflowing = tuple(wrapped(control, asked))
     if overflowing:
         raise MarsError(overflowing)
-    return Outcome(path, expected, _answers(control, wanted, speakers, bool(costs)))
-
-
-def _speaks(rule: Rule, stages: Sequence[str], wanted: Sequence[Signature]) -> bool:
-    return bool(rule.because and rule.stage in stages and rule.heads.intersection(wanted))
-
-
-def _message(atom: clingo.Symbol, speakers: Sequence[Rule]) -> str:
-    told = heard(as_term(atom), speakers)
-    return f"%> {told.rule.id}: {told.message}"
+    return Outcome(path, case.expected, _answers(control, case, speakers))
 
 
 def _shown(written: Iterable[Piece]) -> tuple[Signature, ...]:
@@ -162,20 +190,15 @@ def _grounded(program: Sequence[Fragment]) -> clingo.Control:
 
 
 def _answers(
-    control: clingo.Control,
-    wanted: Sequence[Signature],
-    speakers: Sequence[Rule],
-    with_costs: bool,
+    control: clingo.Control, case: Case, speakers: Sequence[Rule]
 ) -> tuple[tuple[str, ...], ...]:
     found: set[tuple[str, ...]] = set()
 
     def keep(model: clingo.Model) -> None:
         if model.cost and not model.optimality_proven:
             return
-        atoms = model.symbols(atoms=True)
-        answer = {str(a) for a in atoms if signature_of(a) in wanted}
-        answer |= {_message(a, speakers) for a in atoms if a.name == predicate_of(_STAGE)}
-        if with_costs:
+        answer = set(case.compared(model.symbols(atoms=True), speakers))
+        if case.has_costs:
             answer.add(_cost(model))
         found.add(tuple(sorted(answer)))
 
