@@ -36,7 +36,7 @@ def test_the_campaigns_of_the_case_study_work() -> None:
     assert campaigns
     for command in campaigns:
         short = re.sub(r"--vary duration=\S+| -o \S+| --plot \S+", "", command)
-        short = re.sub(r"(=[^,\s]+),\S+", r"\1", short.replace("1-200", "1"))
+        short = re.sub(r"(=[^,\s]+),\S+", r"\1", re.sub(r"1-\d+00", "1", short))
         told = run(f"{short} --vary duration=1")
         assert re.search(r"^passed +[01] of 1 ", told, re.MULTILINE), command
 

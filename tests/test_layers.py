@@ -98,9 +98,9 @@ FILES = {
     "execution/recording": "frame lanes signs picture record mcap replay",
     "cli": (
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
-        "limits settings trace_document trace_schema worker reason perform ignores baseline "
+        "limits settings trace_document schemas worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
+        "draw export facts fmt import rules_kinds rules_new winners run_report run campaign_runner campaign_dask "
         "campaign_job campaign_table campaign synthesise cases_report cases_measure cases_watch "
         "test pytest_plugin verify diff rules_diff rules repair check account "
         "explain_page explain"

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 from mars_asp import __version__
 from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import add_line, grow_file, write_file
+from mars_asp.cli.limits import load_freely
 from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.perform import scenario_text, specified
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_project
+from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.output import visible
 
@@ -75,6 +77,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=ending(".svg"),
         help="draw how many runs passed over a key with several values",
     )
+    add_schema(parser, "a line of OUT.jsonl", campaign_schema)
 
 
 def _seeds(text: str) -> tuple[int, ...]:
@@ -94,6 +97,7 @@ def _count(text: str) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Carry out the runs that are missing; 1 where one did not pass."""
+    load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_job")
     from mars_asp.cli.campaign_job import code_of, hashes, job_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
 

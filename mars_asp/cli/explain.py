@@ -16,8 +16,8 @@ from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
+from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
 from mars_asp.cli.selection import Selection, add_selection
-from mars_asp.cli.trace_schema import add_schema
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
@@ -99,7 +99,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "`-` is standard output",
     )
     add_selection(parser, writes=False)
-    add_schema(parser)
+    add_schema(parser, "that format, of `jsonl` of one line", explain_schema, *FORMATS)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -2,6 +2,8 @@
 
 import argparse
 import contextlib
+import importlib
+import mmap
 import os
 import sys
 import time
@@ -29,9 +31,9 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
     except MemoryError:
         say_memory_ended(arguments)
         return 3
-    except RuntimeError as error:
-        # clingo hands on what C++ says when there is no memory.
-        if "bad_alloc" not in str(error):
+    except (RuntimeError, ImportError) as error:
+        # clingo hands on what C++ says when there is no memory, and Python what the loader says.
+        if not any(told in str(error) for told in ("bad_alloc", "failed to map segment")):
             raise
         say_memory_ended(arguments)
         return 3
@@ -78,8 +80,37 @@ def limit_memory(megabytes: float | None) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
+def load_freely(*modules: str) -> None:
+    """Import modules, for which this process may take more: NumPy ends one that has less.
+
+    Raises:
+        MemoryError: nothing is left for what is to be done with them.
+    """
+    if not hasattr(os, "fork"):
+        return
+    before = _lift()
+    for module in modules:
+        importlib.import_module(module)
+    _lift(before)
+    try:
+        mmap.mmap(-1, _MEGABYTE).close()
+    except OSError:
+        raise MemoryError from None
+
+
+def _lift(most: int = -1) -> int:
+    """Let this process take so many bytes, or all; return how many it was allowed before."""
+    import resource
+
+    before, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard if most < 0 else most, hard))
+    return before
+
+
 def say_memory_ended(arguments: argparse.Namespace) -> None:
     """Report that there was not enough memory, how much that was, and how to allow more."""
+    if hasattr(os, "fork"):
+        _lift()  # to report it takes a little, too
     most = memory_limit(arguments)
     asked = arguments.memory_limit is not None
     half = "" if asked else ", half of what there is; --memory-limit MB allows more"

@@ -5,7 +5,7 @@ import json
 import os.path
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from fractions import Fraction
@@ -16,6 +16,7 @@ from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import runs_code_of, write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.limits import load_freely
 from mars_asp.cli.live import live_line, run_line
 from mars_asp.cli.outputs import add_outputs, check_packages, recorded, write_outputs
 from mars_asp.cli.pace import shown
@@ -27,6 +28,7 @@ from mars_asp.cli.reason import (
     read_project,
 )
 from mars_asp.cli.report import report
+from mars_asp.cli.schemas import add_schema
 from mars_asp.cli.winners import in_turn
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.output import visible
@@ -81,27 +83,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="list whose code would run and what is simulated; import and run nothing",
     )
-    parser.add_argument(
-        "--schema", action=_Schema, help="print the JSON Schema of scenarios, and do nothing else"
-    )
+    add_schema(parser, "scenarios", _scenario_schema)
     add_outputs(parser)
 
 
-class _Schema(argparse.Action):
-    """Prints the schema in the place of a run, as `--help` does."""
+def _scenario_schema() -> str:
+    from mars_asp.execution.scenario.schema import SCHEMA
 
-    def __init__(self, option_strings: Sequence[str], dest: str, **settings: Any) -> None:
-        super().__init__(option_strings, dest, nargs=0, **settings)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object, **settings: object) -> None:
-        from mars_asp.execution.scenario.schema import SCHEMA
-
-        print(json.dumps(SCHEMA, indent=2))
-        parser.exit()
+    return f"{json.dumps(SCHEMA, indent=2)}\n"
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
+    load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
     from mars_asp.execution.scenario.functions import bound_functions
 
@@ -246,6 +240,7 @@ def _millimetres(clearance: float) -> float | None:
 
 def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
     reached = None if robot.reach is None else trial.reached(robot)
+    missing = None if robot.reach is None else trial.nearest(robot)[0]
     return {
         "name": robot.name,
         "module": robot.module,
@@ -256,6 +251,11 @@ def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, objec
         "min_clearance_mm": _millimetres(body.clearance),
         "nearest": body.beside or None,
         "reached_s": None if reached is None else round(reached, 6),
+        "nearest_to_place_mm": None if missing is None else round(missing, 3),
+        "control_time": {
+            name: round(seconds, 6)
+            for name, seconds in sorted(trial.times_in_control(robot).items())
+        },
         "driven_mm": round(body.driven, 3),
         "turn_while_driving_s": round(body.both, 6),
     }

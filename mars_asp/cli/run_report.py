@@ -61,6 +61,9 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         (name, f"{seconds:.2f} s", f"{100 * seconds / run['seconds']:.1f} %")
         for name, seconds in shares
     ]
+    if len(run["robots"]) > 1:
+        heads = ("robot", "contacts", "least clearance", "driven", "place to reach", "obeyed")
+        yield from _table("Robots", heads, [_robot(each, run["seconds"]) for each in run["robots"]])
     yield from _table("In control", ("controller", "time", "share"), times)
     winners: dict[str, list[Row]] = {}
     for held in run["control"]:
@@ -74,6 +77,22 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         for each in run["failures"]
     ]
     yield from _table("Failures", ("behaviour", "", ""), failures)
+
+
+def _robot(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
+    """Return the cells of a robot: what it touched, and whom it obeyed for which share of time."""
+    struck = robot["collisions"]
+    contacts = f"{len(struck)}, first at {struck[0]['seconds']:.2f} s" if struck else "none"
+    clearance, beside = robot["min_clearance_mm"], robot["nearest"]
+    clear = "" if clearance is None else f"{clearance:.0f} mm"
+    near = f"{clear} from {beside}" if beside else clear
+    reached, missing = robot["reached_s"], robot["nearest_to_place_mm"]
+    place = "" if missing is None else f"nearest {missing:.0f} mm"
+    if reached is not None:
+        place = f"reached at {reached:.2f} s"
+    shares = sorted(robot["control_time"].items(), key=lambda share: -share[1])
+    obeyed = ", ".join(f"{name} {100 * time / seconds:.1f} %" for name, time in shares)
+    return robot["name"], contacts, near, f"{robot['driven_mm']:.0f} mm", place, obeyed
 
 
 def _table(title: str, heads: Iterable[str], rows: Sequence[Iterable[str]]) -> Iterator[str]:

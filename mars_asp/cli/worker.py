@@ -140,8 +140,8 @@ def _work(
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-        limit_memory(memory_limit(arguments))
         deliver.to_pipe(said)
+        limit_memory(memory_limit(arguments))
         try:
             status = run_plain(run, arguments)
         except Exception as error:  # whatever it is, the worker must not end without a word

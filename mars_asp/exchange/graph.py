@@ -37,7 +37,8 @@ class Endpoint:
 class Node:
     """A node by its full name; `guard` is the place that makes it a guard, if it is one.
 
-    `relays` is whether it publishes what it hears, whatever the type of that.
+    `relays` is whether it publishes what it hears, whatever the type of that; `unread` whether it
+    may have topics besides.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Node:
     subscribed: tuple[Endpoint, ...] = ()
     guard: Span | None = None
     relays: bool = False
+    unread: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +126,7 @@ def _united(first: Node, second: Node) -> Node:
         published=each_once((*first.published, *second.published)),
         subscribed=each_once((*first.subscribed, *second.subscribed)),
         guard=first.guard or second.guard,
+        unread=first.unread or second.unread,
     )
 
 

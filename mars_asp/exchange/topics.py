@@ -128,7 +128,9 @@ def configuration_of(graph: Graph) -> Mapped:
         muxes=muxed,
         relays=tuple(relay.span for relay in relays),
         opaque=tuple(
-            Name(node.name, node.span) for node in nodes if not (node.published or node.subscribed)
+            Name(node.name, node.span)
+            for node in nodes
+            if node.unread and not (node.published or node.subscribed)
         ),
     )
     return Mapped(configuration, tuple(unread))

@@ -90,10 +90,17 @@ class Trial:
         """Return for how many seconds each module's command was in force at a robot."""
         times: defaultdict[str, float] = defaultdict(float)
         for robot in self.scenario.robots:
-            for since, until, origin, _ in self.commands(robot):
-                if origin:
-                    times[origin] += until - since
+            for name, seconds in self.times_in_control(robot).items():
+                times[name] += seconds
         return dict(sorted(times.items()))
+
+    def times_in_control(self, robot: Robot) -> dict[str, float]:
+        """Return for how many seconds a robot obeyed each module."""
+        times: defaultdict[str, float] = defaultdict(float)
+        for since, until, origin, _ in self.commands(robot):
+            if origin:
+                times[origin] += until - since
+        return times
 
     def together(self, first: str, second: str) -> tuple[float, float]:
         """Return for how many seconds two functions ran at once, anywhere, and since when first."""

@@ -12,10 +12,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import jsonschema_rs
 import pytest
 
-from mars_asp.cli import run_here
+from mars_asp.cli import run_command, run_here
 from mars_asp.cli.campaign import Progress
+from mars_asp.cli.schemas import campaign_schema
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
@@ -54,6 +56,9 @@ def go():
 Captured = pytest.CaptureFixture[str]
 
 
+_OF_LINE = jsonschema_rs.validator_for(json.loads(campaign_schema()))
+
+
 class Campaign:
     """A robot and a scenario in a folder of their own."""
 
@@ -87,7 +92,9 @@ class Campaign:
         """Return the whole lines of the file, which are all that it has."""
         raw = self.out.read_bytes() if self.out.exists() else b""
         assert not raw or raw.endswith(b"\n")
-        return [json.loads(line) for line in raw.splitlines()]
+        found = [json.loads(line) for line in raw.splitlines()]
+        assert [error.message for line in found for error in _OF_LINE.iter_errors(line)] == []
+        return found
 
 
 @pytest.fixture
@@ -328,3 +335,39 @@ def test_the_line_shows_how_many_passed_and_how_long_it_will_take() -> None:
     assert progress.line(60) == "2 of 4 runs  passed 1 of 2 (9.5-90.5 %)"
     progress.take(passed)
     assert progress.line(130) == "3 of 4 runs  passed 2 of 3 (20.8-93.9 %)  1 min 10 s left"
+
+
+@pytest.mark.parametrize("example", ["fleet/config", "level1/config"])
+def test_each_key_of_a_line_is_in_the_schema(example: str, capsys: Captured) -> None:
+    folder = ROOT / "examples" / example
+    words = [f"{folder}.mars", "--scenario", str(folder.parent / "scenario.toml")]
+    run_here(["campaign", *words, "--seeds", "1", "--vary", "duration=2"])
+    lines = list(map(json.loads, capsys.readouterr().out.splitlines()))
+    assert len(lines) == 3
+    for line in lines:
+        assert [error.message for error in _OF_LINE.iter_errors(line)] == []
+        assert not _OF_LINE.is_valid({**line, "another": 1})
+        for key in line:
+            assert not _OF_LINE.is_valid({k: value for k, value in line.items() if k != key})
+
+
+@pytest.mark.parametrize("verb", [("run",), ("campaign", "--seeds", "1")], ids=["run", "campaign"])
+@pytest.mark.parametrize("limit", ["60", "200"])
+def test_too_little_memory_for_numpy_is_reported(
+    verb: tuple[str, ...], limit: str, tmp_path: Path
+) -> None:
+    (tmp_path / "robot.mars").write_text(DRIVE)
+    (tmp_path / "s.toml").write_text('duration = 1\n[robot]\nmodule = "P"\n')
+    words = [verb[0], "robot.mars", "--scenario", "s.toml", *verb[1:], "--memory-limit", limit]
+    command = [sys.executable, "-m", "mars_asp", *words]
+    env = {**os.environ, **PLAIN, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (3, "")
+    assert ended.stderr == f"mars-asp: the memory limit of {limit} MB ended this\n"
+
+
+def test_the_schema_is_printed_without_a_file(capsys: Captured) -> None:
+    assert run_command(["campaign", "--schema"]) == 0
+    assert capsys.readouterr().out == campaign_schema()

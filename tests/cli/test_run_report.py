@@ -8,6 +8,7 @@ from typing import Any
 
 from mars_asp.cli.run_report import MOST_ROWS, replay_seen_from, report_page
 from mars_asp.cli.winners import in_turn
+from mars_asp.output import visible
 from tests.support.documents import ROOT, run
 from tests.support.pages import Page
 
@@ -55,6 +56,7 @@ def made(**keys: Any) -> dict[str, Any]:
         "control_time": {},
         "control": [],
         "failures": [],
+        "robots": [],
         **keys,
     }
 
@@ -71,6 +73,46 @@ def test_no_text_of_others_becomes_markup() -> None:
     assert not names & {"img", "script"}
     assert "\u202e" not in text.replace(escape(HOSTILE), "")
     assert "not decided" in text
+
+
+def test_each_robot_of_a_fleet_has_a_row() -> None:
+    alone: dict[str, Any] = {
+        "collisions": [],
+        "min_clearance_mm": None,
+        "nearest": None,
+        "reached_s": None,
+    }
+    alone |= {"nearest_to_place_mm": None, "driven_mm": 0.0, "control_time": {}}
+    struck = [{"seconds": 0.5, "with": HOSTILE}, {"seconds": 1.25, "with": None}]
+    robots = [
+        {**alone, "name": "rests"},
+        {
+            **alone,
+            "name": HOSTILE,
+            "collisions": struck,
+            "min_clearance_mm": 12.4,
+            "nearest": "rests",
+            "driven_mm": 99.7,
+            "nearest_to_place_mm": 850.2,
+            "control_time": {"Nav": 0.5, "Joy": 1.5},
+        },
+        {**alone, "name": "arrives", "reached_s": 1.5, "nearest_to_place_mm": 3.0},
+    ]
+    (table,) = Page(report_page(made(robots=robots), "", "t", None)).top.all("table")
+    cells = [cell.text for cell in table.all("td")]
+    assert [cells[begin : begin + 6] for begin in range(0, len(cells), 6)] == [
+        ["rests", "none", "", "0 mm", "", ""],
+        [
+            visible(HOSTILE),
+            "2, first at 0.50 s",
+            "12 mm from rests",
+            "100 mm",
+            "nearest 850 mm",
+            "Joy 75.0 %, Nav 25.0 %",
+        ],
+        ["arrives", "none", "", "0 mm", "reached at 1.50 s", ""],
+    ]
+    assert "Robots" not in report_page(made(robots=robots[:1]), "", "t", None)
 
 
 def test_a_long_table_is_cut_and_says_so() -> None:

@@ -9,8 +9,8 @@ import jsonschema_rs
 import pytest
 
 from mars_asp.cli import run_command
+from mars_asp.cli.schemas import explain_schema
 from mars_asp.cli.trace_document import write_topics
-from mars_asp.cli.trace_schema import schema_text
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import Explanation, explain
 from mars_asp.reasoning.rules import load_rulebook
@@ -38,8 +38,8 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     answer = explained(str(path), every)
     document = json.loads(written(answer, "json"))
     lines = list(map(json.loads, written(answer, "jsonl").splitlines()))
-    of_document = jsonschema_rs.validator_for(json.loads(schema_text("json")))
-    of_line = jsonschema_rs.validator_for(json.loads(schema_text("jsonl")))
+    of_document = jsonschema_rs.validator_for(json.loads(explain_schema("json")))
+    of_line = jsonschema_rs.validator_for(json.loads(explain_schema("jsonl")))
 
     assert [error.message for error in of_document.iter_errors(document)] == []
     assert [error.message for line in lines for error in of_line.iter_errors(line)] == []
@@ -101,7 +101,7 @@ def faults_in_lines(lines: list[Any]) -> list[str]:
 @pytest.mark.parametrize("form", ["json", "jsonl"])
 def test_schemas_are_printed_without_a_file(form: str, capsys: Any) -> None:
     assert run_command(["explain", "--schema", form]) == 0
-    assert capsys.readouterr().out == schema_text(form)
+    assert capsys.readouterr().out == explain_schema(form)
 
 
 def test_diagnostics_are_json_beside_lines(tmp_path: Any) -> None:

@@ -220,6 +220,36 @@ def test_a_launch_file_of_includes_alone_asks_for_their_workspace() -> None:
     assert "the workspace" not in (refused("launch: []\n", "x.launch.yaml")[0].help or "")
 
 
+#: A node, what its program does where we have its source, and whether it may have other topics.
+STARTED = [
+    ("x", "pass", True),
+    ("tf2_ros", "pass", False),
+    ("mine", "self.create_publisher(A, other(), 1)", True),
+    ("mine", "self.create_service(A, 'ask', other)", False),
+    ("mine", "self.create_publisher(A, '/rosout', 1)", False),
+]
+
+
+@pytest.mark.parametrize(("package", "does", "is_opaque"), STARTED)
+def test_a_node_known_to_have_no_topics_is_not_one_whose_topics_could_not_be_read(
+    package: str, does: str, is_opaque: bool, tmp_path: Path
+) -> None:
+    executable = "static_transform_publisher"
+    start = f"Node(package='{package}', executable='{executable}', name='started')"
+    written = {
+        "package.xml": "<package><name>mine</name></package>",
+        "setup.py": f"setup(entry_points={{'console_scripts': ['{executable} = mine.n:main']}})",
+        "mine/n.py": f"class N(Node):\n  def __init__(self):\n    {does}\ndef main():\n  N()\n",
+        "launch/robot.launch.py": PYTHON.format(before="pass", nodes=start),
+    }
+    for name, text in written.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    found = import_ros2([("", str(tmp_path))]).configuration
+    assert [name.text for name in found.modules] == ["/started"]
+    assert [name.text for name in found.opaque] == ["/started"] * is_opaque
+
+
 BOMB = '<!DOCTYPE x [<!ENTITY a "b">]>\n<launch><node pkg="&a;" exec="x"/></launch>'
 HOSTILE = [
     ("x.launch.py", "def generate_launch_description(:\n", "1:33: this is not Python: "),

@@ -18,6 +18,7 @@ from mars_asp.reasoning.cases import run_case, stages_of
 from mars_asp.reasoning.findings import CONSEQUENCE, EXPANSIONS
 from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import STAGES, load_rulebook
+from tests.support.cases_at_once import outcomes, together_or_apart
 from tests.support.documents import ROOT
 from tests.support.rule_coverage import covered, places, unnoticed
 
@@ -29,7 +30,18 @@ def rulebook() -> Rulebook:
     return load_rulebook(stages=STAGES, strict=True)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+FOLDERS, ALONE = together_or_apart(CASES)
+
+
+@pytest.mark.parametrize("cases", FOLDERS, ids=lambda paths: paths[0].parent.name)
+def test_cases(cases: list[Path], rulebook: Rulebook) -> None:
+    wrong = [each for each in outcomes(cases, rulebook) if not each.passed]
+    assert not wrong, "\n".join(
+        line for each in wrong for line in (str(each.path), *each.difference())
+    )
+
+
+@pytest.mark.parametrize("case", ALONE, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_case(case: Path, rulebook: Rulebook) -> None:
     outcome = run_case(case, rulebook)
     assert outcome.passed, "\n".join(outcome.difference())

@@ -26,6 +26,10 @@ class Topic:
     optional: bool = False
 
 
+#: What topics are called that a program names while it runs.
+AT_RUN_TIME = "topics named at run time"
+
+
 @dataclass(frozen=True, slots=True)
 class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.

@@ -11,7 +11,7 @@ from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Topic
 from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -328,15 +328,17 @@ class _Robot:
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
-            return Node(full, started.span)
+            return Node(full, started.span, unread=True)
         if is_catalogued:
             self.catalogued.setdefault(full, started.span)
+        before = len(self.unread)
         self.unread += interface.unread
-        published = self._ends(interface.published, started, name, values)
-        subscribed = self._ends(interface.subscribed, started, name, values)
+        published = tuple(self._ends(interface.published, started, name, values))
+        subscribed = tuple(self._ends(interface.subscribed, started, name, values))
+        unread = any(each.sort == AT_RUN_TIME for each in self.unread[before:])
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
-        return Node(full, started.span, tuple(published), tuple(subscribed), guard, relays)
+        return Node(full, started.span, published, subscribed, guard, relays, unread)
 
     def _relay(
         self, program: Program, started: Started, name: str, values: Mapping[str, Given]
@@ -386,7 +388,7 @@ class _Robot:
                 if not written or not _NAME.fullmatch(full):
                     span = topic.span or started.span
                     called = topic.parameter or written
-                    self.unread.append(Unread("topics named at run time", called, span))
+                    self.unread.append(Unread(AT_RUN_TIME, called, span))
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span

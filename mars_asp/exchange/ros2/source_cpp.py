@@ -23,7 +23,7 @@ from mars_asp.annotations.declarations.tokens import (
 from mars_asp.annotations.sources import Source
 from mars_asp.annotations.types import representation
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.interface import Interface, Topic, rate_of
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
 from mars_asp.exchange.unread import Unread
 
 _MOST_TOKENS = 400_000
@@ -406,7 +406,7 @@ class _File:
         if value.text is None and value.parameter is None:
             last = argument[-1]
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
-            return Unread("topics named at run time", shown, span)
+            return Unread(AT_RUN_TIME, shown, span)
         text = value.text or ""
         if owner in private and not text.startswith(("/", "~")):
             text = f"~/{text}"

@@ -13,7 +13,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
-from mars_asp.exchange.ros2.interface import Interface, Topic, rate_of
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
 from mars_asp.exchange.unread import Unread
 
 #: What opens a file of the workspace by the name of its module.
@@ -293,7 +293,7 @@ class _Unit:
         parameter = self.parameter(name)
         text = self.text(name)
         if text is None and parameter is None:
-            self.note("topics named at run time", name, self.shown(name))
+            self.note(AT_RUN_TIME, name, self.shown(name))
             return
         topic = Topic(text or "", self.type(kind), self.span(name), parameter)
         yield _Found(topic, keeper, published)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import inf
+from math import dist, inf
 from typing import Any
 
 from mars_asp.execution.scenario.schema import Mistake
@@ -14,6 +14,8 @@ _ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
 }
 #: How many different points make a wall, and a polygon.
 _POINTS = {"walls": 2, "polygons": 3}
+#: So often a second at most an obstacle turns: each turn costs time wherever a robot is near.
+_MOST_TURNS = 1000
 
 
 def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Iterator[Mistake]:
@@ -79,14 +81,26 @@ def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, st
 
 
 def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield walls and polygons that enclose or part nothing, and obstacles that move nowhere."""
+    """Yield walls and polygons that enclose or part nothing, and obstacles that hardly move."""
     for key, least in _POINTS.items():
         for number, line in enumerate(world.get(key, ())):
             if line is not None and len(set(map(tuple, line))) < least:
                 message = f"an entry of `{key}` has fewer than {least} different points"
                 yield Mistake(("world", key, number), message, "its corners, one after the other")
     for number, moving in enumerate(world.get("moving", ())):
-        ends = (moving or {}).get("way") or [(moving or {}).get(key, key) for key in ("from", "to")]
-        if all(end == ends[0] for end in ends):
+        if moving is None:
+            continue
+        way = moving.get("way") or [moving[key] for key in ("from", "to") if key in moving]
+        if all(point == way[0] for point in way):
             message = "an obstacle of `moving` ends where it begins"
             yield Mistake(("world", "moving", number), message, "list it under `circles`")
+        elif _turns(way, moving.get("speed", 0)) > _MOST_TURNS:
+            message = f"an obstacle of `moving` turns more than {_MOST_TURNS} times a second"
+            help_text = "lower its `speed`, or let it go further"
+            yield Mistake(("world", "moving", number), message, help_text)
+
+
+def _turns(way: Sequence[Sequence[float]], speed: float) -> float:
+    """Return how often a second an obstacle turns that goes to and fro past points."""
+    lengths = [dist(*ends) for ends in pairwise(way)]
+    return speed * len(lengths) / sum(lengths)

@@ -114,7 +114,8 @@ _SCATTER = _table(
         "within": _POSITIVE,
         "free": _POSITIVE,
         "moving": _whole(0, 100_000),
-        "speed": _POSITIVE,
+        # It turns every 2000 mm, so no more often than what `moving` lists may.
+        "speed": _number(0, 2e6),
     }
 )
 _WORLD = _table(

@@ -6,6 +6,7 @@ A key is dotted as in TOML; a number leads into a list, as in `world.moving.0.sp
 
 import copy
 import json
+import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from math import inf, isfinite
@@ -157,6 +158,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
         return tables
     tables = copy.deepcopy(tables)
     wrong: list[Mistake] = []
+    places: dict[tuple[str | int, ...], str] = {}
     for key, value in changes.items():
         path, switch = _path(key), None
         if path[0] == MODULES:
@@ -164,7 +166,9 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
                 continue
             path, switch = ("faults", path[1]), _SILENT
         try:
-            _set(tables, path, switch or value)
+            place = _set(tables, path, switch or value)
+            if (first := places.setdefault(place, key)) != key:
+                raise _NoSuchKeyError(f"this is the same key as `{first}`", "state it once")
         except _NoSuchKeyError as error:
             wrong.append(Mistake((), f"`{key}`: {error.told}", error.help))
     # The text alone was checked before.
@@ -189,11 +193,11 @@ class _NoSuchKeyError(Exception):
         self.told, self.help = told, help
 
 
-def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
-    """Set the value at a path, in which numbers lead into lists.
+def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str | int, ...]:
+    """Set the value at a path, in which numbers lead into lists, and names into that of robots.
 
-    Tables on the way that are not there are made, except for those of devices: one of them that
-    the scenario does not have is a slip.
+    Return the path with numbers alone. Tables on the way that are not there are made, except for
+    those of devices: one of them that the scenario does not have is a slip.
     """
     at: Any = tables
     found: list[str | int] = []
@@ -207,7 +211,9 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
             at[step] = {}
         found.append(step)
         at = at[step]
-    at[_step(at, path[-1], found)] = copy.deepcopy(value)
+    last = _step(at, path[-1], found)
+    at[last] = copy.deepcopy(value)
+    return *found, last
 
 
 def _step(at: Any, part: str, found: list[str | int]) -> str | int:
@@ -218,11 +224,25 @@ def _step(at: Any, part: str, found: list[str | int]) -> str | int:
     if not isinstance(at, list):
         raise _NoSuchKeyError(f"`{name}` is {written_value(at)}, not a table")
     if not (part.isdecimal() and part.isascii() and int(part) < len(at)):
+        if found == ["robot"]:
+            return _robot(at, part)
         count = len(at)
         last = f"its entries are 0 to {count - 1}" if count > 1 else "its one entry is 0"
         entries = last if count else "it is empty"
         raise _NoSuchKeyError(f"`{part}` is not an entry of the list `{name}`", entries)
     return int(part)
+
+
+def _robot(robots: list[Any], part: str) -> int:
+    """Return the number of the robot of a name."""
+    names = [str(robot.get("name", robot["module"])) for robot in robots]
+    if part in names:
+        return names.index(part)
+    written = [name if re.fullmatch(r"[\w-]+", name, re.ASCII) else _quoted(name) for name in names]
+    near = nearest(part, names)
+    told = written[names.index(near)] if near else written[0]
+    shown = f"one of {', '.join(written)}, as in `robot.{told}.radius`"
+    raise _NoSuchKeyError(f"there are several robots, and none is named `{part}`", shown)
 
 
 def _refused(message: str, help_text: str | None) -> MarsError:

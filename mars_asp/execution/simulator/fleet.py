@@ -7,7 +7,7 @@ other does not depend on who is asked first.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import dist, inf, nextafter
+from math import dist, hypot, inf, nextafter
 
 import numpy as np
 
@@ -15,18 +15,27 @@ from mars_asp.execution.simulator.body import APART, THING, TOUCH, Body, bend, l
 from mars_asp.execution.simulator.motion import Floats, Point, Stretch
 from mars_asp.execution.simulator.world import origin_distances
 
-#: For so long (s) a robot that touches something goes on as it does.
+#: For so long (s) at most a robot that touches something goes on as it does.
 _HALTED = 0.005
+#: So much (mm) less a gap may be by rounding.
+_DEEPER = 1e-6
+#: So small a share of its speed, towards what it touches, is rounding.
+_ALONG = 1e-9
 _NONE: Floats = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """What might come near: the least gap in so many seconds from now, and who is to note it."""
+    """What might come near: the least gap in so many seconds from now, and who is to note it.
+
+    Steps end where the gap (mm) would be `floor` or less, no more than `fine` (mm) before that.
+    """
 
     least: Callable[[float], float]
     closing: float
     note: Callable[[float], None]
+    floor: float
+    fine: float
 
 
 class Fleet:
@@ -98,18 +107,26 @@ class Fleet:
         met = [pair for pair, gap in pairs.items() if gap <= TOUCH]
         if held or met:
             until = min(until, now + _HALTED)
-            ways = self._halted(ways, held, met, until)
+            ways = self._halted(ways, held, met)
         step = until - now
         searches = []
         for k in near:
-            if k not in held:
-                step = min(step, self._horizon(k, ways[k]))
-                searches.append(self._search(k, ways[k]))
-        searches += [self._search_pair(*pair, ways) for pair in pairs if pair not in met]
+            body, way = self.bodies[k], ways[k]
+            if k in held and not way.speed:
+                continue
+            horizon = body.world.horizon(body.place, now, way.speed)
+            closing = way.speed + body.world.fastest
+            free = (body.room - body.least) / closing if closing else inf
+            step = min(step, max(horizon, free))
+            if free < horizon:
+                searches.append(self._search(k, way))
+        for pair, gap in pairs.items():
+            if pair not in met or any(ways[k].speed for k in pair):
+                searches.append(self._search_pair(*pair, ways, gap))
         while True:
             found = [search.least(step) for search in searches]
             if not any(
-                gap <= TOUCH and search.closing * step > TOUCH / 2
+                gap <= search.floor and search.closing * step > search.fine
                 for gap, search in zip(found, searches, strict=True)
             ):
                 break
@@ -119,9 +136,6 @@ class Fleet:
             body.take(way, at, fastest)
         for gap, search in zip(found, searches, strict=True):
             search.note(gap)
-
-    def _horizon(self, k: int, way: Stretch) -> float:
-        return self.bodies[k].world.horizon(self.bodies[k].place, way.since, way.speed)
 
     def _look(
         self, ways: Sequence[Stretch], until: float, fastest: float
@@ -156,34 +170,31 @@ class Fleet:
         return gaps
 
     def _halted(
-        self,
-        ways: Sequence[Stretch],
-        held: Sequence[int],
-        met: Sequence[tuple[int, int]],
-        until: float,
+        self, ways: Sequence[Stretch], held: Sequence[int], met: Sequence[tuple[int, int]]
     ) -> list[Stretch]:
         """Return ways for a moment: a motion that leads into what is touched stays where it is.
 
-        Each robot is judged by where the others are now.
+        It is judged by the velocity at this instant. Each robot is judged by where the others are
+        now, as if these rested.
         """
         halted = list(ways)
 
-        def stay(k: int) -> None:
+        def stay(k: int, rate: float) -> None:
             way = ways[k]
-            halted[k] = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
+            if rate < -_ALONG * way.speed:
+                halted[k] = Stretch(way.since, way.pose, 0.0, 0.0, way.turn)
 
         for k in held:
-            body, after = self.bodies[k], ways[k].at(until)
-            there = body.world.distance((after.forward, after.side), until) - body.radius
-            if there < min(body.room, 0.0) + 1e-9:
-                stay(k)
+            body = self.bodies[k]
+            rates = body.world.departures(
+                body.place, ways[k].velocity, body.radius + TOUCH, ways[k].since
+            )
+            stay(k, float(rates.min(initial=inf)))
         for pair in met:
             for k, other in (pair, pair[::-1]):
-                after, apart = ways[k].at(until), self._radii[k] + self._radii[other]
-                there = dist((after.forward, after.side), self.bodies[other].place) - apart
-                here = dist(self.bodies[k].place, self.bodies[other].place) - apart
-                if there < min(here, 0.0) + 1e-9:
-                    stay(k)
+                (x, y), (p, q) = self.bodies[k].place, self.bodies[other].place
+                vx, vy = ways[k].velocity
+                stay(k, ((x - p) * vx + (y - q) * vy) / (hypot(x - p, y - q) or 1.0))
         return halted
 
     def _search(self, k: int, way: Stretch) -> _Search:
@@ -195,10 +206,14 @@ class Fleet:
             if gap <= APART:
                 body.measure()
 
-        return _Search(partial(body.nearest, way), way.speed + body.world.fastest, note)
+        closing = way.speed + body.world.fastest
+        return _Search(partial(body.nearest, way), closing, note, *_ends(body.room))
 
-    def _search_pair(self, first: int, second: int, ways: Sequence[Stretch]) -> _Search:
-        """Return the search for each other on two ways, by chords of one seen from the other."""
+    def _search_pair(self, first: int, second: int, ways: Sequence[Stretch], now: float) -> _Search:
+        """Return the search for each other on two ways, by chords of one seen from the other.
+
+        `now` is the gap (mm) that there is.
+        """
         one, other = self.bodies[first], self.bodies[second]
         way, passing = ways[first], ways[second]
         least, apart = max(one.least, other.least), one.radius + other.radius
@@ -216,7 +231,17 @@ class Fleet:
             if gap <= APART:
                 _note(one, other, dist(one.place, other.place) - apart)
 
-        return _Search(search, way.speed + passing.speed, note)
+        return _Search(search, way.speed + passing.speed, note, *_ends(now))
+
+
+def _ends(gap: float) -> tuple[float, float]:
+    """Return at which gap (mm) a step ends that begins at another, and how exactly.
+
+    What is touched may be passed along, and left from inside, but not entered any further.
+    """
+    if gap > TOUCH:
+        return TOUCH, TOUCH / 2
+    return (0.0, gap / 2) if gap > 0 else (gap - _DEEPER, _DEEPER)
 
 
 def _note(one: Body, other: Body, gap: float, since: float | None = None) -> None:

@@ -97,7 +97,7 @@ class Stretch:
         if not self.speed:
             return None
         if self._is_straight(until):
-            vx, vy = self._velocity
+            vx, vy = self.velocity
             along, squared = p * vx + q * vy, vx * vx + vy * vy
             inside = along * along - squared * (p * p + q * q - radius * radius)
             spent = (-along - sqrt(inside)) / squared if inside >= 0 else inf
@@ -118,7 +118,7 @@ class Stretch:
         times = [self.since, until]
         p, q = self.pose.forward - place[0], self.pose.side - place[1]
         if self.speed and self._is_straight(until):
-            vx, vy = self._velocity
+            vx, vy = self.velocity
             times.append(self.since - (p * vx + q * vy) / (vx * vx + vy * vy))
         elif self.speed:
             angle, direction, _, _ = self._seen_from_centre(place)
@@ -136,7 +136,7 @@ class Stretch:
         """Yield when a coordinate (0 forward, 1 side) passes `origin` plus multiples of `size`."""
         if not self.speed:
             return
-        start, rate = (self.pose.forward, self.pose.side)[axis], self._velocity[axis]
+        start, rate = (self.pose.forward, self.pose.side)[axis], self.velocity[axis]
         turning, far = radians(self.turn), self.speed * (until - self.since)
         cosine = rate / self.speed
         for k in _multiples(start - far - origin, start + far - origin, size):
@@ -147,7 +147,7 @@ class Stretch:
                 # By the tangent of half the angle that it has turned by, which is the root of a
                 # quadratic, also where the circle is so great that its centre says nothing.
                 c = gone * turning / self.speed
-                sine = self._velocity[1 - axis] / self.speed * (1 - 2 * axis)
+                sine = self.velocity[1 - axis] / self.speed * (1 - 2 * axis)
                 a = c + 2 * sine
                 root = cosine * cosine - a * c
                 if root < 0:
@@ -167,7 +167,7 @@ class Stretch:
         return self.speed * abs(radians(self.turn)) * (until - self.since) ** 2 <= 2e-4
 
     @property
-    def _velocity(self) -> tuple[float, float]:
+    def velocity(self) -> tuple[float, float]:
         """Return mm/s forward and to the side, at the start."""
         c, s = cos(radians(self.pose.heading)), sin(radians(self.pose.heading))
         return c * self.ahead - s * self.aside, s * self.ahead + c * self.aside
@@ -175,7 +175,7 @@ class Stretch:
     @property
     def _arc(self) -> tuple[float, float]:
         """Return the radius of the circle (mm), and the angle at which it is begun (radians)."""
-        vx, vy = self._velocity
+        vx, vy = self.velocity
         # The centre is a quarter turn from the velocity, so the start lies opposite.
         sign = 1.0 if self.turn > 0 else -1.0
         return self.speed / abs(radians(self.turn)), atan2(-sign * vx, sign * vy)

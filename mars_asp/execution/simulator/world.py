@@ -204,6 +204,27 @@ class World:
             best = np.minimum(best, (origin_distances(relative) - radii).min(axis=1))
         return best
 
+    def departures(self, point: Point, velocity: Point, reach: float, seconds: float) -> Floats:
+        """Return how fast (mm/s) a point gets away from each thing within reach: the rates (n,).
+
+        Where it comes nearer they are negative, whether it or the thing is moving.
+        """
+        near, here = self._around(point, seconds), np.array(point)
+        segments = near.segments[_segment_distances(point, near.segments) <= reach]
+        away = [here - _nearest_points(here, segments)]
+        ways: list[Floats] = [np.zeros((len(segments), 2))]
+        for circles, moved in (
+            (near.circles, np.zeros((len(near.circles), 2))),
+            (self._moved(near.moving, seconds), self._legs[list(near.moving), 2:4]),
+        ):
+            touched = _circle_distances(point, circles) <= reach
+            away.append(here - circles[touched, :2])
+            ways.append(moved[touched])
+        normals, passing = np.concatenate(away), np.array(velocity) - np.concatenate(ways)
+        lengths = np.maximum(np.hypot(normals[:, 0], normals[:, 1]), 1e-300)
+        rates: Floats = (normals * passing).sum(axis=1) / lengths
+        return rates
+
     def _around(self, point: Point, seconds: float) -> _Near:
         """Return all that can be the nearest to points near this one."""
         near = self._beside
@@ -279,12 +300,18 @@ def _segment_distances(point: Point, segments: Floats) -> Floats:
 
 def origin_distances(segments: Floats) -> Floats:
     """Return how far segments (..., 4) are from the origin."""
-    start, along = segments[..., :2], segments[..., 2:] - segments[..., :2]
-    squared = np.maximum((along * along).sum(axis=-1), 1e-300)
-    share = np.clip(-(start * along).sum(axis=-1) / squared, 0.0, 1.0)
-    nearest = start + share[..., None] * along
+    nearest = _nearest_points(np.zeros(2), segments)
     distances: Floats = np.hypot(nearest[..., 0], nearest[..., 1])
     return distances
+
+
+def _nearest_points(point: Floats, segments: Floats) -> Floats:
+    """Return the points (..., 2) of segments (..., 4) that are nearest to a point."""
+    start, along = segments[..., :2], segments[..., 2:] - segments[..., :2]
+    squared = np.maximum((along * along).sum(axis=-1), 1e-300)
+    share = np.clip(((point - start) * along).sum(axis=-1) / squared, 0.0, 1.0)
+    nearest: Floats = start + share[..., None] * along
+    return nearest
 
 
 def _chord_distances(chords: Floats, segments: Floats) -> Floats:

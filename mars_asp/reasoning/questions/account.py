@@ -426,7 +426,9 @@ def true_atoms(
         if derived is not None and signature in derived.predicates:
             found[signature] = derived.atoms(signature)
         else:
-            found[signature] = opened.get(signature) or atoms(control, *signature)
+            # Of what could be chosen, none may have been.
+            true = opened.get(signature)
+            found[signature] = atoms(control, *signature) if true is None else true
     return found
 
 

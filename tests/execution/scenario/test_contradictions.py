@@ -34,6 +34,17 @@ from = [0, 1]
 to = [0, 1.0]
 radius = 1
 speed = 1
+[[world.moving]]
+from = [0, 1]
+to = [0, 2]
+radius = 1
+speed = 1000
+^[[world.moving]]  # an obstacle of `moving` turns more than 1000 times a second
+way = [[0, 0], [0, 1], [1, 1], [0, 0]]
+radius = 1
+speed = 1140
+[world.scatter]
+^speed = 2e7  # `20000000.0` is out of range for `speed`
 [devices.Bump]
 kind = "bumper"
 ^beams = 3  # `beams` is not a key of the kind `bumper`

@@ -98,6 +98,59 @@ def test_a_key_is_varied_once() -> None:
         varied("robot.radius=1", 'robot."radius"=2')
 
 
+FLEET = """\
+duration = 3
+[[robot]]
+name = "a"
+module = "P"
+[[robot]]
+module = "b/Q"
+start = [900, 0, 0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("key", "number"),
+    [("a", 0), ("0", 0), ('"b/Q"', 1), ("1", 1)],
+    ids=["name", "0", "module", "1"],
+)
+def test_a_robot_of_several_is_named_or_counted(key: str, number: int) -> None:
+    radii = [200, 200]
+    radii[number] = 99
+    changed = read_scenario(FLEET, Path("s.toml"), {f"robot.{key}.radius": 99})
+    assert [robot.radius for robot in changed.robots] == radii
+
+
+@pytest.mark.parametrize(
+    ("keys", "message", "help_text"),
+    [
+        (
+            ["robot.radius"],
+            "`robot.radius`: there are several robots, and none is named `radius`",
+            'one of a, "b/Q", as in `robot.a.radius`',
+        ),
+        (
+            ["robot.b.radius"],
+            "`robot.b.radius`: there are several robots, and none is named `b`",
+            'one of a, "b/Q", as in `robot.a.radius`',
+        ),
+        (["robot.a.raduis"], "unknown key `raduis`", "did you mean `radius`?"),
+        (
+            ["robot.a.radius", "robot.0.radius"],
+            "`robot.0.radius`: this is the same key as `robot.a.radius`",
+            "state it once",
+        ),
+    ],
+)
+def test_how_to_name_one_of_several_robots_is_reported(
+    keys: list[str], message: str, help_text: str
+) -> None:
+    with pytest.raises(MarsError) as wrong:
+        read_scenario(FLEET, Path("s.toml"), dict.fromkeys(keys, 99))
+    (found,) = wrong.value.diagnostics
+    assert (found.message, found.help) == (message, help_text)
+
+
 def test_a_mistake_of_the_scenario_itself_is_at_its_line() -> None:
     with pytest.raises(MarsError) as wrong:
         read_scenario(TEXT + "x = 1\n", Path("s.toml"), {"robot.raduis": 1})

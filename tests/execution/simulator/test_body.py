@@ -57,6 +57,42 @@ def test_no_step_is_too_long_to_notice_a_thin_wall() -> None:
     assert body.collisions == 1
 
 
+@pytest.mark.parametrize("speed", [100.0, 1e6, 1e9])
+@pytest.mark.parametrize("radius", [0.0, 200.0])
+@pytest.mark.parametrize("turn", [0.0, 1e-3])
+def test_what_is_touched_is_not_passed_at_any_speed(
+    speed: float, radius: float, turn: float
+) -> None:
+    """Ahead is a wall and behind a box: it leaves the one, and does not pass the other."""
+    far, until = 100 + radius, 210 / speed + 0.02
+    box = [(-far, -900.0), (-far, 900.0), (-far - 50, 900.0), (-far - 50, -900.0)]
+    world = World(walls=[((far, -900.0), (far, 900.0))], polygons=[box])
+    body = alone(world, Pose(0, 0, 0), radius, command={"Trans_Z": speed, "Rotn_Y": turn})
+    body.advance(until)
+    assert body.pose.forward == pytest.approx(100, abs=2e-3)
+    body.obey({"Trans_Z": -speed}, until)
+    body.advance(2 * until)
+    assert body.pose.forward == pytest.approx(-100, abs=2e-3)
+    # The same thing within 0.1 s is the same contact.
+    assert body.collisions == (2 if speed == 100 else 1)
+    assert body.driven == pytest.approx(300, abs=0.1)
+
+
+@pytest.mark.parametrize("speed", [100.0, 1e6])
+def test_it_goes_along_what_it_touches_but_not_around_a_corner_into_the_next(speed: float) -> None:
+    corner = World(walls=[((100.0, -500.0), (100.0, 700.0), (-500.0, 700.0))])
+    body = alone(corner, Pose(0, 0, 0), 100 - 5e-4, command={"Trans_X": speed})
+    body.advance(10.0)
+    assert body.pose.forward == 0
+    assert body.pose.side == pytest.approx(600, abs=2e-3)
+
+
+def test_what_a_fast_robot_flees_is_not_looked_at_step_by_step() -> None:
+    body = alone(World(walls=[WALL]), Pose(0, 0, 0), 200, command={"Trans_Z": -1e12})
+    body.advance(1000.0)
+    assert (body.pose.forward, body.clearance) == (-1e15, 800.0)
+
+
 def test_a_moving_obstacle_that_reaches_a_resting_robot_collides() -> None:
     world = World(circles=[Circle((1000, 0), 100, ((0, 0),), 100)])
     body = alone(world, Pose(0, 0, 0), 200)

@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.term_ids import atoms
 from mars_asp.cli import run_here
 from mars_asp.cli.reason import load
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import load_project
-from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited
+from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited, true_atoms
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
@@ -162,3 +164,40 @@ def without_price(account: Account | None) -> Account | None:
     notes = tuple(note for note in account.notes if "apart" not in note)
     rules = tuple(rule for rule in account.rules if "price-of-sharing" not in rule)
     return replace(account, notes=notes, rules=rules)
+
+
+#: The data of `Eye` goes through one of two converters, and a splitter could follow either.
+TWO_WAYS = """@configuration
+@modules Eye, Screen
+Screen uses_data_from Eye
+@module_start
+@module_name Eye
+@Sense RequestWhenReady
+Photo look();
+@module_end
+@module_start
+@module_name Screen
+@DataIn
+void show(Picture shown);
+@module_end
+@module_start
+@module_name Painter
+@Converts
+Picture paint(Photo photo);
+@module_end
+@module_start
+@module_name Slow
+@Converts 2
+Picture paint(Photo photo);
+@module_end
+"""
+
+
+def test_what_could_be_chosen_and_is_not_is_not_true(tmp_path: Path) -> None:
+    path = tmp_path / "config.mars"
+    path.write_text(TWO_WAYS, encoding="utf-8")
+    evidence = Reasoner(load_project(str(path)), load_rulebook()).evidence(resolved=True)
+    splitter, transformer = Signature("splitter", 2), Signature("transformer", 2)
+    assert atoms(evidence.analysis.grounding.control, *splitter)
+    found = true_atoms(evidence, [splitter, transformer])
+    assert (len(found[splitter]), len(found[transformer])) == (0, 1)

@@ -1,0 +1,160 @@
+"""Rule cases of one folder, answered together where their rules choose nothing."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+
+from mars_asp.asp.fragments import joined
+from mars_asp.asp.messages import heard, predicate_of, saying
+from mars_asp.asp.rules.read import read_case
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.statements import shown as shows
+from mars_asp.asp.signature import Signature, signature_of
+from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.reasoning.cases.run import stages_of
+from mars_asp.reasoning.findings import CONSEQUENCE
+from tests.support.side_by_side import apart, together
+
+_EXPECTED = re.compile(r"^%=(.*(?:\n%\+.*)*)$", re.MULTILINE)
+_CONTINUED = re.compile(r"\r?\n%\+")
+_COST = re.compile(r"^%~[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
+_MESSAGE = re.compile(r"^%>[ \t]*(.*?)[ \t\r]*$", re.MULTILINE)
+SPOKEN = "case"
+#: Stages in which an answer is chosen.
+CHOOSING = frozenset(("resolve", "can", "cost"))
+
+
+class Case(NamedTuple):
+    """The text of a case, the sorted answer sets that it expects, and what it compares of each.
+
+    These are the atoms of predicates `wanted`, and where it has one of them messages and costs.
+    """
+
+    text: str
+    expected: tuple[tuple[str, ...], ...]
+    wanted: tuple[Signature, ...]
+    has_messages: bool
+    has_costs: bool
+
+    def hears(self, rule: Rule) -> bool:
+        """Whether what a rule says is compared."""
+        return bool(self.has_messages and rule.because and rule.heads.intersection(self.wanted))
+
+    def compared(self, atoms: Iterable[clingo.Symbol], speakers: Sequence[Rule]) -> Iterator[str]:
+        """Yield what is compared of an answer with what rules say, whose `saying` is in it."""
+        for atom in atoms:
+            if signature_of(atom) in self.wanted:
+                yield str(atom)
+            elif self.has_messages and atom.name == predicate_of(SPOKEN):
+                told = heard(as_term(atom), speakers)
+                if self.hears(told.rule):
+                    yield f"%> {told.rule.id}: {told.message}"
+
+
+def case_of(path: Path, finding: Signature) -> Case:
+    """Return a case; `finding` is the predicate that is compared where it shows none.
+
+    Raises:
+        MarsError: it may not be given to clingo.
+    """
+    text, written = read_case(path)
+    shown_in = tuple(s for piece in written if piece.sort == "shown" for s in shows(piece.text))
+    messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
+    costs = [f"%~ {cost}" for cost in _COST.findall(text)]
+    rest = [*messages, *costs]
+    expected = tuple(
+        sorted(
+            tuple(sorted([*_atoms(e), *rest]))
+            for e in (_CONTINUED.sub(" ", one) for one in _EXPECTED.findall(text))
+        )
+    )
+    return Case(text, expected, shown_in or (finding,), bool(messages), bool(costs))
+
+
+def _atoms(text: str) -> Iterator[str]:
+    """Yield the atoms of a line, which blanks part outside of brackets and strings."""
+    depth, quoted, current = 0, False, ""
+    for character in text.strip() + " ":
+        if character == '"':
+            quoted = not quoted
+        if not quoted:
+            depth += (character == "(") - (character == ")")
+        if character == " " and not depth and not quoted:
+            if current:
+                yield current
+            current = ""
+        else:
+            current += character
+
+
+class Outcome(NamedTuple):
+    """What a case expects and what the rules gave, each a tuple of sorted answer sets."""
+
+    path: Path
+    expected: tuple[tuple[str, ...], ...]
+    found: tuple[tuple[str, ...], ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the rules gave what is expected."""
+        return self.expected == self.found
+
+    def difference(self) -> Iterator[str]:
+        """Yield what is missing and what is too much."""
+        for name, these, those in (
+            ("missing", self.expected, self.found),
+            ("too much", self.found, self.expected),
+        ):
+            others = {atom for answer in those for atom in answer}
+            for answer in these:
+                yield from (f"  {name}: {atom}" for atom in answer if atom not in others)
+
+
+def together_or_apart(paths: Sequence[Path]) -> tuple[list[list[Path]], list[Path]]:
+    """Return cases by folders that are answered at once, and those that are answered alone."""
+    groups: dict[Path, list[Path]] = {}
+    alone: list[Path] = []
+    for path in paths:
+        if CHOOSING.isdisjoint(stages_of(path)):
+            groups.setdefault(path.parent, []).append(path)
+        else:
+            alone.append(path)
+    return list(groups.values()), alone
+
+
+def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
+    """Yield what becomes of cases of the same stages, of which none chooses."""
+    stages = ("base", *stages_of(paths[0]))
+    cases = [case_of(path, CONSEQUENCE) for path in paths]
+    heard = [case for case in cases if case.has_messages]
+    speakers = [
+        rule
+        for rule in rulebook.rules
+        if rule.stage in stages and any(case.hears(rule) for case in heard)
+    ]
+    program = ["case_(C) :- of_(C, _). in_(C) :- case_(C)."]
+    program += [together(rulebook.text(stage)) for stage in stages]
+    program.append(together(joined(saying(SPOKEN, speakers))))
+    for number, case in enumerate(cases):
+        program += (apart(number, case.text), f"of_({number}, {number}).")
+    answers = _answers("\n".join(program), len(cases))
+    for path, case, atoms in zip(paths, cases, answers, strict=True):
+        yield Outcome(path, case.expected, (tuple(sorted(set(case.compared(atoms, speakers)))),))
+
+
+def _answers(program: str, count: int) -> list[list[clingo.Symbol]]:
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], program)
+    control.ground()
+    assert control.solve().satisfiable
+    found: list[list[clingo.Symbol]] = [[] for _ in range(count)]
+    for atom in control.symbolic_atoms:
+        symbol = atom.symbol
+        assert atom.is_fact, f"{symbol} is chosen"
+        number, *rest = symbol.arguments
+        found[number.number].append(clingo.Function(symbol.name, rest, symbol.positive))
+    return found
