@@ -36,7 +36,9 @@ FILES = {
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
         "proofs explainer absence"
     ),
-    "model": "cycles names declarations described ranges modes transformation rates ports",
+    "model": (
+        "cycles names attributes declarations described ranges modes transformation rates ports"
+    ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"
@@ -51,8 +53,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs rules cases analysis includes project sample synthesis "
-        "verification session questions capability"
+        "budget facts findings packs includes attributes rules cases analysis project sample "
+        "synthesis verification session questions capability"
     ),
     "reasoning/facts": (
         "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"

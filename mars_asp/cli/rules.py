@@ -262,7 +262,8 @@ def _document(rule: Rule, heading: str) -> str:
 def _predicate_document(declaration: Declaration) -> str:
     sentences = {"says": declaration.says, "unless": declaration.unless}
     said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
-    said += [f"from: {declaration.origin}"] if declaration.origin else []
+    origin = declaration.attribution or declaration.origin
+    said += [f"from: {origin}"] if origin else []
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
     said += [] if declaration.cited else ["cited: never"]
@@ -285,6 +286,7 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
         "cited": declaration.cited,
         "orders": declaration.ordering,
         "from": declaration.origin,
+        "attribute": declaration.attribution,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,
         "line": declaration.span.line,
