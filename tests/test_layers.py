@@ -41,7 +41,9 @@ FILES = {
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
         "proofs explainer absence"
     ),
-    "model": "cycles names declarations described ranges modes transformation rates ports",
+    "model": (
+        "cycles names attributes declarations described ranges modes transformation rates ports"
+    ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
         "arguments overrides services problems pending modules files blocks representations"
@@ -56,8 +58,8 @@ FILES = {
     ),
     "kinematics": "frames supports sharing",
     "reasoning": (
-        "budget facts findings packs rules analysis includes project sample lint synthesis "
-        "verification session cases questions capability"
+        "budget facts findings packs includes attributes rules analysis project sample lint "
+        "synthesis verification session cases questions capability"
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
@@ -100,9 +102,9 @@ FILES = {
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
         "limits settings trace_document schemas worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import rules_kinds rules_new winners run_report run campaign_runner campaign_dask "
-        "campaign_job campaign_table campaign synthesise cases_report cases_measure cases_watch "
-        "test pytest_plugin verify diff rules_diff rules repair check account "
+        "draw export facts fmt import rules_kinds rules_new winners run_report run "
+        "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
+        "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_diff rules repair check account "
         "explain_page explain"
     ),
 }

@@ -8,15 +8,21 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from mars_asp.annotations.sources import Source
+from mars_asp.model import attributes
 from mars_asp.model.declarations import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS, SERVICE_KINDS
+from mars_asp.model.names import QUOTED
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
 OVERRIDES = ("Output", "Input", "Port", "Signature")
-WORDS = (*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", "Guard", *OVERRIDES)
+WORDS = (
+    *(*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", "Guard"),
+    *(*attributes.WORDS, *OVERRIDES),
+)
 _LOWER = {word.lower(): word for word in WORDS}
 #: A word, what is glued to it, and the rest of the line.
 _DIRECTIVE = re.compile(r"@([A-Za-z]\w*)(?![\w(.]|\s*:(?!:))(\S*)(?:\s+|$)(.*)")
-_REMARK = re.compile(r"(?:^|\s)--(?:\s|$)")
+#: What stands in quotes is no remark.
+_REMARK = re.compile(rf"(?P<quoted>{QUOTED})|(?:^|\s)--(?:\s|$)")
 _DELIVERY = re.compile(rf"(?i)\s*(?:{'|'.join(DELIVERY_MODES)})\b")
 _LETTERS = {word: frozenset(word) for word in WORDS}
 _MOST_MISSPELT = 20
@@ -135,7 +141,10 @@ def _is_plain(word: str, rest: str) -> bool:
 
 
 def _without_remark(text: str) -> str:
-    return _REMARK.split(text, maxsplit=1)[0].rstrip() if "--" in text else text.rstrip()
+    if "--" in text:
+        remarks = (match.start() for match in _REMARK.finditer(text) if match["quoted"] is None)
+        text = text[: next(remarks, None)]
+    return text.rstrip()
 
 
 @lru_cache(maxsize=1024)

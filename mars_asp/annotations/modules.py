@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from mars_asp.annotations.arguments import FUNCTIONS, read_bounds, read_vertex
+from mars_asp.annotations.arguments import FUNCTIONS, Wrong, read_bounds, read_vertex
 from mars_asp.annotations.directives import (
     MOST_OTHERS,
     OVERRIDES,
@@ -15,6 +15,8 @@ from mars_asp.annotations.pending import Pending
 from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.model import attributes
+from mars_asp.model.attributes import Attribute, AttributeProblem, read_attribute
 from mars_asp.model.declarations import SERVICE_KINDS, Function, Module, Service, Vertex
 from mars_asp.model.names import read_name
 
@@ -50,6 +52,7 @@ class _Open:
     vertices: dict[int, Vertex] = field(default_factory=dict)
     moving: Directive | None = None
     guard: Directive | None = None
+    attributes: dict[tuple[str, str], Attribute] = field(default_factory=dict)
 
 
 class _Reader:
@@ -115,6 +118,8 @@ class _Reader:
             self.vertex(module, directive)
         elif word == "Guard":
             self.guard(module, directive)
+        elif word in attributes.WORDS:
+            self.attribute(module, directive)
         else:
             self.pending.add(directive)
 
@@ -197,6 +202,21 @@ class _Reader:
         else:
             module.guard = directive
 
+    def attribute(self, module: _Open, directive: Directive) -> None:
+        read = read_attribute(directive.word, directive.rest)
+        if isinstance(read, AttributeProblem):
+            place = (None,) if not directive.rest else (read.begin, read.end)
+            self.problems.note_wrong(directive, Wrong("MARS125", read.message, read.help, *place))
+            return
+        name, value = read
+        key = directive.word, name
+        if key in module.attributes:
+            earlier = module.attributes[key].span
+            self.problems.note_twice(directive, f"@{directive.word} {name}", earlier)
+        else:
+            span = self.problems.span(directive.offset, directive.end)
+            module.attributes[key] = Attribute(name, span, value)
+
     def end(self, module: _Open, offset: int) -> None:
         """Close a module; keep it where it has a name."""
         module.services += self.pending.settle(offset, closing=True)
@@ -217,6 +237,7 @@ class _Reader:
                 tuple(module.vertices.values()),
                 module.place,
                 module.guard and self.problems.span(module.guard.offset, module.guard.end),
+                tuple(module.attributes.values()),
             )
         )
 

@@ -34,9 +34,16 @@ class Problems:
         self.found.append(Diagnostic(code, severity, message, span, labels, help_text, excerpt))
         self.errors += severity == "error"
 
-    def note_word(self, code: str, directive: Directive, message: str, help_text: str) -> None:
+    def note_word(
+        self,
+        code: str,
+        directive: Directive,
+        message: str,
+        help_text: str,
+        labels: tuple[tuple[Span, str], ...] = (),
+    ) -> None:
         """Report an annotation at its `@`."""
-        self.note(code, directive.offset, directive.end, message, help_text)
+        self.note(code, directive.offset, directive.end, message, help_text, labels=labels)
 
     def note_wrong(self, directive: Directive, *wrong: Wrong) -> None:
         """Report parts of what stands behind an annotation's word, or all of the annotation."""
@@ -47,10 +54,11 @@ class Problems:
                 end = directive.place(self.source, each.end)
             self.note(each.code, begin, end, each.message, each.help)
 
-    def note_twice(self, directive: Directive, what: str) -> None:
+    def note_twice(self, directive: Directive, what: str, earlier: Span | None = None) -> None:
         """Report an annotation that says again what another one of its module says."""
         message = f"`{what}` occurs twice in one module"
-        self.note_word("MARS117", directive, message, "keep one of the two")
+        labels = () if earlier is None else ((earlier, "first here"),)
+        self.note_word("MARS117", directive, message, "keep one of the two", labels)
 
     def is_too_long(self, directive: Directive) -> bool:
         """Report an annotation that was cut for its length."""

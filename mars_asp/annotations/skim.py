@@ -96,7 +96,8 @@ _NEST = {
 }
 _STRING_HERE = re.compile(_STRING)
 _LINE_HERE = re.compile(_SLASHES)
-_ANNOTATION_HERE = re.compile(rb"(?:[^\n/#]++|/(?!/))*+")
+#: Quotes keep what would begin a comment.
+_ANNOTATION_HERE = re.compile(rb'(?:[^\n/#"]++|"(?:[^"\\\n]|\\.)*+"|"|/(?!/))*+')
 _MATLAB_OPENING = re.compile(rb"%\{[ \t]*+(?=\n)")
 
 

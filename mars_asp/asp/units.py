@@ -18,6 +18,18 @@ UNITS: Mapping[str, tuple[int, str]] = {
 #: By the name of a sort, from how many on it is shown in another unit.
 _LARGER: Mapping[str, tuple[int, str]] = {"micrometres": (1_000_000, " m")}
 
+#: By the name of a sort, how many of it are one of each unit that it can be written in.
+WRITTEN: Mapping[str, Mapping[str, int]] = {
+    "millihertz": {"mHz": 1, "Hz": 1_000},
+    "milliseconds": {"ms": 1, "s": 1_000, "min": 60_000},
+    "instant": {"ms": 1, "s": 1_000, "min": 60_000},
+    "micrometres": {"um": 1, "mm": 1_000, "m": 1_000_000},
+    "millionths": {"%": 10_000},
+    "thousandths": {"%": 10},
+}
+#: The sorts of whole numbers.
+NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "cost"})
+
 
 def measured(number: int, sort: str) -> str:
     """Return a number of a sort in the unit that is shown for it: 25000 millihertz as `25 Hz`."""

@@ -10,8 +10,10 @@ from pathlib import Path
 from mars_asp.annotations.files import Extraction, extract, find_paths
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.report import report
+from mars_asp.language.print import print_attribute
 from mars_asp.model.declarations import Function, Module, Service
 from mars_asp.model.described import module_classes
+from mars_asp.model.names import plain
 from mars_asp.model.ports import parameter_names
 from mars_asp.model.rates import as_written
 from mars_asp.output import visible
@@ -57,6 +59,10 @@ def _module_json(module: Module) -> dict[str, object]:
         "class": list(module_classes(module)),
         "services": [_service_json(service) for service in module.services],
         "functions": [_function_json(function) for function in module.functions],
+        "tags": [each.name for each in module.attributes if each.value is None],
+        "properties": {
+            each.name: plain(each.value) for each in module.attributes if each.value is not None
+        },
     }
 
 
@@ -104,3 +110,5 @@ def _text(module: Module) -> Iterator[str]:
         bounds = (function.min, function.max, function.rate)
         shown = " ".join("_" if value is None else str(_number(value)) for value in bounds)
         yield f"  {function.name} {shown}"
+    for attribute in module.attributes:
+        yield f"  {print_attribute(attribute).removeprefix('@')}"

@@ -19,8 +19,14 @@ from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.packs import find_packs, kinds_of
-from mars_asp.reasoning.project import Project, described, project_facts
-from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.project import (
+    Project,
+    described,
+    has_attributes,
+    project_facts,
+    with_brought,
+)
+from mars_asp.reasoning.rules import brought_by, load_rulebook
 
 STANDARD_INPUT = "-"
 #: Where verbs keep what they read first.
@@ -178,7 +184,11 @@ def load(
     """
     with stage(arguments, f"reading {visible(path)}"):
         parsed, text, foreign = _parse(arguments, path, text, further)
-        return described(_with_kinds(parsed, arguments), text, arguments.sources, foreign)
+        project = described(parsed, text, arguments.sources, foreign)
+        packs = [Path(each) for each in arguments.rules]
+        # Without attributes no rules are read here, and the faults of packs come later.
+        brought = brought_by(packs) if has_attributes(project) else kinds_of(find_packs(packs, []))
+        return with_brought(project, brought)
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:

@@ -328,7 +328,8 @@ def _document(rule: Rule, heading: str) -> str:
 def _predicate_document(declaration: Declaration) -> str:
     sentences = {"says": declaration.says, "unless": declaration.unless}
     said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
-    said += [f"from: {declaration.origin}"] if declaration.origin else []
+    origin = declaration.attribution or declaration.origin
+    said += [f"from: {origin}"] if origin else []
     said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
     said += ["packs: extend"] if declaration.extensible else []
     said += [] if declaration.joins else ["joins: nothing"]
@@ -353,6 +354,7 @@ def _predicate_json(declaration: Declaration) -> dict[str, object]:
         "orders": declaration.ordering,
         "keys": list(map(list, declaration.named_keys)),
         "from": declaration.origin,
+        "attribute": declaration.attribution,
         "packs": "extend" if declaration.extensible else "read",
         "path": declaration.span.path,
         "line": declaration.span.line,

@@ -32,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="write what was found into the files as what is expected; facts stay, and so does"
         " what must be there or must not",
     )
-    parser.add_argument("--junit", metavar="FILE", help="write the outcomes as JUnit XML, too")
+    parser.add_argument("--junit", metavar="FILE", help="also write the outcomes as JUnit XML")
     parser.add_argument(
         "--watch",
         action="store_true",

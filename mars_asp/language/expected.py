@@ -17,6 +17,8 @@ KEYWORDS = (
     "is_mounted_on",
     "is_controlled_by",
     "uses_data_from",
+    "@Tag",
+    "@Property",
 )
 _WORDS = (
     "flat",
@@ -57,6 +59,9 @@ _SHOWN = {
     "_MODULES": "`@modules`",
     "_SOURCES": "`@sources`",
     "_INCLUDE": "`@include`",
+    "_TAG": "`@Tag`",
+    "_PROPERTY": "`@Property`",
+    "VALUE": "a value",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
 

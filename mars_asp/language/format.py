@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 
 from mars_asp.annotations.blocks import read_blocks
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
-from mars_asp.language.layout import COMMENT, Layout, lay_out
+from mars_asp.language.layout import QUOTED_OR_COMMENT, Layout, lay_out
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.language.print import fill
 from mars_asp.language.tokens import Token, tokens_of
@@ -170,7 +170,8 @@ def _block_line(text: str) -> str:
     text = text.rstrip()
     if not text.lstrip().startswith("@"):
         return text
-    comment = COMMENT.search(text)
+    found = QUOTED_OR_COMMENT.finditer(text)
+    comment = next((match for match in found if match["quoted"] is None), None)
     code = text[: comment.start()] if comment else text
     verbatim = _VERBATIM.search(code)
     end = verbatim.start() if verbatim else len(code)

@@ -28,6 +28,8 @@ _RULES = (
     "controller",
     "data",
     "every",
+    "tag",
+    "property",
 )
 
 

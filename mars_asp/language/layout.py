@@ -10,7 +10,7 @@ from mars_asp.model.names import QUOTED
 
 COMMENT = re.compile(r"(?://|#)[^\n]*")
 #: Quotes keep what would begin a comment.
-_QUOTED_OR_COMMENT = re.compile(f"(?P<quoted>{QUOTED})|{COMMENT.pattern}")
+QUOTED_OR_COMMENT = re.compile(f"(?P<quoted>{QUOTED})|{COMMENT.pattern}")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
 #: keeps this linear: of a run of blanks only the first is tried.
 _CONTINUED = re.compile(r"(?=\s)(?<=\S)(?:(?<=,)[^\S\n]*+\n\s*+|[^\S\n]*+\n\s*+(?=[,(]))")
@@ -56,6 +56,6 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
         for number in range(first - 1, last):
             lines[number] = " " * len(lines[number])
     blanked = "\n".join(lines)
-    blanked = _QUOTED_OR_COMMENT.sub(lambda match: match["quoted"] or " " * len(match[0]), blanked)
+    blanked = QUOTED_OR_COMMENT.sub(lambda match: match["quoted"] or " " * len(match[0]), blanked)
     joined = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), blanked)
     return Layout(path, text, joined + "\n", tuple(starts))

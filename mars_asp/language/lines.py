@@ -16,6 +16,7 @@ _BLANK = r"[^\S\n]"
 _NAME = BARE
 _MODE = r"(?!every(?!\w))[A-Za-z_]\w*+"
 _NUMBER = r"[+-]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][+-]?[0-9]++)?"
+_VALUE = r"[^\s\",()]++"
 _GAP = f"{_BLANK}++"
 #: The groups of each alternative are the children of the grammar's rule.
 _LINE = re.compile(
@@ -29,11 +30,16 @@ _LINE = re.compile(
         (?:{_GAP}({_NUMBER}))?
     | (@configuration|@specification)
         (?:{_GAP}(flat|hierarchical))?(?:{_GAP}period{_GAP}({_NUMBER}))?
+    | ({_NAME}){_GAP}@Tag{_GAP}({_NAME})
+    | ({_NAME}){_GAP}@Property{_GAP}({_NAME}){_GAP}({_VALUE})
     | @modules{_GAP}({_NAME}(?:{_BLANK}*+,{_BLANK}*+{_NAME})*+)
     ){_BLANK}*+$""",
     re.MULTILINE | re.VERBOSE,
 )
-_RULES = (("data", 6), ("control", 5), ("mount", 4), ("header", 3), ("modules", 1))
+_RULES = (
+    *(("data", 6), ("control", 5), ("mount", 4), ("header", 3)),
+    *(("tag", 2), ("property", 3), ("modules", 1)),
+)
 #: By the last group that matched, the rule and its groups.
 _BY_GROUP = {
     first + number: (rule, range(first, first + count))

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from decimal import Decimal
 
 from mars_asp.language.parse import ABSTRACT
+from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
     Configuration,
     Control,
@@ -70,6 +71,12 @@ def print_relationship(relationship: Relationship) -> str:
     return " ".join(words)
 
 
+def print_attribute(attribute: Attribute) -> str:
+    """Return the annotation of an attribute."""
+    behind = "" if attribute.value is None else f" {attribute.value}"
+    return f"@{attribute.word} {attribute.name}{behind}"
+
+
 def print_mode(mode: Mode) -> str:
     """Return a delivery mode as it was written, or as one would write it."""
     arguments = [print_number(argument) for argument in mode.arguments]
@@ -131,6 +138,8 @@ def _lines(configuration: Configuration) -> Iterator[str]:
             node = relationship.controlled
             yield f"// {node}: {written(modules.pop(node))}"
         yield print_relationship(relationship)
+    for each in configuration.attributed:
+        yield f"{written(each.module)} {print_attribute(each.attribute)}"
     for module in configuration.declared:
         yield ""
         yield print_module(module)
@@ -151,6 +160,7 @@ def _block(module: Module) -> Iterator[str]:
     yield f"@module_name {written(module.name)}"
     if module.guard is not None:
         yield "@Guard"
+    yield from map(print_attribute, module.attributes)
     for function in module.functions:
         yield _function(function)
     for vertex in module.vertices:

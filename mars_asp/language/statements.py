@@ -8,6 +8,14 @@ from typing import TypeAlias, cast
 
 from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.language.layout import Layout
+from mars_asp.model.attributes import (
+    PROPERTY,
+    TAG,
+    Attribute,
+    Attributed,
+    AttributeProblem,
+    read_attribute,
+)
 from mars_asp.model.declarations import (
     FOREVER,
     Allocation,
@@ -102,6 +110,7 @@ class Builder:
         self._includes: list[Include] = []
         self._sources: list[Name] = []
         self._relationships: list[Relationship] = []
+        self._attributed: list[Attributed] = []
 
     def add(self, base: int, raw: Raw) -> None:
         """Add a statement whose offsets count from `base`."""
@@ -136,6 +145,7 @@ class Builder:
             tuple((self._modules or {}).values()),
             tuple(self._relationships),
             includes=tuple(self._includes),
+            attributed=tuple(self._attributed),
         )
 
     def _add_header(self, children: list[Word | None]) -> None:
@@ -180,6 +190,24 @@ class Builder:
                 help_text = "write letters, digits, `_`, `-` and `/`, or put the name in quotes"
                 self._note(self._base + begin, self._base + end, message, help_text)
         self._includes.append(Include(path, name, self._span(word, word)))
+
+    def _add_tag(self, children: list[Word]) -> None:
+        self._attribute(TAG, *children)
+
+    def _add_property(self, children: list[Word]) -> None:
+        self._attribute(PROPERTY, *children)
+
+    def _attribute(self, word: str, module: Word, *said: Word) -> None:
+        first, last = said[0], said[-1]
+        text = self.layout.grammatical[self._base + first.begin : self._base + last.end]
+        read = read_attribute(word, text)
+        if isinstance(read, AttributeProblem):
+            begin = self._base + first.begin
+            self._note(begin + read.begin, begin + read.end, read.message, read.help)
+        else:
+            name, value = read
+            attribute = Attribute(name, self._span(module, last), value)
+            self._attributed.append(Attributed(str(module), attribute))
 
     def _add_mount(self, children: list["Word | Raw | None"]) -> None:
         mounting, vertex, mounted, on, transformation = children

@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from mars_asp.diagnostic import Span
+from mars_asp.model.attributes import Attribute, Attributed
 
 ServiceKind: TypeAlias = Literal["Sense", "DataOut", "ControlOut", "DataIn", "Converts"]
 Architecture: TypeAlias = Literal["flat", "hierarchical"]
@@ -113,6 +114,7 @@ class Module:
     vertices: tuple[Vertex, ...] = ()
     named: Span | None = None
     guard: Span | None = None
+    attributes: tuple[Attribute, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,7 +288,8 @@ class Configuration:
     `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
     could be read; `includes` are other configurations that are still to be taken in. `format` is
     what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
-    `kinds` are those of nodes that rule packs bring.
+    `kinds` are those of nodes that rule packs bring, `attributed` its own lines about attributes of
+    modules.
     """
 
     path: str
@@ -307,6 +310,7 @@ class Configuration:
     includes: tuple[Include, ...] = ()
     format: str | None = None
     kinds: tuple[PackKind, ...] = ()
+    attributed: tuple[Attributed, ...] = ()
 
     def node_kind(self, name: str) -> str | None:
         """Return the kind of node that a name stands for in a specification, if any."""

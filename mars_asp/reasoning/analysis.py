@@ -28,7 +28,7 @@ from mars_asp.asp.rules.expansions import Label
 from mars_asp.asp.rules.expansions import labels as labels_above
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
@@ -275,9 +275,9 @@ def _places(facts: Iterable[Fact], identifiers: Iterable[TermId]) -> dict[TermId
     """Return where the things stand that terms identify."""
     wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
     return {
-        wanted[fact.atom.arguments[0]]: fact.span
+        wanted[key]: fact.span
         for fact in facts
-        if fact.atom.name == "place" and fact.atom.arguments[0] in wanted
+        if fact.atom.name == "place" and (key := _identifier(fact.atom.arguments[0])) in wanted
     }
 
 
@@ -287,8 +287,15 @@ def _in_order(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(written(row[1]) for row in rows))
 
 
-def _plain(symbol: clingo.Symbol) -> int | str:
+def _plain(symbol: clingo.Symbol) -> int | str | tuple[str]:
+    if symbol.type == clingo.SymbolType.Function:
+        return (str(symbol),)
     return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)
+
+
+def _identifier(term: Term) -> int | str | tuple[str]:
+    """Return what a thing is found by; an attribute is a term, which no module is called."""
+    return (str(term),) if isinstance(term, Atom) else term
 
 
 def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[TermId], _Value]:

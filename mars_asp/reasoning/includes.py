@@ -5,7 +5,7 @@ those of the included file.
 """
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -86,6 +86,7 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
             dict.fromkeys(line for each in (*inner, own) for line in each.relationships)
         ),
         declared=tuple(blocks.values()),
+        attributed=tuple(dict.fromkeys(line for each in (*inner, own) for line in each.attributed)),
     )
     warnings = tuple(dict.fromkeys(warning for each in found for warning in each.warnings))
     return Parsed(configuration, (*warnings, *parsed.warnings), tuple(blocks))
@@ -172,8 +173,32 @@ def _behind(prefix: str, parsed: Parsed) -> Parsed:
         replace(module, name=_prefixed(prefix, module.name)) for module in inner.declared
     )
     lines = tuple(_renamed(prefix, line) for line in inner.relationships)
-    configuration = replace(inner, modules=names, relationships=lines, declared=declared)
+    attributed = tuple(
+        replace(line, module=name)
+        for line in inner.attributed
+        for name in _attributed_names(prefix, line.module, names, inner)
+    )
+    configuration = replace(
+        inner, modules=names, relationships=lines, declared=declared, attributed=attributed
+    )
     return Parsed(configuration, parsed.warnings, tuple(map(print_module, declared)))
+
+
+def _attributed_names(
+    prefix: str, module: str, names: Iterable[Name], inner: Configuration
+) -> Iterator[str]:
+    """Yield the modules that a line of an included file about a module is about.
+
+    Of one that is no module itself, and described in a source, they are those of that file alone
+    which it describes.
+    """
+    is_its_own = any(name.text == module for name in inner.modules)
+    instances = [
+        name.text
+        for name, original in zip(names, inner.modules, strict=True)
+        if original.described == module and name.described == module
+    ]
+    yield from [_prefixed(prefix, module)] if is_its_own or not instances else instances
 
 
 def _described(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
@@ -228,6 +253,18 @@ def undescribed(configuration: Configuration, described: Iterable[str]) -> Itera
     for name in configuration.modules:
         if name.described is not None and name.described not in known:
             yield name
+
+
+def module_named(name: str, beside: str, known: Container[str]) -> str | None:
+    """Return the module that a name means in a statement about the module `beside`.
+
+    It is looked for next to that one first, then a step further out, as the names of an included
+    file are.
+    """
+    inner = beside.strip("/").split("/")[:-1]
+    prefixes = ("/".join(inner[:length]) for length in range(len(inner), 0, -1))
+    candidates = (*(_prefixed(prefix, name) for prefix in prefixes), name)
+    return next((each for each in candidates if each in known), None)
 
 
 def _real(path: str) -> str:

@@ -7,11 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.signature import plain
+from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
-from mars_asp.model.declarations import Configuration, Module, Mount, Name
+from mars_asp.model.declarations import Configuration, Module, Mount, Name, PackKind, ends_of
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
@@ -39,7 +40,8 @@ class Project:
     """A configuration, the modules described for it, and what is noteworthy about their files.
 
     `text` is what the configuration was read from, `found` what was read from sources; `blocks`
-    are the texts of the configuration's own module blocks.
+    are the texts of the configuration's own module blocks. `brought` is what rule packs bring
+    besides rules, `None` until they are known; `attributes` are facts that they have names for.
     """
 
     configuration: Configuration
@@ -48,6 +50,8 @@ class Project:
     text: str = ""
     found: "Extraction | None" = None
     blocks: tuple[str, ...] = ()
+    brought: tuple[object, ...] | None = None
+    attributes: tuple[Fact, ...] = ()
 
     @property
     def format(self) -> str | None:
@@ -121,7 +125,32 @@ def revised(project: Project, texts: Mapping[str, str]) -> Project:
 
         for source in sorted(changed):
             found = reread(found, source, texts[source])
-    return _described(parsed, text, found)
+    return with_brought(_described(parsed, text, found), project.brought or ())
+
+
+def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
+    """Return a project that knows what rule packs bring: kinds of nodes, and attributes.
+
+    Raises:
+        MarsError: attributes that no pack declares, and values that are none of theirs.
+    """
+    kinds = tuple(each for each in brought if isinstance(each, PackKind))
+    configuration = project.configuration
+    if kinds != configuration.kinds:
+        configuration = replace(configuration, kinds=kinds)
+    found: tuple[Fact, ...] = ()
+    if has_attributes(project):
+        from mars_asp.reasoning.attributes import AttributeKind, attribute_facts  # noqa: PLC0415
+
+        declared = [each for each in brought if isinstance(each, AttributeKind)]
+        found = attribute_facts(configuration, project.modules, declared)
+    return replace(project, configuration=configuration, brought=brought, attributes=found)
+
+
+def has_attributes(project: Project) -> bool:
+    """Whether an attribute is stated of any module; only then is it asked which there are."""
+    described = (*project.modules.values(), *project.configuration.declared)
+    return bool(project.configuration.attributed) or any(each.attributes for each in described)
 
 
 def _described(parsed: Parsed, text: str, found: "Extraction | None") -> Project:
@@ -169,6 +198,7 @@ def project_facts(
     is `asked` for a function of a module.
     """
     facts = configuration_facts(project.configuration, project.modules, wanted)
+    facts += tuple(f for f in _attributes(project) if wanted is None or f.atom.name in wanted)
     if wanted is not None and not wanted & FRAMES:
         return facts
     frames = _frame_facts(project, asked)
@@ -194,7 +224,34 @@ def port_names(project: Project, module: str | None = None) -> Mapping[str, tupl
 def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -> Lookup:
     """Return the facts of a project of predicates `wanted`, to be made as they are looked for."""
     frames = partial(_frame_facts, project)
-    return Lookup(project.configuration, project.modules, wanted, vocabulary, frames)
+    attributes = tuple(fact for fact in _attributes(project) if fact.atom.name in wanted)
+    return Lookup(project.configuration, project.modules, wanted, vocabulary, frames, attributes)
+
+
+def identified(attribute: Fact) -> Atom:
+    """Return what rules identify an attribute by: a term that is written as its pack writes it."""
+    return attribute.atom._replace(name=plain(attribute.atom.name))
+
+
+def _attributes(project: Project) -> Iterator[Fact]:
+    """Yield the attributes of modules that the configuration names, each with its place.
+
+    Raises:
+        MarsError: attributes are stated, and no rule packs are known.
+    """
+    if project.brought is None:
+        project = with_brought(project, ())
+    if not project.attributes:
+        return
+    configuration = project.configuration
+    told = {name.text for name in configuration.modules}
+    told |= {name for each in configuration.relationships for name in ends_of(each)}
+    told |= described_modules(configuration, project.modules).keys()
+    for fact in project.attributes:
+        if fact.atom.arguments[0] in told:
+            path, line, column = fact.span[:3]
+            yield fact
+            yield Fact(Atom("place", (identified(fact), path, line, column)), fact.span)
 
 
 def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:

@@ -20,6 +20,7 @@ from mars_asp.asp.solve.atoms import Atom
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import NODE_NAMES, PackKind
 from mars_asp.reasoning import findings
+from mars_asp.reasoning.attributes import AttributeKind, attribute_kinds, wrong_kinds
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import CONTRACT, EXPANSIONS
 from mars_asp.reasoning.packs import Pack, find_packs, kinds_of
@@ -129,12 +130,17 @@ def load_rulebook(
         # What is wrong with packs as such spoils what is said of their rules.
         raise MarsError(problems)
     spaces = tuple(_name_space(pack, problems) for pack in packs)
+    attributes: tuple[AttributeKind, ...] = ()
     if spaces:
         sealed = seal()
+        attributes = attribute_kinds(spaces, sealed, problems)
+        own_names = {each.declaration.signature: each.predicate for each in attributes}
         taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))
         spaces = tuple(told_apart(spaces, taken))
-        problems += wrong_packs(spaces, sealed, replace(CONTRACT, trusted=trusted))
-        spaces = tuple(apart(spaces, sealed))
+        problems += wrong_kinds(attributes, spaces, sealed)
+        contract = replace(CONTRACT, trusted=trusted)
+        problems += wrong_packs(spaces, sealed.without(own_names), contract)
+        spaces = tuple(apart(spaces, sealed, own_names))
     if strict:
         problems += repeated_ids(own.rules)
     if problems and noted is None:
@@ -155,9 +161,24 @@ def load_rulebook(
         len(rules),
         (*own.paths, *(r.span.path for r in stated), *(file.shown for file in files)),
         (*own.documented, *map(_undocumented, stated), *(file.documented for file in files)),
-        kinds,
+        (*kinds, *attributes),
         ((next(iter(NODE_NAMES)), tuple(kind.kind for kind in kinds)),) if kinds else (),
     )
+
+
+def brought_by(extra: Iterable[Path]) -> tuple[object, ...]:
+    """Return what rule packs bring besides rules, without what else is to be said of them.
+
+    Raises:
+        MarsError: files that cannot be read, and attributes that are declared in two ways.
+    """
+    problems: list[Diagnostic] = []
+    packs = find_packs(extra, problems)
+    spaces = tuple(_name_space(pack, problems) for pack in packs)
+    brought = (*kinds_of(packs), *attribute_kinds(spaces, seal(), problems))
+    if problems:
+        raise MarsError(problems)
+    return brought
 
 
 def _texts(files: Iterable[RuleFile]) -> Iterator[tuple[str, str]]:

@@ -5,17 +5,17 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Resolution
-from mars_asp.model.declarations import Configuration, PackKind
+from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.budget import ENDLESS, Budget
-from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.project import Project, project_facts, with_brought
 from mars_asp.reasoning.synthesis import Derived, Introduced
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
 
@@ -71,11 +71,14 @@ class Reasoner:
     budget: Budget = ENDLESS
 
     def __post_init__(self) -> None:
-        """Let the configuration know the kinds of nodes that the packs of the rulebook bring."""
-        kinds = tuple(each for each in self.rulebook.brought if isinstance(each, PackKind))
-        if kinds != self.project.configuration.kinds:
-            configuration = replace(self.project.configuration, kinds=kinds)
-            object.__setattr__(self, "project", replace(self.project, configuration=configuration))
+        """Let the project know what the packs of the rulebook bring.
+
+        Raises:
+            MarsError: attributes that no pack declares, and values that are none of theirs.
+        """
+        if self.project.brought != self.rulebook.brought:
+            project = with_brought(self.project, self.rulebook.brought)
+            object.__setattr__(self, "project", project)
 
     @cached_property
     def facts(self) -> tuple[Fact, ...]:

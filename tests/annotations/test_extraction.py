@@ -27,8 +27,9 @@ CASES = [path for path in sorted((FOLDER / "cases").iterdir()) if path.suffix in
 EXPECTED = json.loads((FOLDER / "expected.json").read_text(encoding="utf-8"))
 
 
-#: Keys of services that came later.
+#: Keys of services, and of modules, that came later.
 ADDED = ("port", "parameters")
+ADDED_TO_MODULES = ("tags", "properties")
 
 
 def plain(word: str) -> str:
@@ -36,7 +37,7 @@ def plain(word: str) -> str:
 
 
 def comparable(module: dict[str, object]) -> dict[str, object]:
-    module = {key: value for key, value in module.items() if key != "path"}
+    module = {key: value for key, value in module.items() if key not in ("path", *ADDED_TO_MODULES)}
     classes = module["class"]
     assert isinstance(classes, list)
     services = module["services"]

@@ -66,12 +66,8 @@ def case_of(path: Path, finding: Signature) -> Case:
     messages = [f"%> {message}" for message in _MESSAGE.findall(text)]
     costs = [f"%~ {cost}" for cost in _COST.findall(text)]
     rest = [*messages, *costs]
-    expected = tuple(
-        sorted(
-            tuple(sorted([*_atoms(e), *rest]))
-            for e in (_CONTINUED.sub(" ", one) for one in _EXPECTED.findall(text))
-        )
-    )
+    answers = (_CONTINUED.sub(" ", one) for one in _EXPECTED.findall(text))
+    expected = tuple(sorted(tuple(sorted([*_atoms(each), *rest])) for each in answers))
     return Case(text, expected, shown_in or (finding,), bool(messages), bool(costs))
 
 

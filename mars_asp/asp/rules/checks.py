@@ -1,8 +1,8 @@
 """What clingo would say of a rule pack too late, or without the place, or not at all."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -76,6 +76,15 @@ class Seal:
     extensible: Mapping[Signature, frozenset[str]]
     sees: Mapping[str, frozenset[str]]
     public: frozenset[Signature]
+
+    def without(self, apart: Collection[Signature]) -> "Seal":
+        """Return what is sealed where some names of private predicates mean something else."""
+        freed = {each for each in apart if each not in self.reserved}
+        return replace(
+            self,
+            derived={each: at for each, at in self.derived.items() if each not in freed},
+            given={each: at for each, at in self.given.items() if each not in freed},
+        )
 
     @cached_property
     def arities(self) -> Mapping[str, int]:

@@ -9,7 +9,8 @@
 
 A sort behind an argument says what its values are: one word or several (`edge |
 node`), the constants that there are (`{flat, hierarchical}`), or both. Behind the words for readers
-stand lines `key: value`: `from` says where the facts of the predicate come from, `packs: extend`
+stand lines `key: value`: `from` says where the facts of the predicate come from, with `tag` and
+`property` from annotations of modules that are called as it is, `packs: extend`
 that rules from elsewhere may derive it, `packs: read` that those with a name may read it, and
 `joins: nothing` that its facts do not bring together what they name. Names of arguments and words
 are enough, as for what rules derive.
@@ -37,6 +38,8 @@ from mars_asp.spelling import nearest
 
 #: Who says that a fact holds: the user, a method outside of the rules, or a run.
 Origin: TypeAlias = Literal["stated", "computed", "observed"]
+#: How the user states an attribute of a module: by an annotation without a value, or with one.
+Attribution: TypeAlias = Literal["tag", "property"]
 
 # Most commands declare nothing, so these are compiled when they are wanted.
 _MARK = r"(?s)%\*!(.*)\*%"
@@ -50,7 +53,7 @@ _LINE = r"([a-z]+):\s*(.*)"
 _MOST_SHOWN = 60
 #: The keys of the lines behind the words, and what each can say.
 _SAID: Mapping[str, tuple[str, ...]] = {
-    "from": get_args(Origin),
+    "from": (*get_args(Origin), *get_args(Attribution)),
     "packs": ("extend", "read"),
     "joins": ("nothing",),
     "cited": ("never",),
@@ -102,7 +105,8 @@ class Declaration:
     """What is declared of a predicate; `origin` is `None` where nobody says it.
 
     `orders` is the position from 0 of the argument that things are ordered by, `keys` those of
-    arguments for whose values there is one fact at most.
+    arguments for whose values there is one fact at most, `attribution` how modules are annotated
+    with what is an attribute of theirs.
     """
 
     name: str
@@ -118,6 +122,7 @@ class Declaration:
     cited: bool = True
     orders: int | None = None
     keys: tuple[tuple[int, ...], ...] = ()
+    attribution: Attribution | None = None
 
     @property
     def signature(self) -> Signature:
@@ -203,6 +208,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         return None
     words, said = _lines(rest, place, problems)
     first = {key: values[0] for key, values in said.items()}
+    attribution = next((each for each in get_args(Attribution) if each == first.get("from")), None)
     origin = next((each for each in get_args(Origin) if each == first.get("from")), None)
     names = [argument.name for argument in read]
     for sentence in (*said.get("says", ()), *said.get("unless", ())):
@@ -223,7 +229,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         read,
         words,
         place,
-        origin,
+        "stated" if attribution else origin,
         extensible=first.get("packs") == "extend",
         public="packs" in said,
         joins="joins" not in said,
@@ -232,6 +238,7 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         cited="cited" not in said,
         orders=names.index(first[_ORDERS]) if first.get(_ORDERS) in names else None,
         keys=tuple(keys),
+        attribution=attribution,
     )
 
 

@@ -50,13 +50,16 @@ def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstri
     return docstring._replace(text=_HEADER.sub(header, docstring.text, count=1))
 
 
-def apart(spaces: Iterable[NameSpace], sealed: Seal) -> Iterator[NameSpace]:
+def apart(
+    spaces: Iterable[NameSpace], sealed: Seal, common: Mapping[Signature, str]
+) -> Iterator[NameSpace]:
     """Yield packs in which no predicate of one's own is called as one of others is.
 
-    What a pack reads of another has the name that it has there.
+    What a pack reads of another has the name that it has there, and what facts give to all of them
+    its `common` one.
     """
-    taken = {each.name for each in sealed.named}
-    shared: dict[Signature, str] = {}
+    taken = {each.name for each in (*sealed.named, *common)}
+    shared = {each: name for each, name in common.items() if each.name != name}
     for space in spaces:
         own = {head for rule in space.rules for head in rule.heads} - sealed.reserved
         names = {each: spaced(each, space.name) for each in own if each.name in taken}

@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import TypeAlias
 
-from mars_asp.asp.solve.atoms import Fact, Term
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.model.declarations import Configuration, Data, Module, Name, ends_of
 from mars_asp.reasoning.facts.compile import (
     ANNOTATIONS,
@@ -36,15 +36,23 @@ class Lookup:
         wanted: Set[str],
         vocabulary: Vocabulary,
         frame_facts: Callable[[], Iterable[Fact]] = tuple,
+        attributes: Iterable[Fact] = (),
     ) -> None:
         """Look for facts of the predicates `wanted`; nothing is made yet.
 
-        `frame_facts` gives what mounts do to motions, when it is asked for.
+        `frame_facts` gives what mounts do to motions, when it is asked for. `attributes` are made
+        already, with their places.
         """
         self._configuration = configuration
         self._by_thing = vocabulary.by_thing
         self._compiler = Compiler(configuration, modules, wanted)
         self._frame_facts = frame_facts
+        self._attributes: dict[str, list[Fact]] = {}
+        for fact in attributes:
+            stated = fact.atom
+            if stated.name == "place" and isinstance(stated.arguments[0], Atom):
+                stated = stated.arguments[0]
+            self._attributes.setdefault(stated.name, []).append(fact)
         self._told: dict[int | Name | str, Sequence[Fact]] = {}
         #: By (name, positions, value), facts by the values at these positions.
         self._groups: dict[tuple[object, ...], _Group] = {}
@@ -63,7 +71,8 @@ class Lookup:
         """
         by: tuple[object, ...] = (name, positions)
         key, value = 0, None
-        keys = self._by_thing.get(name)
+        # Attributes are few, and told together.
+        keys = None if name in self._attributes else self._by_thing.get(name)
         if keys is not None:
             key, value = next(
                 pair for pair in zip(positions, values, strict=True) if pair[0] in keys
@@ -93,6 +102,8 @@ class Lookup:
         """
         if value is None or name in PORTS | HEADING:
             return (f"{name}/",)
+        if isinstance(value, Atom):
+            return (f"{value.name}/",) if value.name in self._attributes else ()
         if isinstance(value, int):
             if value > len(self._configuration.relationships):
                 return self._annotated_by(value) if name in ANNOTATIONS else ()
@@ -124,6 +135,9 @@ class Lookup:
     def _tell_together(self, name: str) -> None:
         """Add all facts of one predicate."""
         compiler = self._compiler
+        if name in self._attributes:
+            compiler.facts += self._attributes[name]
+            return
         if name in FRAMES:
             compiler.facts += (fact for fact in self._frames if fact.atom.name == name)
             return

@@ -72,8 +72,16 @@ class Vocabulary:
 
 
 def vocabulary(rulebook: "Rulebook") -> Vocabulary:
-    """Return what the rules of the base are given, as they declare it; packs are given no more."""
-    return Vocabulary(given_in(rulebook.built_in, "base"))
+    """Return what rules are given: what those of the base declare, and attributes of packs."""
+    given = given_in(rulebook.built_in, "base")
+    packs = rulebook.documented[len(rulebook.documented) - rulebook.packs :]
+    found = {
+        each.signature: _given_by(each, "stated")
+        for file in packs
+        for each in file.declarations
+        if each.attribution is not None
+    }
+    return Vocabulary((*given, *found.values()))
 
 
 def given_in(rulebook: "Rulebook", *stages: str) -> tuple[Given, ...]:
@@ -95,15 +103,15 @@ def _given(told: "tuple[Docstring, ...]") -> tuple[Given, ...]:
     from mars_asp.asp.rules.declarations import declarations  # noqa: PLC0415
 
     return tuple(
-        Given(
-            each.signature,
-            each.origin,
-            each.places(*IDENTIFYING) if each.origin == "stated" else (),
-            each.joins,
-        )
+        _given_by(each, each.origin)
         for each in declarations(told, "rules", [])
         if each.origin is not None
     )
+
+
+def _given_by(each: "Declaration", origin: "Origin") -> Given:
+    places = each.places(*IDENTIFYING) if origin == "stated" else ()
+    return Given(each.signature, origin, places, each.joins)
 
 
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":

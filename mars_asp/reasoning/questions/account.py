@@ -26,7 +26,7 @@ from mars_asp.model.rates import as_written
 from mars_asp.reasoning.analysis import Consequence, Key
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
 from mars_asp.reasoning.facts.rates import Rates, rates_in
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, identified
 from mars_asp.reasoning.questions.sharing import APART, apart
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import Node
@@ -78,12 +78,12 @@ class UnnamedNodeError(Exception):
 class Names:
     """What terms in sentences stand for: the places of things, and the names of nodes.
 
-    Things are relationships and annotations by their numbers, modules by their names; nodes are
-    known by the texts of their terms. `modules` are in the order of the configuration. `rates` are
-    how numbers stand for rates.
+    Things are relationships and annotations by their numbers, modules by their names, attributes by
+    their texts; nodes are known by the texts of their terms. `modules` are in the order of the
+    configuration. `rates` are how numbers stand for rates.
     """
 
-    places: Mapping[int | str, Span]
+    places: Mapping[int | str | tuple[str], Span]
     configuration: Span
     nodes: Mapping[str, str]
     modules: Mapping[str, int]
@@ -132,7 +132,7 @@ class Names:
             return self.places[symbol.number]
         if symbol.type == clingo.SymbolType.String:
             return self.places[symbol.string]
-        return self.configuration
+        return self.places.get((str(symbol),), self.configuration)
 
     def _at(self, thing: clingo.Symbol) -> str:
         return self.where(self._place(thing))
@@ -436,13 +436,16 @@ def names_of(project: Project, nodes: Iterable[Node]) -> Names:
     """Return what terms in sentences about a project and its nodes stand for."""
     configuration = project.configuration
     described = described_modules(configuration, project.modules)
-    places: dict[int | str, Span] = {name: module.span for name, module in described.items()}
+    places: dict[int | str | tuple[str], Span] = {
+        name: module.span for name, module in described.items()
+    }
     places |= {name.text: name.span for name in configuration.modules}
     places |= {number: each.span for number, each in numbered(configuration.relationships)}
     places |= {
         number: annotation.span
         for number, _, annotation in numbered_annotations(configuration, described)
     }
+    places |= {(str(identified(fact)),): fact.span for fact in project.attributes}
     order = {name.text: place for place, name in enumerate(configuration.modules)}
     rates = rates_in(configuration, described)
     return Names(places, configuration.span, {node.term: node.name for node in nodes}, order, rates)

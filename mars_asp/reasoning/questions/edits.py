@@ -411,6 +411,9 @@ def _name(drafts: _Drafts, module: Symbol) -> None:
 def _unname(drafts: _Drafts, module: Symbol) -> None:
     listed = drafts.members(drafts.headed("@modules"))
     listed.drop(next(each for each in listed.members if each.name.name == module.string))
+    for each in drafts.texts.project.configuration.attributed:
+        if each.module == module.string and each.attribute.span.path == drafts.texts.path:
+            drafts.drop(drafts.statement(each.attribute.span))
 
 
 def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:

@@ -108,9 +108,7 @@ def slice_for(
     sliced = tuple(rule for rule, _ in behind)
     if text is None:
         text = "\n".join(rule.text for rule in sliced)
-    return Slice(
-        Rulebook(sliced, (("base", text),), documented=rulebook.built_in.documented), needed
-    )
+    return Slice(Rulebook(sliced, (("base", text),), documented=rulebook.documented), needed)
 
 
 def _statements(rules: Iterable[Rule]) -> list[Statement]:

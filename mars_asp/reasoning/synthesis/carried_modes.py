@@ -8,7 +8,7 @@ from mars_asp.model.declarations import Configuration, Data, Module, node_kind
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.ends import ends_in
-from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.project import Project, project_facts, with_brought
 
 _NODES = ("data_splitter", "data_transformer")
 
@@ -40,7 +40,8 @@ def state_modes(
         modules=tuple(n for n in specification.modules if not _is_node(n.text, known)),
         relationships=tuple(_end_to_end(lines, known)),
     )
-    analysis = analyse(project_facts(Project(apart, modules, ())), rulebook, apart.span)
+    project = with_brought(Project(apart, modules, ()), rulebook.brought)
+    analysis = analyse(project_facts(project), rulebook, apart.span)
     carried = {
         symbol.arguments[0].string: symbol.arguments[1].number
         for symbol in analysis.grounding.symbols("favoured", 2)

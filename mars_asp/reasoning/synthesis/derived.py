@@ -92,6 +92,6 @@ def decided_by(rulebook: Rulebook, kind: str) -> Signature | None:
         for rule in rulebook.rules
         if rule.stage == STAGE and rule.derives(_NODE)
         for statement in rule.statements
-        if statement.head.signature == _NODE and statement.head.terms[1].constant in (kind, None)
+        if statement.head.signature == _NODE and statement.head.terms[1].constant == kind
     ]
     return found[0][0] if list(map(len, found)) == [1] else None

@@ -1,0 +1,88 @@
+"""Attributes of modules, `@Tag safety_critical` and `@Property latency_ms 60`, as they are written.
+
+Which there are, and what values each takes, rule packs declare; here is only how they look.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.model.names import BARE, QUOTED
+
+TAG, PROPERTY = "Tag", "Property"
+WORDS = (TAG, PROPERTY)
+_NAME = re.compile(r"[A-Za-z_]\w*")
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
+#: A number, with or without its unit.
+_MEASURE = re.compile(rf"({_NUMBER})\s*([^\W\d_]+|%)?")
+_VALUE = re.compile(rf"{_MEASURE.pattern}|{BARE}|{QUOTED}")
+_GAP = re.compile(r"\s+")
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """A tag or a property; `value` is as it is written, quotes included, `None` for a tag."""
+
+    name: str
+    span: Span
+    value: str | None = None
+
+    @property
+    def word(self) -> str:
+        """Return the word of its annotation."""
+        return TAG if self.value is None else PROPERTY
+
+
+@dataclass(frozen=True, slots=True)
+class Attributed:
+    """A line that states an attribute of a module: `Camera @Tag safety_critical`."""
+
+    module: str
+    attribute: Attribute
+
+
+class AttributeProblem(NamedTuple):
+    """What is wrong with an attribute, and what to do; from `begin` to `end` of its text."""
+
+    message: str
+    help: str
+    begin: int
+    end: int
+
+
+def read_attribute(word: str, text: str) -> tuple[str, str | None] | AttributeProblem:
+    """Return the name and the value that stand behind `@Tag` or `@Property`."""
+    name, value = (*_GAP.split(text.strip(), maxsplit=1), "")[:2]
+    begin = len(text.rstrip()) - len(value)
+    if not _NAME.fullmatch(name):
+        found = f"found `{name}`" if name else "found nothing"
+        help_text = f"write `{_form(word)}`, the name in letters, digits and `_`"
+        return AttributeProblem(
+            f"expected a name after `@{word}`, {found}", help_text, 0, len(name)
+        )
+    if word == TAG:
+        if value:
+            message = f"expected nothing after `@Tag {name}`, found `{value}`"
+            help_text = f"a tag has no value; write `@Property {name} VALUE` for one that has"
+            return AttributeProblem(message, help_text, begin, len(text))
+        return name, None
+    if not value:
+        message = f"`@Property {name}` without a value"
+        help_text = f"write `{_form(word)}`, or `@Tag {name}` for what has no value"
+        return AttributeProblem(message, help_text, 0, len(text))
+    if not _VALUE.fullmatch(value):
+        message = f"expected a value, found `{value}`"
+        help_text = "write a number, a word, or text in double quotes"
+        return AttributeProblem(message, help_text, begin, len(text))
+    return name, value if value.startswith('"') else " ".join(value.split())
+
+
+def read_measure(value: str) -> tuple[str, str] | None:
+    """Return the number and the unit, empty without one, that a value writes, if it writes any."""
+    match = _MEASURE.fullmatch(value)
+    return None if match is None else (match[1], match[2] or "")
+
+
+def _form(word: str) -> str:
+    return "@Tag NAME" if word == TAG else "@Property NAME VALUE"

@@ -1,0 +1,340 @@
+"""Attributes of modules as facts: `@Tag safety_critical`, `@Property latency_ms 60`.
+
+Rule packs declare which there are; what they declare says which values each takes.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from decimal import Decimal
+from typing import NamedTuple
+
+from mars_asp.asp.rules.checks import Seal
+from mars_asp.asp.rules.declarations import Argument, Declaration
+from mars_asp.asp.rules.namespaces import spaced
+from mars_asp.asp.rules.read import NameSpace
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.units import NUMBERS, WRITTEN
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.model.attributes import TAG, Attribute, read_measure
+from mars_asp.model.declarations import Configuration, Module, ends_of
+from mars_asp.model.described import described_modules
+from mars_asp.model.names import plain, read_name
+from mars_asp.model.ranges import MOST
+from mars_asp.reasoning.includes import module_named
+from mars_asp.spelling import nearest
+
+_CODE = "attribute"
+#: What is behind the name of an attribute that is called as a predicate of the built-in rules.
+_SPACE = "attribute"
+_LEAST = -(2**31)
+#: A number of more digits fits in no way, and is not computed with.
+_MOST_DIGITS = 30
+#: Sorts of what only the program itself numbers.
+_UNSTATED = frozenset({"relationship", "annotation"})
+_WHOLE = re.compile(r"-?[0-9]+")
+
+
+class AttributeKind(NamedTuple):
+    """An attribute that a pack declares; `predicate` is what rules call it by in the end."""
+
+    pack: str
+    declaration: Declaration
+    predicate: str
+
+    @property
+    def name(self) -> str:
+        """Return how it is called."""
+        return self.declaration.name
+
+    @property
+    def value(self) -> Argument | None:
+        """Return what its values are; a tag has none."""
+        return None if self.declaration.attribution == "tag" else self.declaration.arguments[1]
+
+    def __str__(self) -> str:
+        """Return it as messages call it."""
+        return f"the {self.declaration.attribution} `{self.name}`"
+
+
+def attribute_kinds(
+    spaces: Iterable[NameSpace], sealed: Seal, problems: list[Diagnostic]
+) -> tuple[AttributeKind, ...]:
+    """Return the attributes that packs declare; note which cannot be, and which do not agree.
+
+    One that is called as a predicate of the built-in rules has a name that these do not read.
+    """
+    taken = {each.name for each in sealed.named}
+    first: dict[str, AttributeKind] = {}
+    for space in spaces:
+        for file in space.files:
+            for each in file.documented.declarations:
+                if each.attribution is None:
+                    continue
+                if wrong := _unfit(each):
+                    problems.append(wrong)
+                    continue
+                signature = each.signature
+                name = spaced(signature, _SPACE) if each.name in taken else each.name
+                kind = AttributeKind(space.name, each, name)
+                earlier = first.setdefault(each.name, kind)
+                if _meaning(earlier) != _meaning(kind):
+                    problems.append(_contrary(kind, earlier))
+    return tuple(first.values())
+
+
+def _unfit(declared: Declaration) -> Diagnostic | None:
+    """Return the error that a predicate cannot be an attribute of modules, if so."""
+    arguments, kind = declared.arguments, declared.attribution
+    wanted = 1 if kind == "tag" else 2
+    no_value = sorted(arguments[-1].sorts & _UNSTATED) if arguments else []
+    if declared.name.startswith(("-", "_")) or "'" in declared.name:
+        wrong = "its name is more than letters, digits and `_`"
+    elif len(arguments) != wanted:
+        wrong = f"it has {len(arguments)} arguments, not {wanted}"
+    elif arguments[0].sorts != frozenset({"module"}):
+        wrong = "its first argument is not of the sort `module`"
+    elif no_value:
+        wrong = f"no annotation states a value of the sort `{no_value[0]}`"
+    elif not arguments[-1].sorts and not arguments[-1].constants:
+        wrong = "its value has no sort"
+    else:
+        return None
+    form = "name(M: module)" if kind == "tag" else "name(M: module, V: sort)"
+    message = f"`{declared.name}` cannot be a {kind}: {wrong}"
+    advice = f"write `%*! {form}`"
+    return Diagnostic("rule-declaration", "error", message, declared.span, help=advice)
+
+
+def wrong_kinds(
+    kinds: Iterable[AttributeKind], spaces: Iterable[NameSpace], sealed: Seal
+) -> Iterator[Diagnostic]:
+    """Yield the attributes that mean something else already, and rules that derive one."""
+    for kind in kinds:
+        if kind.declaration.signature in sealed.reserved or kind.name in sealed.arities:
+            message = f"`{kind.name}` means something else already, so it cannot be {kind}"
+            advice = "choose another name"
+            yield Diagnostic("rule-reserved", "error", message, kind.declaration.span, help=advice)
+    for space in spaces:
+        declared = (each for file in space.files for each in file.documented.declarations)
+        own = {each.name for each in declared if each.attribution is not None}
+        for rule in space.rules:
+            for head in sorted({head.name for head in rule.heads} & own):
+                message = f"`{head}` is stated by annotations, and nothing derives it"
+                advice = "derive a predicate of your own from it"
+                yield Diagnostic("rule-reserved", "error", message, rule.span, help=advice)
+
+
+def attribute_facts(
+    configuration: Configuration,
+    modules: Mapping[str, Module],
+    kinds: Iterable[AttributeKind],
+) -> tuple[Fact, ...]:
+    """Return the facts of all attributes, each with its place; `modules` are those of sources.
+
+    Raises:
+        MarsError: attributes that no pack declares, values that are none of theirs, and two values
+            of one property.
+    """
+    return _Reader(configuration, modules, kinds).facts()
+
+
+class _Stated(NamedTuple):
+    """An attribute of a module that the configuration names."""
+
+    module: str
+    attribute: Attribute
+
+
+class _Reader:
+    """Reads the attributes of one configuration, and notes what is wrong with them."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        modules: Mapping[str, Module],
+        kinds: Iterable[AttributeKind],
+    ) -> None:
+        self._configuration = configuration
+        declared = {module.name: module for module in configuration.declared}
+        self._described = {**modules, **declared}
+        self._kinds = {kind.name: kind for kind in kinds}
+        named = {name.text for name in configuration.modules}
+        ends = (ends_of(each) for each in configuration.relationships)
+        self._named = named.union(*ends)
+        self._known = named | self._described.keys()
+        self._problems: dict[Diagnostic, None] = {}
+
+    def facts(self) -> tuple[Fact, ...]:
+        """Return the facts, each once, in the order of modules and names."""
+        first: dict[tuple[str, str], Fact] = {}
+        for module, attribute in (*self._of_descriptions(), *self._of_lines()):
+            atom = self._atom(module, attribute)
+            if atom is None:
+                continue
+            fact = Fact(atom, attribute.span)
+            earlier = first.setdefault((atom.name, module), fact)
+            if earlier.atom != atom:
+                self._twice(module, attribute, earlier)
+        if self._problems:
+            raise MarsError(self._problems)
+        return tuple(first[key] for key in sorted(first))
+
+    def _of_descriptions(self) -> Iterator[_Stated]:
+        for module in described_modules(self._configuration, self._described).values():
+            for attribute in module.attributes:
+                yield _Stated(module.name, attribute)
+
+    def _of_lines(self) -> Iterator[_Stated]:
+        named = {name.text for name in self._configuration.modules}
+        instances: dict[str, list[str]] = {}
+        for name in self._configuration.modules:
+            if name.described is not None and name.described != name.text:
+                instances.setdefault(name.described, []).append(name.text)
+        for line in self._configuration.attributed:
+            if line.module not in self._known and line.module not in instances:
+                self._unnamed(line.module, line.attribute.span)
+            described = () if line.module in named else instances.get(line.module, ())
+            for module in (line.module, *described):
+                yield _Stated(module, line.attribute)
+
+    def _atom(self, module: str, attribute: Attribute) -> Atom | None:
+        kind = self._kinds.get(attribute.name)
+        if kind is None or (kind.value is None) != (attribute.value is None):
+            self._undeclared(attribute, kind)
+            return None
+        if kind.value is None or attribute.value is None:
+            return Atom(kind.predicate, (module,))
+        value = self._value(attribute.value, kind.value, module)
+        if isinstance(value, _Wrong):
+            # Of a description that several share it is said once.
+            self._note(f"`{attribute.name}`: {value.message}", attribute.span, value.help)
+            return None
+        return Atom(kind.predicate, (module, value))
+
+    def _value(self, written: str, argument: Argument, module: str) -> "Term | _Wrong":
+        if argument.constants:
+            return _constant(written, argument.constants)
+        reads: list[Term | _Wrong] = [
+            _number(written, sort) for sort in sorted(argument.sorts & NUMBERS)
+        ]
+        if "module" in argument.sorts:
+            reads.append(self._module(written, module))
+        for read in reads:
+            if not isinstance(read, _Wrong):
+                return read
+        wrong = next(iter(reads), None)
+        others = argument.sorts - NUMBERS - {"module"}
+        # A number that is none of a sort's is not taken for a word.
+        if wrong is None or (others and read_measure(written) is None):
+            return plain(written)
+        return wrong
+
+    def _module(self, written: str, beside: str) -> "str | _Wrong":
+        name = read_name(written)
+        found = None if name is None else module_named(name, beside, self._named)
+        if found is not None:
+            return found
+        near = nearest(name or "", self._named)
+        return _Wrong(
+            f"`{written}` is not a module of the configuration",
+            f"did you mean `{near}`?" if near else "name a module of `@modules`",
+        )
+
+    def _undeclared(self, attribute: Attribute, kind: AttributeKind | None) -> None:
+        word = "tag" if attribute.word == TAG else "property"
+        if kind is not None:
+            form = f"@Tag {kind.name}" if kind.value is None else f"@Property {kind.name} VALUE"
+            other = "a tag" if kind.value is None else "a property"
+            message = f"`{attribute.name}` is {other}, not a {word}"
+            self._note(message, attribute.span, f"write `{form}`")
+            return
+        near = nearest(attribute.name, self._kinds)
+        known = ", ".join(f"`{name}`" for name in sorted(self._kinds))
+        advice = "give the pack that declares it with `--rules`"
+        if near:
+            advice = f"did you mean `{near}`?"
+        elif known:
+            advice = f"{advice}; declared so far: {known}"
+        message = f"no rule pack declares the {word} `{attribute.name}`"
+        self._note(message, attribute.span, advice)
+
+    def _unnamed(self, module: str, span: Span) -> None:
+        near = nearest(module, self._known)
+        advice = f"did you mean `{near}`?" if near else "name it in `@modules`"
+        self._note(f"`{module}` is not a module of the configuration", span, advice)
+
+    def _twice(self, module: str, attribute: Attribute, earlier: Fact) -> None:
+        message = f"the property `{attribute.name}` of `{module}` has two values"
+        labels = ((earlier.span, "the first value"),)
+        self._note(message, attribute.span, "keep one of the two", labels)
+
+    def _note(
+        self,
+        message: str,
+        span: Span,
+        advice: str,
+        labels: tuple[tuple[Span, str], ...] = (),
+    ) -> None:
+        self._problems[Diagnostic(_CODE, "error", message, span, labels, advice)] = None
+
+
+class _Wrong(NamedTuple):
+    """What is wrong with a value, and what to write."""
+
+    message: str
+    help: str
+
+
+def _number(written: str, sort: str) -> "int | _Wrong":
+    """Return a whole number of a sort that a value writes, with or without a unit."""
+    units = WRITTEN.get(sort, {})
+    shown = f" of {', '.join(units)}" if units else ""
+    read = read_measure(written)
+    if read is None:
+        help_text = f"write a whole number of {sort}" if units else "write a whole number"
+        return _Wrong(f"expected a number, found `{written}`", help_text)
+    number, unit = read
+    if unit and unit not in units:
+        advice = (
+            f"write a number{shown}, or one without a unit: {sort}"
+            if units
+            else ("write the number alone")
+        )
+        return _Wrong(f"`{unit}` is not a unit of {sort}", advice)
+    fits = len(number) <= _MOST_DIGITS
+    value = Decimal(number) * units.get(unit, 1) if fits else Decimal(0)
+    if not fits or not _LEAST <= value <= MOST:
+        return _Wrong(f"`{written}` does not fit 32 bits", f"write one from {_LEAST} to {MOST}")
+    if value != int(value):
+        advice = (
+            f"write a whole number of {sort}, or of a unit in which it is one"
+            if units
+            else ("write a whole number")
+        )
+        return _Wrong(f"`{written}` is not a whole number of {sort}", advice)
+    return int(value)
+
+
+def _constant(written: str, constants: Sequence[str]) -> "Term | _Wrong":
+    if written in constants:
+        return int(written) if _WHOLE.fullmatch(written) else Atom(written)
+    near = nearest(written, constants)
+    known = ", ".join(f"`{each}`" for each in constants)
+    advice = f"did you mean `{near}`?" if near else f"write one of {known}"
+    return _Wrong(f"expected one of {known}, found `{written}`", advice)
+
+
+def _meaning(kind: AttributeKind) -> tuple[object, ...]:
+    value = kind.value
+    return (kind.declaration.attribution, value and value.sorts, value and set(value.constants))
+
+
+def _contrary(kind: AttributeKind, earlier: AttributeKind) -> Diagnostic:
+    """Return the error that two declarations of an attribute do not agree."""
+    packs = f"the packs `{earlier.pack}` and `{kind.pack}` declare"
+    if kind.pack == earlier.pack:
+        packs = f"the pack `{kind.pack}` declares"
+    message = f"{packs} `{kind.name}` in two ways"
+    labels = ((earlier.declaration.span, f"`{earlier.declaration.written}`, {earlier}"),)
+    advice = f"this one is `{kind.declaration.written}`, {kind}: declare the same in both"
+    return Diagnostic(_CODE, "error", message, kind.declaration.span, labels, advice)
