@@ -70,7 +70,10 @@ class Desk:
         return asked
 
     def take(self, asked: str, found: tuple[Finding, ...], robot: Robot | None) -> set[str]:
-        """Keep what was found when a file was asked about; return the files with other findings."""
+        """Keep what was found when a file was asked about; return the files to be told of it.
+
+        They are those with findings, now or before, and those of the robot that are open.
+        """
         changed = {each.place.path for each in (*self.found.get(asked, ()), *found)}
         self.found[asked] = found
         if robot is not None:
@@ -82,6 +85,12 @@ class Desk:
                 # What was found in a source alone, the robot has, too.
                 if not is_configuration(path) and path in self.found:
                     changed |= self.drop(path)
+        for path, owners in self.owners.items():
+            # A source may be in no file of a robot that cannot be read.
+            changed |= {path} if asked in owners else set()
+        known = self.robots.get(asked)
+        if known is not None:
+            changed |= known.paths & self.texts.keys()
         return changed | {asked}
 
     def learn(self, asked: str, survey: Survey) -> None:

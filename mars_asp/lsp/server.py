@@ -109,6 +109,8 @@ class _Server(LanguageServer):
         self._versions: dict[str, int] = {}
         #: Analyses that go on, by the file that is asked about.
         self._going: dict[str, asyncio.Task[None]] = {}
+        #: The files of which what was found is about an older text.
+        self._stale: set[str] = set()
         #: Questions that go on, of those that several requests may wait for.
         self._asking: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
@@ -213,6 +215,7 @@ class _Server(LanguageServer):
     def _start(self, asked: str, work: Coroutine[Any, Any, None]) -> None:
         """Begin an analysis in the place of the one that goes on."""
         self._stop(asked)
+        self._stale.add(asked)
         self._going[asked] = asyncio.get_running_loop().create_task(work)
 
     def _stop(self, asked: str) -> None:
@@ -248,6 +251,7 @@ class _Server(LanguageServer):
             case _:
                 told = f"this was not analysed: {getattr(answer, 'reason', answer)}"
                 found = (Finding(Place(asked, _START), "warning", "lsp", told),)
+        self._stale.discard(asked)
         self._publish(self._desk.take(asked, found, robot))
         if robot is not None and sort == "check":
             survey = await self._workers.ask(Question("survey", asked, self._desk.unsaved()))
@@ -318,8 +322,7 @@ class _Server(LanguageServer):
         """Return the trace of a finding by its title; nothing while a newer analysis goes on."""
         for robot in self._desk.robots_of(path):
             known = self._desk.traces.setdefault(robot.path, {})
-            going = self._going.get(robot.path)
-            if title not in known and (going is None or going.done()):
+            if title not in known and robot.path not in self._stale:
                 question = Question("trace", robot.path, self._desk.unsaved(), title)
                 with suppress(TimeoutError):
                     answer = await asyncio.wait_for(self._asked(question), _TRACE_SECONDS)

@@ -2,7 +2,7 @@
 
 import asyncio
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -72,14 +72,13 @@ class Editor(LanguageClient):
 
     async def diagnostics(self, uri: str, version: int = 1) -> list[types.Diagnostic]:
         """Return what is published for a version of a text, when it is."""
-        async with asyncio.timeout(SECONDS), self._news:
-            await self._news.wait_for(lambda: self.versions.get(uri) == version)
-            return self.published[uri]
+        await self.until(lambda: self.versions.get(uri) == version)
+        return self.published[uri]
 
-    async def until_refreshed(self, times: int = 1) -> None:
-        """Wait until the server has asked so often for lenses to be asked for again."""
+    async def until(self, is_so: Callable[[], bool]) -> None:
+        """Wait until what the server has sent makes something so."""
         async with asyncio.timeout(SECONDS), self._news:
-            await self._news.wait_for(lambda: self.refreshed >= times)
+            await self._news.wait_for(is_so)
 
     async def hover(self, uri: str, line: int, character: int) -> str:
         """Return what is told of a place; nothing where that is nothing."""
