@@ -100,8 +100,8 @@ FILES = {
         "limits trace_document trace_schema worker reason perform ignores baseline settings "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
         "draw export facts fmt import rules run_report run campaign_runner campaign_dask "
-        "campaign_job campaign_table campaign synthesise test verify diff repair check lsp_answers lsp account "
-        "explain_page explain"
+        "campaign_job campaign_table campaign synthesise test verify diff repair check "
+        "lsp_answers lsp account explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

@@ -4,6 +4,7 @@ It needs the extra `lsp`: `pip install 'mars-asp[lsp]'`.
 """
 
 import argparse
+import gc
 import pickle
 import sys
 from importlib.util import find_spec
@@ -37,6 +38,10 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.lsp.server import serve
     from mars_asp.lsp.workers import Workers
 
+    # It goes on for hours, so cycles are looked for: rarely, as answers wait for that.
+    gc.freeze()
+    gc.set_threshold(500_000, 20, 20)
+    gc.enable()
     start = "from mars_asp.cli.lsp_answers import main; main()"
     command = (sys.executable, "-P", "-c", f"import sys; sys.path[:] = {sys.path!r}; {start}")
     seconds = arguments.time_limit or _SECONDS

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.lsp.mentions import VERBS, is_configuration
@@ -21,6 +22,8 @@ _NAME = f"(?:{BARE}|{QUOTED})"
 _PORT = re.compile(rf"(?:^|[\s,])(?P<module>{_NAME})\.(?P<port>[\w/-]*)$")
 _ANNOTATION = re.compile(r"@(?P<word>[A-Za-z]\w*)[ \t]+(?P<rest>.*)$")
 _WITH_MODES = ("Sense", "DataOut")
+#: More are not shown at once: they would take longer to send than people wait.
+_MOST = 200
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
 
 
@@ -34,10 +37,14 @@ class Completion(NamedTuple):
 
 
 class Completions(NamedTuple):
-    """What may stand at a place, and the stretch before it that is typed already."""
+    """What may stand at a place, and the stretch before it that is typed already.
+
+    `is_whole` is whether nothing is left out that begins otherwise, or for there being too much.
+    """
 
     items: tuple[Completion, ...]
     typed: Range
+    is_whole: bool = True
 
 
 def completion(scene: Scene, position: Position) -> Completions:
@@ -81,7 +88,13 @@ def _typed(items: Iterable[Completion], text: Text, position: Position) -> Compl
     line, column = text.column(position)
     match = re.search(r'(?:@?[\w/-]*|"[^"]*)$', text.line_before(position))
     begin = column - 1 if match is None else match.start()
-    return Completions(tuple(items), text.within(line, begin, column - 1))
+    place = text.within(line, begin, column - 1)
+    found = tuple(items)
+    if len(found) <= _MOST:
+        return Completions(found, place)
+    start = text.lines[line - 1][begin : column - 1].lower()
+    fit = (each for each in found if start in each.text.lower())
+    return Completions(tuple(islice(fit, _MOST)), place, False)
 
 
 # ---- Annotations ---------------------------------------------------------------------------------

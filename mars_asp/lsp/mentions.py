@@ -15,7 +15,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Span
 from mars_asp.language.layout import Layout, lay_out
-from mars_asp.language.tokens import Token, statements
+from mars_asp.language.tokens import Token, tokens_of
 from mars_asp.lsp.places import Position, Range, Text
 from mars_asp.model.names import BARE, QUOTED, plain, read_name
 
@@ -25,6 +25,7 @@ VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 #: A larger text is analysed, but answers about places in it would come too late.
 MOST_CHARACTERS = 4_000_000
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
+_HEADER = re.compile(r"\s*(@(?:configuration|specification))(?!\w)")
 _NAMED = re.compile(rf"(?i)^[ \t]*@module_name[ \t]+({BARE}|{QUOTED})")
 _STAND_IN = re.compile(
     rf"(?://|#)[ \t]*InheritanceNode[0-9]+:[ \t]*({BARE}|{QUOTED})[ \t]*(?= -- |$)"
@@ -73,7 +74,7 @@ class Outline(NamedTuple):
         return None
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def outline(path: str, written: str) -> Outline:
     """Return what a `.mars` file or a source names."""
     text = Text(path, written)
@@ -116,22 +117,51 @@ def _of_source(text: Text) -> Iterator[Mention]:
 # ---- Configurations ------------------------------------------------------------------------------
 
 
+class _Named(NamedTuple):
+    """A module where a statement names it, by offsets in the statement; so is its port."""
+
+    name: str
+    begin: int
+    end: int
+    role: Role
+    described: str | None = None
+    port: str | None = None
+    port_begin: int = 0
+    port_end: int = 0
+    is_output: bool = False
+
+
 def _of_configuration(text: Text) -> Outline:
     blocks = block_lines(text.plain)
     layout = lay_out(text.path, text.plain, blocks)
     found = list(_in_blocks(text, blocks))
     found += _in_comments(text, layout)
     header = None
-    for tokens in statements(layout):
-        head = tokens[0].text
-        if head in ("@configuration", "@specification"):
-            header = header or _range(text, layout, tokens[0].begin, tokens[0].end)
-        elif head == "@modules":
-            found += _in_list(text, layout, tokens[1:])
-        elif not head.startswith("@"):
-            found += _in_line(text, layout, tokens)
+    begin = 0
+    for piece in layout.grammatical.split("\n"):
+        if piece and not piece.isspace():
+            found += (_mention(text, layout, begin, each) for each in _named(piece))
+            match = _HEADER.match(piece) if header is None else None
+            if match is not None:
+                header = _range(text, layout, begin + match.start(1), begin + match.end(1))
+        begin += len(piece) + 1
     found.sort(key=lambda each: each.range)
     return Outline(text, tuple(found), blocks, header)
+
+
+def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Mention:
+    """Return what a statement names that stands at an offset."""
+    port = None
+    if named.port is not None:
+        place = _range(text, layout, at + named.port_begin, at + named.port_end)
+        port = Port(named.port, place, named.is_output)
+    place = _range(text, layout, at + named.begin, at + named.end)
+    return Mention(named.name, place, named.role, port, named.described)
+
+
+def _range(text: Text, layout: Layout, begin: int, end: int) -> Range:
+    line, column = layout.position(begin)
+    return text.within(line, column - 1, column - 1 + end - begin)
 
 
 def _in_blocks(text: Text, blocks: Sequence[tuple[int, int]]) -> Iterator[Mention]:
@@ -152,7 +182,17 @@ def _in_comments(text: Text, layout: Layout) -> Iterator[Mention]:
                 yield Mention(plain(match[1]), text.within(number, *match.span(1)), "line")
 
 
-def _in_list(text: Text, layout: Layout, tokens: Sequence[Token]) -> Iterator[Mention]:
+@lru_cache(maxsize=1 << 14)
+def _named(statement: str) -> tuple[_Named, ...]:
+    """Return the modules of a statement; an edit leaves nearly all statements as they are."""
+    layout = Layout("", statement, statement, (0,))
+    tokens = tokens_of(layout, 0, len(statement))
+    if tokens[0].text == "@modules":
+        return tuple(_in_list(tokens[1:]))
+    return () if tokens[0].text.startswith("@") else tuple(_in_line(tokens))
+
+
+def _in_list(tokens: Sequence[Token]) -> Iterator[_Named]:
     for number, token in enumerate(tokens):
         name = read_name(token.text)
         if name is None:
@@ -162,13 +202,12 @@ def _in_list(text: Text, layout: Layout, tokens: Sequence[Token]) -> Iterator[Me
         if not is_describing and [each.text for each in tokens[number + 1 : number + 2]] == [":"]:
             described = tokens[number + 2].name if number + 2 < len(tokens) else None
         role: Role = "describing" if is_describing else "listed"
-        place = _range(text, layout, token.begin, token.end)
-        yield Mention(name, place, role, described=described)
+        yield _Named(name, token.begin, token.end, role, described)
 
 
-def _in_line(text: Text, layout: Layout, tokens: Sequence[Token]) -> Iterator[Mention]:
+def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
     """Yield the modules of a relationship; of a line without a verb the first alone."""
-    yield from _end(text, layout, tokens[0], is_output=False)
+    yield from _end(tokens[0], is_output=False)
     at = next((n for n, each in enumerate(tokens) if each.text in VERBS), None)
     if at is None:
         return
@@ -177,22 +216,16 @@ def _in_line(text: Text, layout: Layout, tokens: Sequence[Token]) -> Iterator[Me
         begins += [n + 1 for n in range(at + 1, len(tokens)) if tokens[n].text == ","]
     for begin in begins:
         if begin < len(tokens):
-            yield from _end(text, layout, tokens[begin], is_output=True)
+            yield from _end(tokens[begin], is_output=True)
 
 
-def _end(text: Text, layout: Layout, token: Token, is_output: bool) -> Iterator[Mention]:
+def _end(token: Token, is_output: bool) -> Iterator[_Named]:
     match = _END.fullmatch(token.text)
     if match is None or match[1] in VERBS:
         return
-    port = None
+    named = _Named(plain(match[1]), token.begin, token.begin + match.end(1), "line")
     if match[2] is not None:
-        begin, end = match.span(2)
-        place = _range(text, layout, token.begin + begin, token.begin + end)
-        port = Port(plain(match[2]), place, is_output)
-    place = _range(text, layout, token.begin, token.begin + match.end(1))
-    yield Mention(plain(match[1]), place, "line", port)
-
-
-def _range(text: Text, layout: Layout, begin: int, end: int) -> Range:
-    line, column = layout.position(begin)
-    return text.within(line, column - 1, column - 1 + end - begin)
+        begin, end = (token.begin + at for at in match.span(2))
+        port = plain(match[2])
+        named = named._replace(port=port, port_begin=begin, port_end=end, is_output=is_output)
+    yield named

@@ -105,7 +105,14 @@ class Text:
 
     def within(self, line: int, begin: int, end: int) -> Range:
         """Return the range of a stretch of a line, of offsets from 0 in code points."""
-        return Range(self.position(line, begin + 1), self.position(line, end + 1))
+        if not self._is_ascii:
+            return Range(self.position(line, begin + 1), self.position(line, end + 1))
+        # Most texts are, and have thousands of names.
+        return Range(Position(line - 1, begin), Position(line - 1, end))
+
+    @cached_property
+    def _is_ascii(self) -> bool:
+        return self.written.isascii()
 
     def _marks(self, line: int) -> int:
         return int(line == 1 and self.written.startswith(_MARK))

@@ -78,7 +78,7 @@ class _Token(NamedTuple):
     end: int
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=128)
 def rule_text(path: str, written: str) -> RuleText:
     """Return the predicates that a text of rules names."""
     text = Text(path, written)

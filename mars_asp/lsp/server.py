@@ -7,6 +7,7 @@ server goes on answering, and what an edit has overtaken is dropped.
 import asyncio
 import logging
 import os
+import sys
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from contextlib import suppress
 from functools import wraps
@@ -54,6 +55,7 @@ _COMPLETIONS = {
     "predicate": types.CompletionItemKind.Function,
     "annotation": types.CompletionItemKind.Keyword,
 }
+_NOTHING = Completions((), _START)
 _SYMBOLS = {"module": types.SymbolKind.Module, "predicate": types.SymbolKind.Function}
 _Found = TypeVar("_Found")
 
@@ -140,6 +142,12 @@ class _Server(LanguageServer):
             (types.TEXT_DOCUMENT_RENAME, self.rename, types.RenameOptions(prepare_provider=True)),
             (types.TEXT_DOCUMENT_CODE_ACTION, self.actions, kinds),
         ]
+
+    def report_server_error(self, error: Exception, source: type[Exception]) -> None:
+        """Report a fault of ours; what is refused is told where it was asked for."""
+        if getattr(error, "code", None) != types.LSPErrorCodes.RequestFailed:
+            told = f"a fault of ours, please report it: {error!r:.300}"
+            print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
 
     # ---- What is open ----------------------------------------------------------------------------
 
@@ -386,14 +394,15 @@ class _Server(LanguageServer):
         except RefusedError as refused:
             raise JsonRpcException(str(refused), types.LSPErrorCodes.RequestFailed) from None
 
-    def completion(self, params: types.CompletionParams) -> list[types.CompletionItem]:
+    def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
         path, position = _at(params)
         rules_here = self._desk.rule_text(path)
         scene = self._desk.scene(path)
         if rules_here is not None:
             return _items(rule_completion(rules_here, self._rules(path), position))
-        return [] if scene is None else _items(completion(scene, position))
+        found = _NOTHING if scene is None else completion(scene, position)
+        return _items(found)
 
     def lenses(self, params: types.CodeLensParams) -> list[types.CodeLens]:
         """Tell what stands above modules."""
@@ -522,8 +531,8 @@ def _symbol(found: Symbol) -> types.DocumentSymbol:
     )
 
 
-def _items(found: Completions) -> list[types.CompletionItem]:
-    return [
+def _items(found: Completions) -> types.CompletionList:
+    items = [
         types.CompletionItem(
             each.label,
             kind=_COMPLETIONS[each.sort],
@@ -533,3 +542,4 @@ def _items(found: Completions) -> list[types.CompletionItem]:
         )
         for each in found.items
     ]
+    return types.CompletionList(not found.is_whole, items)

@@ -1,5 +1,6 @@
 """The symbols of a text: its modules and, of rules, its predicates."""
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -42,9 +43,9 @@ def predicate_symbols(text: RuleText) -> Iterator[Symbol]:
 def _block(found: Outline, name: Range) -> Range:
     """Return the block that a name stands in, else its line."""
     number = name.start.line + 1
-    first, last = next(
-        ((first, last) for first, last in found.blocks if first <= number <= last),
-        (number, number),
+    at = bisect_right(found.blocks, number, key=lambda block: block[0]) - 1
+    first, last = (
+        found.blocks[at] if at >= 0 and found.blocks[at][1] >= number else (number, number)
     )
     lines = found.text.lines
     return Range(found.text.position(first, 1), found.text.position(last, len(lines[last - 1]) + 1))

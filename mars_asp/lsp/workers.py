@@ -8,7 +8,6 @@ import asyncio
 import os
 import pickle
 import subprocess
-import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
@@ -45,7 +44,8 @@ class Workers:
                 if answer is not None:
                     self._idle.append(process)
                 else:
-                    _end(process)
+                    # The thread that reads from it hears its end, and is the one to close it.
+                    process.kill()
                     self.warm_up()
             return answer or Failed("the process that worked on it ended: was memory short?")
 
@@ -58,7 +58,7 @@ class Workers:
     def end(self) -> None:
         """End all processes."""
         for process in (*self._idle, *self._working):
-            _end(process)
+            process.kill()
         self._idle.clear()
 
     def _taken(self) -> subprocess.Popen[bytes]:
@@ -82,17 +82,15 @@ class Workers:
 def _answered(process: subprocess.Popen[bytes], question: Question) -> Any:
     """Return what a process answers; nothing where it ended."""
     assert process.stdin is not None and process.stdout is not None
-    try:
+    answer = None
+    with suppress(OSError):
         write_pickle(process.stdin.fileno(), question)
-        return read_pickle(process.stdout.fileno())
-    except (OSError, ValueError):
-        return None
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a process; a thread waits until it is gone, and closes its pipes."""
-    process.kill()
-    threading.Thread(target=process.communicate, daemon=True).start()
+        answer = read_pickle(process.stdout.fileno())
+    if answer is None:
+        process.kill()
+        # No other thread may read from what these numbers are given to next.
+        process.communicate()
+    return answer
 
 
 def _send(pipe: int, payload: bytes) -> None:

@@ -132,8 +132,8 @@ async def asks_for_words(client: Editor, uri: str) -> None:
     )
     context = types.CompletionParams(document(uri), types.Position(11, 29))
     items = await client.text_document_completion_async(context)
-    assert isinstance(items, list)
-    assert [each.label for each in items] == ["grab"]
+    assert isinstance(items, types.CompletionList)
+    assert [each.label for each in items.items] == ["grab"]
 
 
 async def asks_for_lenses(client: Editor, uri: str) -> None:
@@ -225,8 +225,8 @@ def test_edits_are_followed_in_every_file_of_a_robot(folder: Path) -> None:
         items = await client.text_document_completion_async(
             types.CompletionParams(document(source), types.Position(3, 4))
         )
-        assert isinstance(items, list)
-        assert "@DataOut" in {each.label for each in items}
+        assert isinstance(items, types.CompletionList)
+        assert "@DataOut" in {each.label for each in items.items}
         client.close(source)
         await client.until(lambda: not client.published[robot])
 
@@ -267,7 +267,7 @@ def test_rules_are_asked_about(tmp_path: Path) -> None:
         given = types.DefinitionParams(document(uri), types.Position(2, 16))
         places = await client.text_document_definition_async(given)
         assert isinstance(places, list)
-        assert "vocabulary.lp" in {Path(each.uri).name for each in places}  # type: ignore[union-attr]
+        assert "vocabulary.lp" in {Path(each.uri).name for each in places}
         named = await client.text_document_references_async(
             types.ReferenceParams(
                 types.ReferenceContext(include_declaration=False), document(uri), where.position
@@ -277,8 +277,10 @@ def test_rules_are_asked_about(tmp_path: Path) -> None:
         items = await client.text_document_completion_async(
             types.CompletionParams(document(uri), types.Position(2, 16))
         )
-        assert isinstance(items, list)
-        assert {"module", "wide", "is_sensor"} - {each.label for each in items} == {"is_sensor"}
+        assert isinstance(items, types.CompletionList)
+        assert {"module", "wide", "is_sensor"} - {each.label for each in items.items} == {
+            "is_sensor"
+        }
         symbols = await client.text_document_document_symbol_async(
             types.DocumentSymbolParams(document(uri))
         )

@@ -76,8 +76,8 @@ def told_of(found: tuple[Finding, ...]) -> list[Told]:
     return sorted(
         (
             str(Path(each.place.path).resolve()),
-            tuple(each.place.range.start),
-            tuple(each.place.range.end),
+            (each.place.range.start.line, each.place.range.start.character),
+            (each.place.range.end.line, each.place.range.end.character),
             each.severity,
             each.code,
             each.message,
