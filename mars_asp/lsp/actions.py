@@ -60,18 +60,11 @@ def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[Ed
         if each.old is None:
             yield _inserted(text, each)
             continue
-        start = text.position(each.line, 1)
-        if each.new is not None:
-            end = text.position(each.line, len(each.old) + 1)
-            yield Edit(Place(each.path, Range(start, end)), each.new)
-        elif each.line < len(text.lines):
+        start, end = text.position(each.line, 1), text.position(each.line, len(each.old) + 1)
+        if each.new is None and each.line < len(text.lines):
             # The line goes with its end.
             end = Position(each.line, 0)
-            yield Edit(Place(each.path, Range(start, end)), "")
-        else:
-            before = text.position(each.line - 1, 1 << 30) if each.line > 1 else start
-            end = text.position(each.line, len(each.old) + 1)
-            yield Edit(Place(each.path, Range(before, end)), "")
+        yield Edit(Place(each.path, Range(start, end)), each.new or "")
 
 
 def _inserted(text: Text, edit: LineEdit) -> Edit:

@@ -127,8 +127,10 @@ def _statement(scene: Scene, before: str) -> Iterator[Completion]:
     code = re.sub(r"(?:^|\s)(?://|#).*", "", before)
     if code != before:
         return
-    words = re.findall(rf"{QUOTED}|[^\s,]+|,", code)
-    is_ended = not code or code[-1].isspace() or code.endswith(",")
+    # A name in quotes may still be open.
+    words = re.findall(rf'{QUOTED}|"[^"]*$|[^\s,]+|,', code)
+    is_open = bool(words) and words[-1].count('"') == 1
+    is_ended = not is_open and (not code or code[-1].isspace() or code.endswith(","))
     done = words if is_ended else words[:-1]
     port = _PORT.search(code)
     if port is not None:
@@ -174,16 +176,33 @@ def _keywords(*names: str, of: Mapping[str, object] = STATEMENTS) -> Iterator[Co
 
 
 def _modules(scene: Scene) -> Iterator[Completion]:
-    """Yield the modules that the file and its robots name, and those that sources describe."""
-    names: dict[str, str] = {each.name: "" for each in scene.here.mentions if each.role != "line"}
+    """Yield the modules that the file and what it includes name, and those of its sources."""
+    names = {each.name: "" for each in scene.here.mentions if each.role != "line"}
     for robot in scene.robots:
-        for file in robot.files:
-            if file.path == scene.here.text.path:
-                for name, described in robot.modules.items():
-                    if name == behind(file.prefix, name) or not file.prefix:
-                        names[name] = described.lines[0] if described.lines else ""
+        own = next(file for file in robot.files if file.path == scene.here.text.path)
+        listed = {
+            behind(file.prefix, each.name)
+            for file in robot.files
+            for each in file.mentions
+            if each.role != "line" and file.path != own.path
+        }
+        for name in sorted(listed | robot.modules.keys()):
+            known = _within(own.prefix, name)
+            if known is not None:
+                described = robot.modules.get(name)
+                names[known] = described.lines[0] if described is not None else ""
     for name, detail in names.items():
         yield Completion(name, "module", detail, written(name))
+
+
+def _within(prefix: str, name: str) -> str | None:
+    """Return a name of a robot as an included file has it; nothing where it is of another file."""
+    if not prefix:
+        return name
+    for before, own in ((f"{prefix}/", ""), (f"/{prefix}/", "/")):
+        if name.startswith(before):
+            return f"{own}{name.removeprefix(before)}"
+    return None
 
 
 def _ports(scene: Scene, module: str, is_output: bool) -> Iterator[Completion]:

@@ -35,8 +35,8 @@ STATEMENTS: Mapping[str, Word] = {
     ),
     "@include": Word(
         "@include PATH [as NAME]",
-        "Takes in the modules and relationships of another configuration, their names behind "
-        "`NAME/`.",
+        "Takes in the modules and relationships of another configuration; `Arm` becomes "
+        "`NAME/Arm`.",
     ),
     "is_mounted_on": Word(
         "NAME [VERTEX] is_mounted_on NAME [VERTEX] [TRANSFORMATION]",
@@ -160,7 +160,7 @@ METADATA: Mapping[str, Word] = {
     "help": Word("%! help: TEXT", "What to do about it."),
     "why": Word("%! why: TEXT", "What the rule is about and why that matters."),
     "example": Word("%! example: PATH", "A case in which the rule fires."),
-    "effect": Word("%! effect: TEXT", "What will happen, for those who read no more of the rule."),
+    "effect": Word("%! effect: TEXT", "What will happen, in a sentence."),
     "fits": Word("%! fits: TEXT", "Why what the rule computes fits into 32 bits."),
     "who": Word("%! who: TERM, ...", "Who takes part in the consequence."),
     "at": Word("%! at: TERM, ...", "The lines that the consequence is about."),
