@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
 _REPAIR_SECONDS = 20.0
 #: A trace in an editor is so wide, in characters.
 _WIDTH = 90
+#: So many lines of it are shown.
+_MOST_LINES = 60
 #: So many files of rules beside one are read.
 _MOST_RULES = 200
 #: So many configurations are looked into for the sources that they name.
@@ -320,7 +323,9 @@ def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
     except MarsError as error:
         return Failed(str(error))
     told = [(topic.title, topic.trace) for topic in found.topics]
-    lines = traces_text(told, line_at, width=_WIDTH)
+    lines = list(islice(traces_text(told, line_at, width=_WIDTH), _MOST_LINES + 1))
+    if len(lines) > _MOST_LINES:
+        lines[_MOST_LINES:] = ["    ..."]
     home = f"{Path(question.path).parent}{os.sep}"
     return "\n".join(lines).replace(home, "").strip("\n")
 

@@ -12,6 +12,7 @@ from mars_asp.spelling import nearest
 _MEANT = re.compile(r"did you mean `([^`\n]+)`\?")
 #: Less alike words were not misspelt.
 _ALIKE = 0.6
+_LONGEST = 100
 
 
 class Action(NamedTuple):
@@ -48,7 +49,8 @@ def respelt(text: Text, found: Iterable[Finding]) -> Iterator[tuple[Finding, Act
         last, end = text.column(finding.place.range.end)
         word = text.lines[line - 1][column - 1 : end - 1] if line == last else ""
         # The advice may be about another word of the line.
-        if word and word != match[1] and nearest(word, [match[1]], _ALIKE) is not None:
+        is_word = 0 < len(word) <= _LONGEST and word != match[1]
+        if is_word and nearest(word, [match[1]], _ALIKE) is not None:
             edit = Edit(finding.place, match[1])
             yield finding, Action(f"Write `{match[1]}`", (edit,), finding.code, True)
 

@@ -22,6 +22,8 @@ _NAME = f"(?:{BARE}|{QUOTED})"
 _PORT = re.compile(rf"(?:^|[\s,])(?P<module>{_NAME})\.(?P<port>[\w/-]*)$")
 _ANNOTATION = re.compile(r"@(?P<word>[A-Za-z]\w*)[ \t]+(?P<rest>.*)$")
 _WITH_MODES = ("Sense", "DataOut")
+#: A word that is typed, seen from its end.
+_BACKWARDS = re.compile(r"[\w/-]*+@?")
 #: More are not shown at once: they would take longer to send than people wait.
 _MOST = 200
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
@@ -86,8 +88,12 @@ def _predicates(
 
 def _typed(items: Iterable[Completion], text: Text, position: Position) -> Completions:
     line, column = text.column(position)
-    match = re.search(r'(?:@?[\w/-]*|"[^"]*)$', text.line_before(position))
-    begin = column - 1 if match is None else match.start()
+    before = text.line_before(position)
+    # From the end: a line may be very long.
+    match = _BACKWARDS.match(before[::-1])
+    begin = column - 1 - (0 if match is None else match.end())
+    if before.count('"') % 2:
+        begin = before.rindex('"')
     place = text.within(line, begin, column - 1)
     found = tuple(items)
     if len(found) <= _MOST:

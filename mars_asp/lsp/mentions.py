@@ -23,7 +23,7 @@ from mars_asp.model.names import BARE, QUOTED, plain, read_name
 Role: TypeAlias = Literal["listed", "describing", "annotated", "line"]
 VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 #: A larger text is analysed, but answers about places in it would come too late.
-MOST_CHARACTERS = 4_000_000
+MOST_CHARACTERS = 1_000_000
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
 _HEADER = re.compile(r"\s*(@(?:configuration|specification))(?!\w)")
 _NAMED = re.compile(rf"(?i)^[ \t]*@module_name[ \t]+({BARE}|{QUOTED})")

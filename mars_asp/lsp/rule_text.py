@@ -4,14 +4,15 @@ What rules mean is read elsewhere, by clingo's own parser; here is only where th
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 from mars_asp.asp.signature import Signature
 from mars_asp.lsp.places import Position, Range, Text
 
-MOST_CHARACTERS = 8_000_000
+#: A larger text is linted, but answers about places in it would come too late.
+MOST_CHARACTERS = 1_000_000
 _TOKEN = re.compile(
     r"(?P<comment>%\*.*?(?:\*%|\Z)|%[^\n]*+)"
     r'|(?P<string>"(?:\\.|[^"\\\n])*+"?)'
@@ -119,6 +120,7 @@ class _Starts:
 def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[PredicateMention]:
     """Yield predicates: names outside of arguments, and those that docstrings declare."""
     depth, in_body, is_condition, before = 0, False, False, ""
+    closed = _arguments(tokens)
     for number, token in enumerate(tokens):
         if token.sort == "comment":
             yield from _documented(token, starts)
@@ -135,7 +137,7 @@ def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[Pred
         elif token.sort == "directive":
             in_body = True
         elif token.sort == "name" and not depth and before not in _COMPARING:
-            arity = _arity(tokens, number, text)
+            arity = _arity(tokens, number, text, closed)
             is_negated = before == "-"
             if token.text != "not" and arity is not None:
                 place = starts.range(token.begin, token.end)
@@ -145,7 +147,7 @@ def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[Pred
         before = token.text
 
 
-def _arity(tokens: list[_Token], number: int, text: str) -> int | None:
+def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, int]) -> int | None:
     """Return how many arguments stand behind a name, or the number behind `/`."""
     token = tokens[number]
     stated = _ARITY.match(text, token.end)
@@ -155,17 +157,30 @@ def _arity(tokens: list[_Token], number: int, text: str) -> int | None:
     if following is None or following.text != "(":
         # A value on the left of a comparison.
         return None if following is not None and following.text in _COMPARING else 0
-    depth, commas, is_empty = 0, 0, True
-    for each in tokens[number + 1 :]:
-        if each.sort == "sign":
-            depth += _DEPTHS.get(each.text, 0)
-            commas += each.text == "," and depth == 1
-            if not depth or (each.text == "." and depth == 1):
-                break
-            if each.text in ("(", ")"):
-                continue
-        is_empty = False
-    return 0 if is_empty else commas + 1
+    return closed[number + 1]
+
+
+def _arguments(tokens: list[_Token]) -> dict[int, int]:
+    """Return how many arguments stand behind each opening bracket, one that is not closed, too."""
+    found: dict[int, int] = {}
+    opened: list[int] = []
+    for number, token in enumerate(tokens):
+        if token.sort == "comment":
+            continue
+        if token.text in (".", ":-", ":~") and token.sort == "sign":
+            opened.clear()
+        elif token.text == ")":
+            if opened:
+                opened.pop()
+        else:
+            if opened and not found[opened[-1]]:
+                found[opened[-1]] = 1
+            if token.text == "(":
+                opened.append(number)
+                found[number] = 0
+            elif token.text == "," and opened:
+                found[opened[-1]] += 1
+    return found
 
 
 def _documented(token: _Token, starts: _Starts) -> Iterator[PredicateMention]:

@@ -191,7 +191,8 @@ class _Server(LanguageServer):
         """Analyse what is saved where its text alone does not tell all: other files may be new."""
         path = _path(params.text_document.uri)
         if path in self._desk.texts:
-            self._again((path,))
+            # Rules that are saved may be those of any robot.
+            self._again(tuple(self._desk.texts) if is_rules(path) else (path,))
 
     def changed_elsewhere(self, params: types.DidChangeWatchedFilesParams) -> None:
         """Analyse everything that is open: files on the disk are other ones."""

@@ -1,6 +1,7 @@
 """Places in UTF-16 units, and answers about texts that are edited at random."""
 
 import random
+import time
 from pathlib import Path
 
 from hypothesis import given
@@ -90,3 +91,37 @@ def test_answers_survive_edits_at_random() -> None:
                 assert each.whole.start <= each.place.start <= each.place.end <= each.whole.end
         if rng.random() < 0.05:
             desk.texts[path] = originals[path]
+
+
+#: Texts that a pattern which tries each beginning would read for minutes.
+LONG = 40_000
+ENDLESS = {
+    "a.mars": (
+        "x" * LONG + " ",
+        '"' * LONG,
+        "# " * LONG,
+        "a," * LONG,
+        "A.b" * LONG,
+        "@modules " * LONG,
+    ),
+    "a.cpp": ("// @Sense " * LONG, "/" * LONG, "@" * LONG + " ", "// @module_name " + "x" * LONG),
+    "a.lp": ("a( :- " * LONG, "%*" * LONG, "a(" * LONG, '"' * LONG, "-" * LONG, "a/" * LONG),
+}
+
+
+def test_no_text_takes_long_to_read() -> None:
+    began = time.process_time()
+    for name, texts in ENDLESS.items():
+        for text in texts:
+            desk = Desk()
+            desk.texts[name] = text
+            position = Position(0, len(text))
+            scene, rules = desk.scene(name), desk.rule_text(name)
+            if scene is not None:
+                completion(scene, position)
+                hover(scene, position, {})
+                definition(scene, position)
+            if rules is not None:
+                rule_completion(rules, Rules(), position)
+                hover_rules(rules, Rules(), position, [])
+    assert time.process_time() - began < 10
