@@ -94,7 +94,7 @@ def test_answers_survive_edits_at_random() -> None:
 
 
 #: Texts that a pattern which tries each beginning would read for minutes.
-LONG = 40_000
+LONG = 20_000
 ENDLESS = {
     "a.mars": (
         "x" * LONG + " ",
@@ -124,4 +124,4 @@ def test_no_text_takes_long_to_read() -> None:
             if rules is not None:
                 rule_completion(rules, Rules(), position)
                 hover_rules(rules, Rules(), position, [])
-    assert time.process_time() - began < 10
+    assert time.process_time() - began < 6
