@@ -24,8 +24,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--stdio", action="store_true", help="over standard input and output, as always"
     )
     parser.epilog = (
-        "It needs the extra `lsp`: pip install 'mars-asp[lsp]'. --time-limit and --memory-limit "
-        "are those of each answer (default: 60 s, and half of the memory that there is)."
+        "It needs the extra `lsp`: pip install 'mars-asp[lsp]'. Limits are those of each answer, "
+        "which may take 60 s by default."
     )
 
 

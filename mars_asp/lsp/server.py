@@ -298,8 +298,14 @@ class _Server(LanguageServer):
             raise
 
     def _answered(self, key: tuple[str, str, str], done: asyncio.Task[Any]) -> None:
-        if self._asking.get(key) is done:
-            del self._asking[key]
+        if self._asking.get(key) is not done:
+            return
+        del self._asking[key]
+        sort, path, about = key
+        answer = None if done.cancelled() or done.exception() else done.result()
+        if sort == "trace" and isinstance(answer, str):
+            # Who asked may wait no more, and asks again.
+            self._desk.traces.setdefault(path, {})[about] = answer
 
     def _overtake(self, path: str) -> None:
         """Forget what an edit of a file has overtaken, and end what is asked about it."""
@@ -334,9 +340,8 @@ class _Server(LanguageServer):
             if title not in known and robot.path not in self._stale:
                 question = Question("trace", robot.path, self._desk.unsaved(), title)
                 with suppress(TimeoutError):
-                    answer = await asyncio.wait_for(self._asked(question), _TRACE_SECONDS)
-                    if isinstance(answer, str):
-                        known[title] = answer
+                    await asyncio.wait_for(self._asked(question), _TRACE_SECONDS)
+                known = self._desk.traces.get(robot.path, {})
             if title in known:
                 return {title: known[title]}
         return {}
