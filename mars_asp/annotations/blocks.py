@@ -28,7 +28,7 @@ def read_blocks(path: str, text: str) -> Blocks:
     # Only a file with blocks pays for the reading of declarations.
     from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
 
-    lines = _block_lines(text)
+    lines = block_lines(text)
     modules, problems = read_modules(block_source(path, text, lines))
     return Blocks(modules, problems, lines)
 
@@ -45,7 +45,7 @@ def block_source(path: str, text: str, lines: Iterable[tuple[int, int]]) -> "Sou
     return Source(path, "mars", "\n".join(kept).encode("utf-8", "replace"))
 
 
-def _block_lines(text: str) -> tuple[tuple[int, int], ...]:
+def block_lines(text: str) -> tuple[tuple[int, int], ...]:
     """Return the lines from each `@module_start` to its `@module_end`, or to where none is."""
     found: list[tuple[int, int]] = []
     first = 0

@@ -15,6 +15,7 @@ from mars_asp.annotations.modules import read_modules
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Severity, by_place, point
 from mars_asp.model.declarations import Module
+from mars_asp.unsaved import unsaved_bytes
 
 MOST_BYTES = 256 * 1024 * 1024
 _HERE = Path()
@@ -138,9 +139,7 @@ def _read(
         if status.st_size > MOST_BYTES:
             reason = f"is larger than {MOST_BYTES} bytes and was not read"
             return (), (_about(shown, "MARS301", "error", reason, "split it, or leave it out"),)
-        # A buffer would take twice the time.
-        with path.open("rb", buffering=0) as file:
-            raw = file.read()
+        raw = _raw(path)
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
         return (), (_about(shown, "MARS300", "error", reason, "make it readable"),)
@@ -155,6 +154,15 @@ def _read(
     return modules, (*notes, *problems)
 
 
+def _raw(path: Path) -> bytes:
+    held = unsaved_bytes(path)
+    if held is not None:
+        return held
+    # A buffer would take twice the time.
+    with path.open("rb", buffering=0) as file:
+        return file.read()
+
+
 def read_source(path: Path) -> Source:
     """Read a file again in which annotations were found.
 
@@ -162,7 +170,7 @@ def read_source(path: Path) -> Source:
         OSError: it cannot be read any more.
         ValueError: it is no text any more.
     """
-    data, encoding, _ = _normalised(path.read_bytes(), str(path))
+    data, encoding, _ = _normalised(_raw(path), str(path))
     language = _language(path.name)
     if data is None or language is None:
         raise ValueError(path)

@@ -61,4 +61,5 @@ def _run(words: Sequence[str], contained: bool = True) -> int:
 
     arguments = parser.parse_intermixed_args(words[1:])
     arguments.started = started
+    contained = contained and getattr(module, "IS_CONTAINED", True)
     return (run_contained if contained else run_plain)(module.run, arguments)

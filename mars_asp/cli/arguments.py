@@ -89,6 +89,7 @@ GROUPS: Mapping[str, Mapping[str, Verb]] = {
         "completion": Verb(
             "print what completes words of this command in bash, zsh or fish", "completion bash"
         ),
+        "lsp": Verb("answer editors: the language server, over stdio", "lsp"),
     },
 }
 VERBS: Mapping[str, Verb] = {name: verb for of in GROUPS.values() for name, verb in of.items()}

@@ -35,9 +35,12 @@ from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
+    from mars_asp.reasoning.analysis import Analysis
     from mars_asp.reasoning.project import Project
     from mars_asp.reasoning.questions.fix import Fix
     from mars_asp.reasoning.questions.repair import Repair
+
+    _Seen: TypeAlias = Callable[[Project, Analysis], None]
 
 #: What the verb prints its result in.
 RESULT_FORMATS = FINDING_FORMATS
@@ -49,7 +52,7 @@ _MOST_FACTS, _MOST_SOLVED = 2_000, 20_000
 
 
 @dataclass
-class _Checked:
+class Checked:
     """What came of a file: how many diagnostics of each severity, and what was mended."""
 
     path: str
@@ -119,18 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
         told = f"--fix prints what it changed: leave out `--format {arguments.format}`, or --fix"
         print(f"mars-asp check: {told}", file=sys.stderr)
         return 2
-    rules = cache(lambda stages: rulebook_for(arguments, stages))
-    selection = Selection(arguments, rules(_STAGES))
-    checked = []
-    for name, *further in robots(arguments, _each_once(arguments.files)):
-        one = _Checked(name, tuple(further))
-        checked.append(one)
-        try:
-            _check(one, rules, selection, arguments)
-        except MarsError as error:
-            one.report(map(Result, error.diagnostics), arguments)
-            one.status = 2
-    remarks = list(map(Result, selection.end(all(one.status < 2 for one in checked))))
+    checked, remarks = check(arguments)
     status = max(one.status for one in checked)
     if is_published(arguments):
         results = [*(each for one in checked for each in one.results), *remarks]
@@ -144,6 +136,32 @@ def run(arguments: argparse.Namespace) -> int:
     return status
 
 
+def check(
+    arguments: argparse.Namespace, seen: "_Seen" = lambda project, analysis: None
+) -> tuple[list[Checked], list[Result]]:
+    """Check the files of a call; return what came of each, and what is odd about the selection.
+
+    Findings are printed, or kept where all are published at the end. Each robot that could be read
+    is `seen` with what follows from it.
+
+    Raises:
+        MarsError: what is wrong with rule packs, settings or a baseline.
+    """
+    rules = cache(lambda stages: rulebook_for(arguments, stages))
+    selection = Selection(arguments, rules(_STAGES))
+    checked = []
+    for name, *further in robots(arguments, _each_once(arguments.files)):
+        one = Checked(name, tuple(further))
+        checked.append(one)
+        try:
+            _check(one, rules, selection, arguments, seen)
+        except MarsError as error:
+            one.report(map(Result, error.diagnostics), arguments)
+            one.status = 2
+    remarks = map(Result, selection.end(all(one.status < 2 for one in checked)))
+    return checked, list(remarks)
+
+
 def _each_once(names: Iterable[str]) -> list[str]:
     """Return the names of files without those of a file that was named before."""
     first: dict[str, str] = {}
@@ -153,7 +171,11 @@ def _each_once(names: Iterable[str]) -> list[str]:
 
 
 def _check(
-    one: _Checked, rules: _Rules, selection: Selection, arguments: argparse.Namespace
+    one: Checked,
+    rules: _Rules,
+    selection: Selection,
+    arguments: argparse.Namespace,
+    seen: "_Seen",
 ) -> None:
     """Check a file, and mend it where that is asked for.
 
@@ -166,6 +188,7 @@ def _check(
     project = load(arguments, path, text, one.further)
     one.text = text if arguments.fix else None
     analysis = analyse_project(project, rules(_STAGES), arguments)
+    seen(project, analysis)
     selected = selection.of(project, analysis, notes=False)
     sole: tuple[Repair, ...] = ()
     is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
@@ -226,7 +249,7 @@ def _fix(
     sole: "Sequence[Repair]",
     rules: _Rules,
     raw: bytes | None,
-    one: _Checked,
+    one: Checked,
     arguments: argparse.Namespace,
 ) -> "Fix | None":
     """Apply repairs to the files; return nothing where none could be applied.
@@ -294,7 +317,7 @@ def _unfixed(path: str, why: str) -> Diagnostic:
 # ---- What is printed at the end ------------------------------------------------------------------
 
 
-def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
+def _print(checked: Sequence[Checked], arguments: argparse.Namespace) -> None:
     """Print what was mended and how many findings there are; the text of standard input alone."""
     # The output is for the text of standard input alone, where that is mended.
     for one in checked:
@@ -315,7 +338,7 @@ def _print(checked: Sequence[_Checked], arguments: argparse.Namespace) -> None:
             print(text, file=sys.stderr)
 
 
-def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
+def _summary(checked: Sequence[Checked]) -> Iterable[str]:
     """Yield how much was found and mended in how many files, where there is anything to say."""
     total: Counter[Severity] = sum((one.counted for one in checked), Counter())
     read = [path for one in checked for path in (one.path, *one.further)]
@@ -336,7 +359,7 @@ def _summary(checked: Sequence[_Checked]) -> Iterable[str]:
         yield f"{mendable} of them {has} exactly one repair, shown above; --fix applies it"
 
 
-def _json(checked: Sequence[_Checked]) -> dict[str, object]:
+def _json(checked: Sequence[Checked]) -> dict[str, object]:
     from mars_asp.cli.repair import repair_json
 
     return {

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(encoded(extraction_json(found)))
     else:
         for module in found.modules:
-            for line in _text(module):
+            for line in module_lines(module):
                 print(visible(line))
     errors = [d.code for d in found.diagnostics if d.severity == "error"]
     # These are about a file as a whole, and what it holds is not known.
@@ -96,7 +96,8 @@ def _number(value: Decimal | Fraction | None) -> int | float | None:
     return int(value) if value == int(value) else float(value)
 
 
-def _text(module: Module) -> Iterator[str]:
+def module_lines(module: Module) -> Iterator[str]:
+    """Yield what annotations make a module, in lines for readers."""
     classes = ", ".join(module_classes(module)) or "no class"
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:

@@ -13,6 +13,7 @@ from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.diagnostic import Span
 from mars_asp.language.parse import plain_lines
 from mars_asp.model.names import QUOTED
+from mars_asp.unsaved import unsaved_bytes
 
 # Few files have such comments, so no pattern is compiled before one does.
 #: What a file must hold to be looked into, in single bytes and in both orders of UTF-16.
@@ -88,10 +89,12 @@ def ignores_in(path: str, text: str, language: str | None = None) -> Iterator[Ig
 
 def ignores_of(path: str) -> Iterator[Ignore]:
     """Yield the comments of a file that hide findings; none where it cannot be read."""
-    try:
-        raw = Path(path).read_bytes()
-    except OSError:
-        return
+    raw = unsaved_bytes(Path(path))
+    if raw is None:
+        try:
+            raw = Path(path).read_bytes()
+        except OSError:
+            return
     if re.search(_MARK, raw) is not None:
         yield from ignores_in(path, plain_lines(_decoded(raw)))
 

@@ -15,6 +15,7 @@ from mars_asp.language.statements import Builder, Raw, begin_of
 from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.spelling import nearest
+from mars_asp.unsaved import unsaved_bytes
 
 #: Far above any robot; a larger file is a mistake that would only cost time.
 MOST_BYTES = 64 * 1024 * 1024
@@ -68,6 +69,9 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
     Raises:
         MarsError: the file cannot be read.
     """
+    held = unsaved_bytes(path)
+    if held is not None:
+        return held[: most + 1]
     try:
         with path.open("rb") as file:
             return file.read(most + 1)

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.unsaved import unsaved_bytes
 
 MOST_BYTES = 8 * 1024 * 1024
 MOST_STATEMENTS = 100_000
@@ -36,9 +37,10 @@ def gate_text(path: Path, shown: str) -> str:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise _refused(shown, "no regular file", "name a file or a folder of `.lp` files")
-        if path.stat().st_size > MOST_BYTES:
+        held = unsaved_bytes(path)
+        if (path.stat().st_size if held is None else len(held)) > MOST_BYTES:
             raise _refused(shown, f"larger than {MOST_BYTES} bytes", "split it by topic")
-        raw = path.read_bytes()
+        raw = path.read_bytes() if held is None else held
         text = raw.decode("utf-8")
     except OSError as error:
         raise _refused(shown, str(error.strerror), "make the file readable") from None

@@ -1,0 +1,49 @@
+"""Answer editors: the language server for `.mars` files, annotated sources and rules, over stdio.
+
+It needs the extra `lsp`: `pip install 'mars-asp[lsp]'`.
+"""
+
+import argparse
+import gc
+import pickle
+import sys
+from importlib.util import find_spec
+
+#: It goes on for as long as the editor does; each analysis has a process with limits of its own.
+IS_CONTAINED = False
+#: Seconds that an answer may take where no limit is given.
+_SECONDS = 60.0
+#: So many questions are worked on at a time.
+_AT_A_TIME = 2
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
+    # Editors' clients add it, as they do for servers that know several ways.
+    parser.add_argument(
+        "--stdio", action="store_true", help="over standard input and output, as always"
+    )
+    parser.epilog = (
+        "It needs the extra `lsp`: pip install 'mars-asp[lsp]'. Limits are those of each answer, "
+        "which may take 60 s by default."
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until the editor is gone; 2 where the extra is missing."""
+    if find_spec("pygls") is None:
+        told = "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
+        print(f"mars-asp lsp: {told}", file=sys.stderr)
+        return 2
+    from mars_asp.lsp.server import serve
+    from mars_asp.lsp.workers import Workers
+
+    # It goes on for hours, so cycles are looked for: rarely, as answers wait for that.
+    gc.freeze()
+    gc.set_threshold(500_000, 20, 20)
+    gc.enable()
+    start = "from mars_asp.cli.lsp_answers import main; main()"
+    command = (sys.executable, "-P", "-c", f"import sys; sys.path[:] = {sys.path!r}; {start}")
+    seconds = arguments.time_limit or _SECONDS
+    serve(Workers(command, pickle.dumps(arguments), seconds, _AT_A_TIME))
+    return 0

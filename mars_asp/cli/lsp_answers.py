@@ -1,0 +1,447 @@
+"""The process that answers the language server, one question after another, within limits.
+
+What it finds is what the verbs find: it calls what `check`, `explain` and `rules lint` call.
+"""
+
+import argparse
+import gc
+import linecache
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mars_asp.annotations.files import extract, find_paths
+from mars_asp.asp.trace.text import traces_text
+from mars_asp.cli import worker
+from mars_asp.cli.arguments import parser_of
+from mars_asp.cli.check import check
+from mars_asp.cli.extract import module_lines
+from mars_asp.cli.limits import limit_memory, memory_limit
+from mars_asp.cli.lines import line_at, remember
+from mars_asp.cli.reason import load, rulebook_for
+from mars_asp.cli.results import Result
+from mars_asp.cli.rules import lint
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, brief
+from mars_asp.language.parse import parse_text, plain_lines
+from mars_asp.lsp.actions import Action, line_edits
+from mars_asp.lsp.mentions import outline
+from mars_asp.lsp.places import Place, Position, Range, Text
+from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
+from mars_asp.lsp.robot import Described, File, Finding, Robot, behind
+from mars_asp.lsp.rule_text import PredicateMention, rule_text
+from mars_asp.lsp.rules import Predicate, Rules
+from mars_asp.lsp.workers import read_pickle, write_pickle
+from mars_asp.model.declarations import Module
+from mars_asp.model.ports import inputs, outputs
+from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.project import Project, port_names
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.repair import STAGES as REPAIRING
+from mars_asp.reasoning.questions.repair import repairs
+from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.unsaved import unsaved, unsaved_bytes
+
+if TYPE_CHECKING:
+    from mars_asp.reasoning.questions.repair import Repair
+
+#: Seconds in which repairs are looked for.
+_REPAIR_SECONDS = 20.0
+#: A trace in an editor is so wide, in characters.
+_WIDTH = 90
+#: So many lines of it are shown.
+_MOST_LINES = 60
+#: So many files of rules beside one are read.
+_MOST_RULES = 200
+#: So many configurations are looked into for the sources that they name.
+_MOST_OWNERS = 50
+_START = Range(Position(0, 0), Position(0, 0))
+#: A line of a rule case, which is no file of rules.
+_EXPECTED = "%="
+
+
+def main() -> None:
+    """Answer what standard input asks, until it is closed."""
+    given, answers = os.dup(0), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    # What is printed here is no answer.
+    for stream in (0, 1):
+        os.dup2(nothing, stream)
+    for number in worker.ENDING:
+        signal.signal(number, signal.SIG_DFL)
+    worker.begin_group(given)
+    options: argparse.Namespace = read_pickle(given)
+    with suppress(OSError, ValueError):
+        limit_memory(memory_limit(options))
+    load_rulebook((), STAGES)
+    gc.freeze()
+    while (question := read_pickle(given)) is not None:
+        write_pickle(answers, answer(question, options))
+
+
+def answer(question: Question, options: argparse.Namespace) -> Any:
+    """Return the answer to a question, or why there is none.
+
+    `options` are those of the server: rules, sources and limits.
+    """
+    linecache.clearcache()
+    try:
+        with unsaved(question.texts):
+            for path, text in question.texts.items():
+                remember(path, plain_lines(text))
+            return _ANSWERS[question.sort](question, options)
+    except MemoryError:
+        return Failed("the memory limit ended it; --memory-limit MB allows more")
+    except RecursionError:
+        return Failed("it is nested too deep")
+    except TimeoutError:
+        return Failed("it took too long")
+    except Exception as error:  # whatever it is, the next question is to be answered
+        return Failed(f"a fault of ours, please report it: {error!r:.300}")
+
+
+def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespace:
+    """Return the arguments of a verb that is called for a file with the options of the server."""
+    _, parser = parser_of(verb)
+    words = [path, *(f"--rules={each}" for each in options.rules)]
+    words += [f"--sources={each}" for each in options.sources]
+    return parser.parse_intermixed_args(words)
+
+
+# ---- Places --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Files:
+    """The texts of files as they are now, and what is found placed in them.
+
+    `root` is where that is placed which stands in no file.
+    """
+
+    root: str
+    known: dict[str, Text] = field(default_factory=dict)
+
+    def text(self, path: str) -> Text | None:
+        """Return the text of a file; nothing where it is none."""
+        path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
+        if path not in self.known:
+            raw = unsaved_bytes(Path(path))
+            if raw is None and not Path(path).is_file():
+                return None
+            self.known[path] = Text(path, _decoded(Path(path).read_bytes() if raw is None else raw))
+        return self.known[path]
+
+    def place(self, span: Span) -> Place | None:
+        """Return where a span stands; nothing where its path is no file."""
+        try:
+            text = self.text(_built_in(span.path) or span.path)
+        except OSError:
+            return None
+        return None if text is None else text.place(span)
+
+    def finding(self, found: Diagnostic, title: str | None = None) -> Finding:
+        """Return what is told of a diagnostic."""
+        short = brief(found)
+        placed = ((self.place(span), label) for span, label in short.labels)
+        return Finding(
+            self.place(short.span) or Place(self.root, _START),
+            short.severity,
+            short.code,
+            short.message,
+            short.help,
+            short.effect,
+            tuple((place, label) for place, label in placed if place is not None),
+            title,
+        )
+
+
+def _decoded(raw: bytes) -> str:
+    """Return the text of a file as editors show it."""
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return raw.decode("utf-16", "replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _built_in(path: str) -> str | None:
+    """Return where a file of our rules is, which is shown by its path from their folder."""
+    own = rules_directory()
+    if path.startswith("rules/") and not Path(path).is_file():
+        return str(own / path.removeprefix("rules/"))
+    return None
+
+
+# ---- Robots --------------------------------------------------------------------------------------
+
+
+def _check(question: Question, options: argparse.Namespace) -> Checked:
+    """Answer what `mars-asp check` finds."""
+    arguments = _call("check", question.path, options)
+    # So that findings are kept, and no repairs are looked for.
+    arguments.format = "github"
+    seen: list[Project] = []
+    try:
+        checked, remarks = check(arguments, lambda project, _: seen.append(project))
+        results = [*(each for one in checked for each in one.results), *remarks]
+    except MarsError as error:
+        results = [Result(each) for each in error.diagnostics]
+    files = _Files(question.path)
+    findings = tuple(
+        files.finding(each.diagnostic, _title(each.consequence) if each.consequence else None)
+        for each in results
+        if each.hidden is None
+    )
+    return Checked(findings, _robot(seen[0], files) if seen else None)
+
+
+def _source(question: Question, options: argparse.Namespace) -> Checked:
+    """Answer what `mars-asp extract` finds in a source."""
+    files = _Files(question.path)
+    found = extract([Path(question.path)])
+    findings = tuple(files.finding(each) for each in found.diagnostics)
+    text = files.text(question.path)
+    own = File(question.path, "", outline(question.path, text.written).mentions if text else ())
+    described = {each.name: _described(each, files) for each in found.modules}
+    return Checked(findings, Robot(question.path, (own,), described))
+
+
+def _robot(project: Project, files: _Files) -> Robot:
+    configuration = project.configuration
+    described = {**project.modules, **{each.name: each for each in configuration.declared}}
+    own = tuple(_configurations(configuration.path, "", files))
+    read = {file.path for file in own}
+    sources = dict.fromkeys(os.path.abspath(each.span.path) for each in project.modules.values())  # noqa: PTH100
+    found = []
+    for path in sources:
+        text = files.text(path) if path not in read else None
+        if text is not None:
+            found.append(File(path, "", outline(path, text.written).mentions))
+    modules = {name: _described(module, files) for name, module in described.items()}
+    return Robot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
+
+
+def _configurations(path: str, prefix: str, files: _Files) -> Iterator[File]:
+    """Yield a configuration that was read without errors, and those that it includes."""
+    text = files.text(path)
+    if text is None:
+        return
+    yield File(text.path, prefix, outline(text.path, text.written).mentions)
+    for each in parse_text(text.plain, path).configuration.includes:
+        inner = os.path.abspath(Path(path).parent / each.path)  # noqa: PTH100
+        yield from _configurations(inner, behind(prefix, each.name) if each.name else prefix, files)
+
+
+def _described(module: Module, files: _Files) -> Described:
+    lines = tuple(module_lines(module))
+    services = [files.place(each.span) for each in module.services]
+    nowhere = Place(files.root, _START)
+    return Described(
+        lines,
+        files.place(module.named or module.span) or nowhere,
+        {name: services[number] or nowhere for name, number in outputs(module).items()},
+        {name: services[each.service] or nowhere for name, each in inputs(module).items()},
+    )
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """The robot of a question and its rules, for what is asked about it as a whole."""
+
+    question: Question
+    options: argparse.Namespace
+
+    @cached_property
+    def arguments(self) -> argparse.Namespace:
+        """Return the arguments of a verb."""
+        return _call("explain", self.question.path, self.options)
+
+    @cached_property
+    def project(self) -> Project:
+        """Return the robot.
+
+        Raises:
+            MarsError: what is wrong with its files.
+        """
+        return load(self.arguments, self.question.path)
+
+    def reasoner(self, *stages: str) -> Reasoner:
+        """Return what answers questions about the robot."""
+        rulebook = rulebook_for(self.arguments, stages)
+        return Reasoner(self.project, rulebook, Budget(self.options.time_limit))
+
+
+def _survey(question: Question, options: argparse.Namespace) -> Survey | Failed:
+    """Answer which consequences and nodes there are for each module."""
+    asked = _Asked(question, options)
+    try:
+        reasoner = asked.reasoner("resolve")
+        found = reasoner.analysis.consequences
+        synthesis = reasoner.synthesis
+    except MarsError as error:
+        return Failed(str(error))
+    ports = {text: module for text, (module, _) in port_names(asked.project).items()}
+    names = {
+        each.text for each in asked.project.configuration.modules
+    } | asked.project.modules.keys()
+    about: dict[str, dict[str, None]] = {}
+    by_title: dict[str, dict[str, None]] = {}
+    for each in found:
+        ends = (ports.get(end, end) for end in (each.subject, *each.participants))
+        for name in dict.fromkeys(end for end in ends if end in names):
+            about.setdefault(name, {})[f"{each.kind}({each.subject}): {each.message}"] = None
+            by_title.setdefault(f"{each.kind}({each.subject})", {})[name] = None
+    nodes: dict[str, dict[str, None]] | None = None
+    if synthesis is not None:
+        nodes = {}
+        for node, titles in synthesis.specification.resolves.items():
+            for title in titles:
+                subject = title.partition("(")[2].removesuffix(")")
+                subject = ports.get(subject, subject)
+                nodes.setdefault(subject, {})[node] = None
+    return Survey(_listed(about), None if nodes is None else _listed(nodes))
+
+
+def _listed(found: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
+    return {name: tuple(each) for name, each in found.items()}
+
+
+def _trace(question: Question, options: argparse.Namespace) -> str | Failed:
+    """Answer why there is what a question is about, in lines: its trace to the usual depth."""
+    asked = _Asked(question, options)
+    try:
+        reasoner = asked.reasoner("resolve", "account")
+        found = explain(reasoner, question.about)
+    except MarsError as error:
+        return Failed(str(error))
+    told = [(topic.title, topic.trace) for topic in found.topics]
+    lines = list(islice(traces_text(told, line_at, width=_WIDTH), _MOST_LINES + 1))
+    if len(lines) > _MOST_LINES:
+        lines[_MOST_LINES:] = ["    ..."]
+    home = f"{Path(question.path).parent}{os.sep}"
+    return "\n".join(lines).replace(home, "").strip("\n")
+
+
+def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, ...]:
+    """Answer the edits that remove findings, each of them tried."""
+    asked = _Asked(question, options)
+    try:
+        rulebook = rulebook_for(asked.arguments, REPAIRING)
+        found = repairs(asked.project, rulebook, seconds=_REPAIR_SECONDS, with_warnings=True)
+    except MarsError:
+        # They are findings of the check.
+        return ()
+    files = _Files(question.path)
+    return tuple(each for repair in found for each in _actions(repair, files))
+
+
+def _actions(repair: "Repair", files: _Files) -> Iterator[Action]:
+    for mend in repair.mends:
+        texts = {each.path: files.text(each.path) for each in mend.lines}
+        known = {path: text for path, text in texts.items() if text is not None}
+        if len(known) == len(texts):
+            message = "; ".join(edit.message for edit in mend.edits)
+            is_sole = repair.complete and len(repair.mends) == 1
+            edits = tuple(line_edits(known, mend.lines))
+            yield Action(message, edits, _title(repair.consequence), is_sole)
+
+
+def _title(consequence: Consequence) -> str:
+    return str(consequence.atom)
+
+
+def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
+    """Answer which configurations in the folders of a source, and those above, name it.
+
+    `about` is the folder at which the search ends.
+    """
+    source = Path(question.path)
+    found: list[str] = []
+    looked = 0
+    for folder in source.parents:
+        for path in sorted(folder.glob("*.mars")):
+            looked += 1
+            if looked > _MOST_OWNERS:
+                return tuple(found)
+            if path.is_file() and _names(path, source):
+                found.append(str(path))
+        if str(folder) == question.about or (folder / ".git").exists():
+            break
+    return tuple(found)
+
+
+def _names(configuration: Path, source: Path) -> bool:
+    """Whether `@sources` of a configuration, or of what it includes, name a file."""
+    try:
+        text = _Files(str(configuration)).text(str(configuration))
+        parsed = None if text is None else parse_text(text.plain, str(configuration))
+    except (MarsError, OSError):
+        return False
+    real = source.resolve()
+    for name in parsed.configuration.sources if parsed is not None else ():
+        for path in find_paths(name.text, configuration.parent):
+            if path.resolve() == real or real.is_relative_to(path.resolve()):
+                return True
+    return False
+
+
+# ---- Rules ---------------------------------------------------------------------------------------
+
+
+def _lint(question: Question, options: argparse.Namespace) -> Linted:
+    """Answer what `mars-asp rules lint` finds in a file, and the rules around it."""
+    path = Path(question.path)
+    files = _Files(question.path)
+    text = files.text(question.path)
+    is_own = path.resolve().is_relative_to(rules_directory().resolve())
+    found: tuple[Diagnostic, ...] = ()
+    if text is not None and not any(line.startswith(_EXPECTED) for line in text.lines):
+        packs = [] if is_own else [path]
+        try:
+            found = lint([*map(Path, options.rules), *packs] if packs else [])
+        except MarsError as error:
+            found = error.diagnostics
+    return Linted(tuple(map(files.finding, found)), _rules(path, files, is_own))
+
+
+def _rules(path: Path, files: _Files, is_own: bool) -> Rules:
+    """Return the rules around a file: our own, and those in its folder."""
+    beside = [] if is_own else sorted(path.parent.glob("*.lp"))[:_MOST_RULES]
+    try:
+        rulebook = load_rulebook(beside, STAGES)
+    except MarsError:
+        rulebook = load_rulebook((), STAGES)
+    predicates: dict[tuple[str, int], tuple[Predicate, ...]] = {}
+    for signature, each in rulebook.declarations.items():
+        # What is declared begins with the name, behind `%*! `.
+        place = files.place(each.span) or Place(str(path), _START)
+        key = signature.name, signature.arity
+        said = Predicate(signature.signed, each.written, each.words, place)
+        predicates[key] = (*predicates.get(key, ()), said)
+    mentions: dict[str, tuple[PredicateMention, ...]] = {}
+    own = sorted(rules_directory().rglob("*.lp"))
+    for file in (*beside, *own):
+        with suppress(OSError):
+            text = files.text(str(file))
+            if text is not None:
+                mentions[text.path] = rule_text(text.path, text.written).mentions
+    return Rules(predicates, mentions)
+
+
+_ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
+    "check": _check,
+    "source": _source,
+    "survey": _survey,
+    "trace": _trace,
+    "repairs": _repairs,
+    "owners": _owners,
+    "lint": _lint,
+}

@@ -1,0 +1,82 @@
+"""Repairs of findings: edits that an analysis has tried, and words that are nearly right."""
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from mars_asp.language.text_edits import LineEdit
+from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.robot import Finding
+from mars_asp.spelling import nearest
+
+_MEANT = re.compile(r"did you mean `([^`\n]+)`\?")
+#: Less alike words were not misspelt.
+_ALIKE = 0.6
+_LONGEST = 100
+
+
+class Action(NamedTuple):
+    """A change that removes findings: what it does, and its edits.
+
+    `removes` is the title of the finding; `is_sole` is whether that has no other repair.
+    """
+
+    title: str
+    edits: tuple[Edit, ...]
+    removes: str
+    is_sole: bool = False
+
+
+def actions_at(
+    actions: Iterable[Action], found: Iterable[Finding]
+) -> Iterator[tuple[Finding, Action]]:
+    """Yield the changes that remove findings, each with its finding."""
+    by_title: dict[str, list[Action]] = {}
+    for action in actions:
+        by_title.setdefault(action.removes, []).append(action)
+    for finding in found:
+        for action in by_title.get(finding.title or "", ()):
+            yield finding, action
+
+
+def respelt(text: Text, found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
+    """Yield the changes of a word into the one that is meant, where a finding stands at it."""
+    for finding in found:
+        match = _MEANT.search(finding.help or "")
+        if match is None or finding.place.path != text.path:
+            continue
+        line, column = text.column(finding.place.range.start)
+        last, end = text.column(finding.place.range.end)
+        word = text.lines[line - 1][column - 1 : end - 1] if line == last else ""
+        # The advice may be about another word of the line.
+        is_word = 0 < len(word) <= _LONGEST and word != match[1]
+        if is_word and nearest(word, [match[1]], _ALIKE) is not None:
+            edit = Edit(finding.place, match[1])
+            yield finding, Action(f"Write `{match[1]}`", (edit,), finding.code, True)
+
+
+def line_edits(texts: dict[str, Text], lines: Iterable[LineEdit]) -> Iterator[Edit]:
+    """Yield edits of lines as edits of stretches, by the texts that the lines are those of."""
+    for each in lines:
+        text = texts[each.path]
+        if each.old is None:
+            yield _inserted(text, each)
+            continue
+        start, end = text.position(each.line, 1), text.position(each.line, len(each.old) + 1)
+        if each.new is None and each.line < len(text.lines):
+            # The line goes with its end.
+            end = Position(each.line, 0)
+        yield Edit(Place(each.path, Range(start, end)), each.new or "")
+
+
+def _inserted(text: Text, edit: LineEdit) -> Edit:
+    """Return the edit that inserts lines; of a file without a last line end it makes one."""
+    new = edit.new or ""
+    if edit.where == "before":
+        start = text.position(edit.line, 1)
+        return Edit(Place(edit.path, Range(start, start)), f"{new}\n")
+    if edit.line < len(text.lines):
+        start = Position(edit.line, 0)
+        return Edit(Place(edit.path, Range(start, start)), f"{new}\n")
+    start = text.position(edit.line, 1 << 30)
+    return Edit(Place(edit.path, Range(start, start)), f"\n{new}")

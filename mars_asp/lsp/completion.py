@@ -1,0 +1,223 @@
+"""What may stand at a place: words, modules, ports, modes, functions, predicates."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
+from typing import Literal, NamedTuple, TypeAlias
+
+from mars_asp.lsp.mentions import VERBS, is_configuration
+from mars_asp.lsp.places import Position, Range, Text
+from mars_asp.lsp.robot import Scene, behind
+from mars_asp.lsp.rule_text import RuleText
+from mars_asp.lsp.rules import Rules
+from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from mars_asp.model.names import BARE, QUOTED, plain, written
+
+Sort: TypeAlias = Literal[
+    "keyword", "module", "port", "mode", "function", "predicate", "annotation"
+]
+_NAME = f"(?:{BARE}|{QUOTED})"
+#: A module whose port is being typed.
+_PORT = re.compile(rf"(?:^|[\s,])(?P<module>{_NAME})\.(?P<port>[\w/-]*)$")
+_ANNOTATION = re.compile(r"@(?P<word>[A-Za-z]\w*)[ \t]+(?P<rest>.*)$")
+_WITH_MODES = ("Sense", "DataOut")
+#: A word that is typed, seen from its end.
+_BACKWARDS = re.compile(r"[\w/-]*+@?")
+#: More are not shown at once: they would take longer to send than people wait.
+_MOST = 200
+_FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
+
+
+class Completion(NamedTuple):
+    """What may stand at a place, and what is said of it; `text` replaces what is typed of it."""
+
+    label: str
+    sort: Sort
+    detail: str
+    text: str
+
+
+class Completions(NamedTuple):
+    """What may stand at a place, and the stretch before it that is typed already.
+
+    `is_whole` is whether nothing is left out that begins otherwise, or for there being too much.
+    """
+
+    items: tuple[Completion, ...]
+    typed: Range
+    is_whole: bool = True
+
+
+def completion(scene: Scene, position: Position) -> Completions:
+    """Return what may stand at a place of a `.mars` file or a source."""
+    text = scene.here.text
+    before = text.line_before(position)
+    number = position.line + 1
+    inside = any(first <= number <= last for first, last in scene.here.blocks)
+    if not is_configuration(scene.here.text.path):
+        return _typed(_annotations(before, in_source=True), text, position)
+    if inside:
+        return _typed(_annotations(before, in_source=False), text, position)
+    return _typed(_statement(scene, before), text, position)
+
+
+def rule_completion(here: RuleText, rules: Rules, position: Position) -> Completions:
+    """Return the predicates, or the keys of metadata, that may stand at a place of rules."""
+    before = here.text.line_before(position)
+    if re.match(r"\s*%!\s*[a-z]*$", before):
+        keys = (Completion(k, "keyword", w.meaning, f"{k}: ") for k, w in METADATA.items())
+        return _typed(keys, here.text, position)
+    if here.is_blank(position):
+        return Completions((), Range(position, position))
+    documented = {key: found[0] for key, found in rules.predicates.items()}
+    named = {each.key for each in here.mentions if not each.range.holds(position)}
+    named |= {each.key for mentions in rules.files.values() for each in mentions if each.is_head}
+    return _typed(_predicates(documented, named), here.text, position)
+
+
+def _predicates(
+    documented: Mapping[tuple[str, int], object], named: Iterable[tuple[str, int]]
+) -> Iterator[Completion]:
+    for name, arity in sorted(documented.keys() | set(named)):
+        found = documented.get((name, arity))
+        shown = getattr(found, "written", f"{name}/{arity}")
+        detail = " ".join(filter(None, (shown, getattr(found, "words", ""))))
+        yield Completion(name, "predicate", detail, f"{name}(" if arity else name)
+
+
+def _typed(items: Iterable[Completion], text: Text, position: Position) -> Completions:
+    line, column = text.column(position)
+    before = text.line_before(position)
+    # From the end: a line may be very long.
+    match = _BACKWARDS.match(before[::-1])
+    begin = column - 1 - (0 if match is None else match.end())
+    if before.count('"') % 2:
+        begin = before.rindex('"')
+    place = text.within(line, begin, column - 1)
+    found = tuple(items)
+    if len(found) <= _MOST:
+        return Completions(found, place)
+    start = text.lines[line - 1][begin : column - 1].lower()
+    fit = (each for each in found if start in each.text.lower())
+    return Completions(tuple(islice(fit, _MOST)), place, False)
+
+
+# ---- Annotations ---------------------------------------------------------------------------------
+
+
+def _annotations(before: str, in_source: bool) -> Iterator[Completion]:
+    """Yield words of annotations, and what stands behind one of them."""
+    match = _ANNOTATION.search(before)
+    if match is None:
+        if not in_source or "@" in before:
+            for name, word in ANNOTATIONS.items():
+                yield Completion(f"@{name}", "annotation", word.meaning, f"@{name}")
+    elif match["word"] in _WITH_MODES:
+        yield from _modes()
+    elif match["word"] == "ControlOut":
+        for name in _FUNCTIONS:
+            yield Completion(name, "function", ANNOTATIONS[name].meaning, name)
+
+
+def _modes() -> Iterator[Completion]:
+    for name, word in MODES.items():
+        yield Completion(name, "mode", word.meaning, name)
+
+
+# ---- Statements ----------------------------------------------------------------------------------
+
+
+def _statement(scene: Scene, before: str) -> Iterator[Completion]:
+    """Yield what may go on a line of a configuration."""
+    code = re.sub(r"(?:^|\s)(?://|#).*", "", before)
+    if code != before:
+        return
+    # A name in quotes may still be open.
+    words = re.findall(rf'{QUOTED}|"[^"]*$|[^\s,]+|,', code)
+    is_open = bool(words) and words[-1].count('"') == 1
+    is_ended = not is_open and (not code or code[-1].isspace() or code.endswith(","))
+    done = words if is_ended else words[:-1]
+    port = _PORT.search(code)
+    if port is not None:
+        yield from _ports(scene, plain(port["module"]), any(verb in done for verb in VERBS))
+    elif not done:
+        yield from _keywords("@configuration", "@specification", "@modules", "@sources", "@include")
+        yield from _keywords(*ANNOTATED_BLOCK, of=ANNOTATIONS)
+        yield from _modules(scene)
+    elif done[0] in ("@configuration", "@specification"):
+        yield from _keywords("flat", "hierarchical", "period")
+    elif done[0] == "@modules":
+        yield from _modules(scene)
+    elif not done[0].startswith("@"):
+        yield from _relationship(scene, done)
+
+
+#: What begins a block in a configuration.
+ANNOTATED_BLOCK = ("module_start",)
+
+
+def _relationship(scene: Scene, done: list[str]) -> Iterator[Completion]:
+    at = next((number for number, word in enumerate(done) if word in VERBS), None)
+    if at is None:
+        yield from _keywords(*VERBS)
+        return
+    verb, rest = done[at], done[at + 1 :]
+    if verb == "is_controlled_by" and rest and rest[-1] != ",":
+        yield from _keywords("forever") if rest[-1] == "hold" else ()
+        yield from _keywords("root", "split") if rest[-1] == "allocation" else ()
+        yield from _keywords("hold", "allocation") if rest[-1] not in ("hold", "allocation") else ()
+    elif not rest or (verb == "is_controlled_by" and rest[-1] == ","):
+        yield from _modules(scene)
+    elif verb == "uses_data_from":
+        yield from _modes() if len(rest) == 1 else ()
+        yield from _keywords("every")
+
+
+def _keywords(*names: str, of: Mapping[str, object] = STATEMENTS) -> Iterator[Completion]:
+    for name in names:
+        word = of[name]
+        shown = name if of is STATEMENTS else f"@{name}"
+        yield Completion(shown, "keyword", getattr(word, "meaning", ""), shown)
+
+
+def _modules(scene: Scene) -> Iterator[Completion]:
+    """Yield the modules that the file and what it includes name, and those of its sources."""
+    names = {each.name: "" for each in scene.here.mentions if each.role != "line"}
+    for robot in scene.robots:
+        own = next(file for file in robot.files if file.path == scene.here.text.path)
+        listed = {
+            behind(file.prefix, each.name)
+            for file in robot.files
+            for each in file.mentions
+            if each.role != "line" and file.path != own.path
+        }
+        for name in sorted(listed | robot.modules.keys()):
+            known = _within(own.prefix, name)
+            if known is not None:
+                described = robot.modules.get(name)
+                names[known] = described.lines[0] if described is not None else ""
+    for name, detail in names.items():
+        yield Completion(name, "module", detail, written(name))
+
+
+def _within(prefix: str, name: str) -> str | None:
+    """Return a name of a robot as an included file has it; nothing where it is of another file."""
+    if not prefix:
+        return name
+    for before, own in ((f"{prefix}/", ""), (f"/{prefix}/", "/")):
+        if name.startswith(before):
+            return f"{own}{name.removeprefix(before)}"
+    return None
+
+
+def _ports(scene: Scene, module: str, is_output: bool) -> Iterator[Completion]:
+    for robot in scene.robots:
+        for file in robot.files:
+            if file.path == scene.here.text.path:
+                described = robot.modules.get(behind(file.prefix, module))
+                if described is not None:
+                    ports = described.outputs if is_output else described.inputs
+                    for name in ports:
+                        yield Completion(name, "port", f"of {module}", written(name))
+                    return

@@ -1,0 +1,135 @@
+"""What an editor has open, and what is known of it: texts, robots, findings, rules."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from mars_asp.lsp.actions import Action
+from mars_asp.lsp.mentions import is_configuration, outline
+from mars_asp.lsp.questions import Survey
+from mars_asp.lsp.robot import Finding, Robot, Scene
+from mars_asp.lsp.rule_text import RuleText, is_rules, rule_text
+from mars_asp.lsp.rules import Rules
+
+_ENCODINGS = ("utf-8-sig", "latin-1")
+
+
+class Desk:
+    """The open texts by their paths and, by the file that it was asked about, what was found."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, str] = {}
+        self.robots: dict[str, Robot] = {}
+        self.found: dict[str, tuple[Finding, ...]] = {}
+        self.rules: dict[str, Rules] = {}
+        #: Repairs of robots, and traces of their findings, as long as nothing is changed.
+        self.repairs: dict[str, tuple[Action, ...]] = {}
+        self.traces: dict[str, dict[str, str]] = {}
+        #: Configurations that sources belong to, as far as it was looked for.
+        self.owners: dict[str, tuple[str, ...]] = {}
+
+    def unsaved(self) -> Mapping[str, str]:
+        """Return the open texts that are not what the disk has."""
+        return {path: text for path, text in self.texts.items() if not _is_saved(path, text)}
+
+    def scene(self, path: str) -> Scene | None:
+        """Return what a question about a `.mars` file or a source is about."""
+        text = self.texts.get(path)
+        if text is None or is_rules(path):
+            return None
+        return Scene(outline(path, text), self.robots_of(path), self.texts, self.findings(path))
+
+    def rule_text(self, path: str) -> RuleText | None:
+        """Return an open file of rules."""
+        text = self.texts.get(path)
+        return None if text is None or not is_rules(path) else rule_text(path, text)
+
+    def robots_of(self, path: str) -> tuple[Robot, ...]:
+        """Return the robots that a file is part of, its own first."""
+        found = [robot for robot in self.robots.values() if path in robot.paths]
+        return tuple(sorted(found, key=lambda robot: robot.path != path))
+
+    def findings(self, path: str) -> tuple[Finding, ...]:
+        """Return what was found in a file, by whatever robot."""
+        every = (each for found in self.found.values() for each in found)
+        return tuple(dict.fromkeys(each for each in every if each.place.path == path))
+
+    def asked_for(self, path: str) -> tuple[str, ...]:
+        """Return the files to be asked about when one changes: robots, else itself."""
+        robots = [robot.path for robot in self.robots_of(path)]
+        if is_configuration(path) or is_rules(path):
+            return tuple(dict.fromkeys((path, *robots)))
+        owners = [each for each in robots if each != path] or list(self.owners.get(path, ()))
+        return tuple(owners) or (path,)
+
+    def forget(self, path: str) -> frozenset[str]:
+        """Forget what no longer holds when a file changes; return what it was asked about."""
+        asked = frozenset({path, *(robot.path for robot in self.robots_of(path))})
+        for each in asked:
+            self.repairs.pop(each, None)
+            self.traces.pop(each, None)
+        return asked
+
+    def take(self, asked: str, found: tuple[Finding, ...], robot: Robot | None) -> set[str]:
+        """Keep what was found when a file was asked about; return the files to be told of it.
+
+        They are those with findings, now or before, and those of the robot that are open.
+        """
+        changed = {each.place.path for each in (*self.found.get(asked, ()), *found)}
+        self.found[asked] = found
+        if robot is not None:
+            before = self.robots.get(asked)
+            if before is not None:
+                robot = robot._replace(consequences=before.consequences, nodes=before.nodes)
+            self.robots[asked] = robot
+            for path in robot.paths - {asked}:
+                # What was found in a source alone, the robot has, too.
+                if not is_configuration(path) and path in self.found:
+                    changed |= self.drop(path)
+        for path, owners in self.owners.items():
+            # A source may be in no file of a robot that cannot be read.
+            changed |= {path} if asked in owners else set()
+        known = self.robots.get(asked)
+        if known is not None:
+            changed |= known.paths & self.texts.keys()
+        return changed | {asked}
+
+    def learn(self, asked: str, survey: Survey) -> None:
+        """Keep which consequences and nodes there are for the modules of a robot."""
+        robot = self.robots.get(asked)
+        if robot is not None:
+            told = robot._replace(consequences=survey.consequences, nodes=survey.nodes)
+            self.robots[asked] = told
+
+    def drop(self, asked: str) -> set[str]:
+        """Forget what was found when a file was asked about; return the files with findings."""
+        self.robots.pop(asked, None)
+        self.rules.pop(asked, None)
+        return {each.place.path for each in self.found.pop(asked, ())}
+
+    def idle(self) -> Iterator[str]:
+        """Yield the files that were asked about and of which nothing is open any more."""
+        for asked in tuple(self.found):
+            robot = self.robots.get(asked)
+            paths = {asked} if robot is None else {asked, *robot.paths}
+            paths |= {path for path, owners in self.owners.items() if asked in owners}
+            if paths.isdisjoint(self.texts):
+                yield asked
+
+
+def _is_saved(path: str, text: str) -> bool:
+    """Whether the disk has a text, in whichever encoding."""
+    try:
+        raw = Path(path).read_bytes()
+    except OSError:
+        return False
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return raw.decode("utf-16", "replace") == text
+    if raw.decode("utf-8", "replace") == text:
+        return True
+    for encoding in _ENCODINGS:
+        try:
+            if raw.decode(encoding) == text:
+                return True
+        except UnicodeDecodeError:
+            continue
+    return False

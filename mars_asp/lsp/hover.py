@@ -1,0 +1,141 @@
+"""What is told of a place: the finding, the module, the port, the predicate or the word there.
+
+Answers are Markdown.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from mars_asp.lsp.mentions import Mention, is_configuration
+from mars_asp.lsp.places import Position, Range, Text
+from mars_asp.lsp.robot import Described, Finding, Scene, behind
+from mars_asp.lsp.rule_text import RuleText
+from mars_asp.lsp.rules import Rules
+from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS, Word
+
+_WORD = re.compile(r"@?[A-Za-z_]\w*")
+_METADATA = re.compile(r"\s*%!\s*([a-z]+)\s*:")
+
+
+class Hover(NamedTuple):
+    """What is told of a place, and the stretch that it is about."""
+
+    markdown: str
+    range: Range | None
+
+
+def hover(scene: Scene, position: Position, traces: Mapping[str, str]) -> Hover | None:
+    """Return what is told of a place in a `.mars` file or a source.
+
+    `traces` are short explanations of findings, by their titles, as far as they are there.
+    """
+    mention = scene.here.at(position)
+    parts = [finding_text(each, traces) for each in scene.found_at(position)]
+    place = None
+    if mention is not None:
+        place = mention.range
+        parts += module_text(scene, mention, position)
+    else:
+        word = _word_at(scene.here.text, position)
+        if word is not None:
+            text, place = word
+            found = _word(scene, text, place)
+            parts += [] if found is None else [word_text(found)]
+    return Hover("\n\n---\n\n".join(parts), place) if parts else None
+
+
+def hover_rules(
+    here: RuleText, rules: Rules, position: Position, found: list[Finding]
+) -> Hover | None:
+    """Return what is told of a place in a file of rules."""
+    parts = [finding_text(each, {}) for each in found]
+    mention = here.at(position)
+    place = None
+    if mention is not None:
+        place = mention.range
+        for each in rules.predicates.get(mention.key, ()):
+            parts.append(f"{_code(each.written)}\n\n{each.words}".rstrip())
+    else:
+        line, column = here.text.column(position)
+        match = _METADATA.match(here.text.lines[line - 1])
+        if match and match.start(1) <= column - 1 <= match.end(1) and match[1] in METADATA:
+            place = here.text.within(line, *match.span(1))
+            parts.append(word_text(METADATA[match[1]]))
+    return Hover("\n\n---\n\n".join(parts), place) if parts else None
+
+
+def word_text(word: Word) -> str:
+    """Return what there is to say of a word."""
+    return f"{_code(word.written)}\n\n{word.meaning}"
+
+
+def finding_text(finding: Finding, traces: Mapping[str, str]) -> str:
+    """Return a finding with its short trace, where that is known."""
+    lines = [f"**{finding.severity}**: {finding.message} `[{finding.code}]`"]
+    lines += [each for each in (finding.effect, finding.help and f"help: {finding.help}") if each]
+    trace = traces.get(finding.title or "")
+    return "\n\n".join([*lines, *([_code(trace)] if trace else [])])
+
+
+def module_text(scene: Scene, mention: Mention, position: Position) -> Iterator[str]:
+    """Yield what the robots of a file tell of a module or of its port."""
+    for robot in scene.robots:
+        for file in robot.files:
+            if file.path != scene.here.text.path:
+                continue
+            name = (
+                behind(file.prefix, mention.name) if is_configuration(file.path) else mention.name
+            )
+            described = robot.modules.get(mention.described or name) or robot.modules.get(name)
+            port = mention.port
+            if described is None:
+                if port is None and mention.role != "annotated":
+                    yield f"`{name}`: no annotation describes this module"
+            elif port is not None and port.range.holds(position):
+                yield _port_text(described, port.name, port.is_output)
+            else:
+                yield _code("\n".join(described.lines))
+            about = robot.consequences.get(name, ())
+            if about:
+                yield "\n".join(f"- {each}" for each in about)
+            return
+
+
+def _port_text(described: Described, name: str, is_output: bool) -> str:
+    ports = described.outputs if is_output else described.inputs
+    sort = "output" if is_output else "input"
+    if name in ports:
+        return f"{sort} `{name}` of\n\n{_code(chr(10).join(described.lines))}"
+    known = ", ".join(f"`{each}`" for each in ports) or "none"
+    return f"no {sort} `{name}`; there are: {known}"
+
+
+def _word(scene: Scene, text: str, place: Range) -> Word | None:
+    """Return the word of the language that is at a place."""
+    is_inside = any(
+        first <= place.start.line + 1 <= last for first, last in scene.here.blocks
+    ) or not is_configuration(scene.here.text.path)
+    if text.startswith("@"):
+        return ANNOTATIONS.get(text[1:]) or (None if is_inside else STATEMENTS.get(text))
+    line = scene.here.text.lines[place.start.line]
+    if is_inside:
+        # In code a word of ours is another's.
+        is_ours = re.search(r"@[A-Za-z]", line[: place.start.character]) is not None
+        named = ANNOTATIONS.get(text) if re.match(r"(?:Rotn|Trans)_|Grasp", text) else None
+        return (MODES.get(text) or named) if is_ours else None
+    return STATEMENTS.get(text) or MODES.get(text)
+
+
+def _word_at(text: Text, position: Position) -> tuple[str, Range] | None:
+    line, column = text.column(position)
+    for match in _WORD.finditer(text.lines[line - 1]):
+        if match.start() <= column - 1 <= match.end():
+            return match[0], text.within(line, *match.span())
+    return None
+
+
+def _code(text: str) -> str:
+    """Return a block of text as it is; what it holds cannot end it."""
+    fence = "`" * (2 + max((len(run) for run in re.findall("`+", text)), default=1))
+    return f"{fence}text\n{text}\n{fence}"

@@ -1,0 +1,66 @@
+"""What stands above modules: how many consequences are about each, and the nodes that it needs."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from mars_asp.lsp.mentions import is_configuration
+from mars_asp.lsp.places import Range
+from mars_asp.lsp.robot import Robot, Scene, behind
+
+#: So many nodes are named; of others there is their number.
+_MOST_NAMED = 3
+
+
+class Lens(NamedTuple):
+    """What stands above a line, and the module that it is about; `None` of the whole robot."""
+
+    title: str
+    range: Range
+    robot: str
+    module: str | None
+
+
+def lenses(scene: Scene) -> Iterator[Lens]:
+    """Yield what is told of the modules that a text lists or annotates, and of its robot."""
+    path = scene.here.text.path
+    for robot in scene.robots:
+        if robot.path == path and scene.here.header is not None:
+            yield Lens(_summary(scene, robot), scene.here.header, robot.path, None)
+        for file in scene.files(robot):
+            if file.path != path:
+                continue
+            for each in file.mentions:
+                if each.role not in ("listed", "annotated"):
+                    continue
+                name = behind(file.prefix, each.name) if is_configuration(path) else each.name
+                title = _told(robot, name)
+                if title:
+                    yield Lens(f"{each.name}: {title}", each.range, robot.path, name)
+            # A file that is included twice has its names once.
+            break
+
+
+def _told(robot: Robot, name: str) -> str:
+    parts = []
+    about = len(robot.consequences.get(name, ()))
+    if about:
+        parts.append(f"{about} consequence{'s' * (about > 1)}")
+    nodes = (robot.nodes or {}).get(name, ())
+    if nodes:
+        named = ", ".join(nodes) if len(nodes) <= _MOST_NAMED else f"{len(nodes)} nodes"
+        parts.append(named)
+    return "; ".join(parts)
+
+
+def _summary(scene: Scene, robot: Robot) -> str:
+    """Return how much was found in the robot, and how many nodes its specification adds."""
+    found = {title for titles in robot.consequences.values() for title in titles}
+    parts = [f"{len(found)} consequence{'s' * (len(found) != 1)}"]
+    for severity in ("error", "warning"):
+        number = sum(each.severity == severity for each in scene.findings)
+        if number:
+            parts.append(f"{number} {severity}{'s' * (number > 1)}")
+    if robot.nodes is not None:
+        nodes = {node for names in robot.nodes.values() for node in names}
+        parts.append(f"{len(nodes)} node{'s' * (len(nodes) != 1)}")
+    return ", ".join(parts)

@@ -1,0 +1,231 @@
+"""The modules that a text names, wherever it can be read: a text that is being typed is wrong.
+
+Of a `.mars` file they stand in its lists, its lines and its blocks, of a source in `@module_name`.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal, NamedTuple, TypeAlias
+
+from mars_asp.annotations.blocks import block_lines
+from mars_asp.annotations.directives import Directive, directives
+from mars_asp.annotations.languages import LANGUAGES
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Span
+from mars_asp.language.layout import Layout, lay_out
+from mars_asp.language.tokens import Token, tokens_of
+from mars_asp.lsp.places import Position, Range, Text
+from mars_asp.model.names import BARE, QUOTED, plain, read_name
+
+#: Where a module is named: in `@modules`, behind a `:` there, in `@module_name`, or in a line.
+Role: TypeAlias = Literal["listed", "describing", "annotated", "line"]
+VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
+#: A larger text is analysed, but answers about places in it would come too late.
+MOST_CHARACTERS = 1_000_000
+_END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
+_HEADER = re.compile(r"\s*(@(?:configuration|specification))(?!\w)")
+_NAMED = re.compile(rf"(?i)^[ \t]*@module_name[ \t]+({BARE}|{QUOTED})")
+_STAND_IN = re.compile(
+    rf"(?://|#)[ \t]*InheritanceNode[0-9]+:[ \t]*({BARE}|{QUOTED})[ \t]*(?= -- |$)"
+)
+_CONVERSION = re.compile(
+    rf"(?://|#)[ \t]*DataTransformer[0-9]+:[ \t]*(?!no converter declared)({BARE}|{QUOTED})[ \t]*\("
+)
+
+
+class Port(NamedTuple):
+    """The port of a module where it is named; `is_output` is whether it delivers."""
+
+    name: str
+    range: Range
+    is_output: bool
+
+
+class Mention(NamedTuple):
+    """A module where it is named, and the port that is named with it.
+
+    `described` is the module that is said to describe it there.
+    """
+
+    name: str
+    range: Range
+    role: Role
+    port: Port | None = None
+    described: str | None = None
+
+
+class Outline(NamedTuple):
+    """The modules that a text names, in its order; `blocks` are lines of blocks, from 1."""
+
+    text: Text
+    mentions: tuple[Mention, ...]
+    blocks: tuple[tuple[int, int], ...] = ()
+    #: Where the configuration begins.
+    header: Range | None = None
+
+    def at(self, position: Position) -> Mention | None:
+        """Return the module that is named at a position, alone or with its port."""
+        for each in self.mentions:
+            end = each.range.end if each.port is None else each.port.range.end
+            if each.range.start <= position <= end:
+                return each
+        return None
+
+
+@lru_cache(maxsize=16)
+def outline(path: str, written: str) -> Outline:
+    """Return what a `.mars` file or a source names."""
+    text = Text(path, written)
+    if len(written) > MOST_CHARACTERS:
+        return Outline(text, ())
+    if is_configuration(path):
+        return _of_configuration(text)
+    return Outline(text, tuple(_of_source(text)))
+
+
+def is_configuration(path: str) -> bool:
+    """Whether a file is a `.mars` file."""
+    return path.lower().endswith(".mars")
+
+
+def language_of(path: str) -> str | None:
+    """Return the language of an annotated source; nothing where it is none."""
+    return LANGUAGES.get(Path(path).suffix.lower())
+
+
+def annotated(text: Text) -> Iterator[tuple[Source, Directive]]:
+    """Yield the annotations of a source that are spelt right."""
+    language = language_of(text.path)
+    if language is None:
+        return
+    source = Source(text.path, language, text.plain.encode("utf-8", "replace"))
+    for each in directives(source):
+        if isinstance(each, Directive):
+            yield source, each
+
+
+def _of_source(text: Text) -> Iterator[Mention]:
+    for source, each in annotated(text):
+        if each.word == "module_name" and (name := read_name(each.rest)) is not None:
+            begin, end = each.place(source, 0), each.place(source, len(each.rest))
+            span = Span(text.path, *source.positions(begin, end))
+            yield Mention(name, text.range(span), "annotated")
+
+
+# ---- Configurations ------------------------------------------------------------------------------
+
+
+class _Named(NamedTuple):
+    """A module where a statement names it, by offsets in the statement; so is its port."""
+
+    name: str
+    begin: int
+    end: int
+    role: Role
+    described: str | None = None
+    port: str | None = None
+    port_begin: int = 0
+    port_end: int = 0
+    is_output: bool = False
+
+
+def _of_configuration(text: Text) -> Outline:
+    blocks = block_lines(text.plain)
+    layout = lay_out(text.path, text.plain, blocks)
+    found = list(_in_blocks(text, blocks))
+    found += _in_comments(text, layout)
+    header = None
+    begin = 0
+    for piece in layout.grammatical.split("\n"):
+        if piece and not piece.isspace():
+            found += (_mention(text, layout, begin, each) for each in _named(piece))
+            match = _HEADER.match(piece) if header is None else None
+            if match is not None:
+                header = _range(text, layout, begin + match.start(1), begin + match.end(1))
+        begin += len(piece) + 1
+    found.sort(key=lambda each: each.range)
+    return Outline(text, tuple(found), blocks, header)
+
+
+def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Mention:
+    """Return what a statement names that stands at an offset."""
+    port = None
+    if named.port is not None:
+        place = _range(text, layout, at + named.port_begin, at + named.port_end)
+        port = Port(named.port, place, named.is_output)
+    place = _range(text, layout, at + named.begin, at + named.end)
+    return Mention(named.name, place, named.role, port, named.described)
+
+
+def _range(text: Text, layout: Layout, begin: int, end: int) -> Range:
+    line, column = layout.position(begin)
+    return text.within(line, column - 1, column - 1 + end - begin)
+
+
+def _in_blocks(text: Text, blocks: Sequence[tuple[int, int]]) -> Iterator[Mention]:
+    for first, last in blocks:
+        for number in range(first, last + 1):
+            match = _NAMED.match(text.lines[number - 1])
+            if match is not None:
+                yield Mention(plain(match[1]), text.within(number, *match.span(1)), "annotated")
+
+
+def _in_comments(text: Text, layout: Layout) -> Iterator[Mention]:
+    """Yield the modules that comments of nodes name, which are part of a specification."""
+    if not re.search(r"(?:InheritanceNode|DataTransformer)[0-9]", layout.text):
+        return
+    for number, line in enumerate(text.lines, 1):
+        for pattern in (_STAND_IN, _CONVERSION):
+            for match in pattern.finditer(line):
+                yield Mention(plain(match[1]), text.within(number, *match.span(1)), "line")
+
+
+@lru_cache(maxsize=1 << 14)
+def _named(statement: str) -> tuple[_Named, ...]:
+    """Return the modules of a statement; an edit leaves nearly all statements as they are."""
+    layout = Layout("", statement, statement, (0,))
+    tokens = tokens_of(layout, 0, len(statement))
+    if tokens[0].text == "@modules":
+        return tuple(_in_list(tokens[1:]))
+    return () if tokens[0].text.startswith("@") else tuple(_in_line(tokens))
+
+
+def _in_list(tokens: Sequence[Token]) -> Iterator[_Named]:
+    for number, token in enumerate(tokens):
+        name = read_name(token.text)
+        if name is None:
+            continue
+        is_describing = number > 0 and tokens[number - 1].text == ":"
+        described = None
+        if not is_describing and [each.text for each in tokens[number + 1 : number + 2]] == [":"]:
+            described = tokens[number + 2].name if number + 2 < len(tokens) else None
+        role: Role = "describing" if is_describing else "listed"
+        yield _Named(name, token.begin, token.end, role, described)
+
+
+def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
+    """Yield the modules of a relationship; of a line without a verb the first alone."""
+    yield from _end(tokens[0], is_output=False)
+    at = next((n for n, each in enumerate(tokens) if each.text in VERBS), None)
+    if at is None:
+        return
+    begins = [at + 1]
+    if tokens[at].text == "is_controlled_by":
+        begins += [n + 1 for n in range(at + 1, len(tokens)) if tokens[n].text == ","]
+    for begin in begins:
+        if begin < len(tokens):
+            yield from _end(tokens[begin], is_output=True)
+
+
+def _end(token: Token, is_output: bool) -> Iterator[_Named]:
+    match = _END.fullmatch(token.text)
+    if match is None or match[1] in VERBS:
+        return
+    named = _Named(plain(match[1]), token.begin, token.begin + match.end(1), "line")
+    if match[2] is not None:
+        begin, end = (token.begin + at for at in match.span(2))
+        port = plain(match[2])
+        named = named._replace(port=port, port_begin=begin, port_end=end, is_output=is_output)
+    yield named

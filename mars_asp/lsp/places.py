@@ -1,0 +1,118 @@
+"""Places in texts as editors count them: lines and columns from 0, columns in UTF-16 units.
+
+Our own spans count code points from 1 and no byte order mark.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.language.parse import plain_lines
+
+_MARK = "\ufeff"
+
+
+class Position(NamedTuple):
+    """A place between two characters of a text."""
+
+    line: int
+    character: int
+
+
+class Range(NamedTuple):
+    """A stretch of a text; its end is the first position behind it."""
+
+    start: Position
+    end: Position
+
+    def holds(self, position: Position) -> bool:
+        """Whether a position is inside, or at one of the two ends."""
+        return self.start <= position <= self.end
+
+    def meets(self, other: "Range") -> bool:
+        """Whether the two have a position in common."""
+        return self.start <= other.end and other.start <= self.end
+
+
+class Place(NamedTuple):
+    """A stretch of a file."""
+
+    path: str
+    range: Range
+
+
+class Edit(NamedTuple):
+    """A stretch of a file and what is put in its place."""
+
+    place: Place
+    text: str
+
+
+@dataclass(frozen=True)
+class Text:
+    """The text of a file as an editor holds it."""
+
+    path: str
+    written: str
+
+    @cached_property
+    def plain(self) -> str:
+        r"""Return the text as it is parsed: without byte order mark, `\n` for every line end."""
+        return plain_lines(self.written)
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """Return the lines of the plain text, without their ends."""
+        return self.plain.split("\n")
+
+    def line_before(self, position: Position) -> str:
+        """Return what stands before a position in its line."""
+        line, column = self.column(position)
+        return self.lines[line - 1][: column - 1]
+
+    def column(self, position: Position) -> tuple[int, int]:
+        """Return the line and column, from 1 in code points, of a position or what is nearest."""
+        number = min(max(position.line, 0), len(self.lines) - 1)
+        line = self.lines[number]
+        units = max(position.character - self._marks(number + 1), 0)
+        if position.line > number:
+            units = 2 * len(line)
+        if line.isascii():
+            return number + 1, min(units, len(line)) + 1
+        before = line.encode("utf-16-le", "surrogatepass")[: 2 * units]
+        # Half of a pair of surrogates is no character yet.
+        return number + 1, len(before.decode("utf-16-le", "ignore")) + 1
+
+    def position(self, line: int, column: int) -> Position:
+        """Return the position of a line and column, or the nearest that there is."""
+        if line > len(self.lines):
+            line, column = len(self.lines), len(self.lines[-1]) + 1
+        text = self.lines[line - 1][: column - 1]
+        units = len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
+        return Position(line - 1, units + self._marks(line))
+
+    def range(self, span: Span) -> Range:
+        """Return where a span stands."""
+        start = self.position(span.line, span.column)
+        if span.line == span.end_line and span.column == span.end_column:
+            return Range(start, start)
+        return Range(start, self.position(span.end_line, span.end_column))
+
+    def place(self, span: Span) -> Place:
+        """Return where a span of this text stands."""
+        return Place(self.path, self.range(span))
+
+    def within(self, line: int, begin: int, end: int) -> Range:
+        """Return the range of a stretch of a line, of offsets from 0 in code points."""
+        if not self._is_ascii:
+            return Range(self.position(line, begin + 1), self.position(line, end + 1))
+        # Most texts are, and have thousands of names.
+        return Range(Position(line - 1, begin), Position(line - 1, end))
+
+    @cached_property
+    def _is_ascii(self) -> bool:
+        return self.written.isascii()
+
+    def _marks(self, line: int) -> int:
+        return int(line == 1 and self.written.startswith(_MARK))

@@ -1,0 +1,121 @@
+"""Where a module is defined and where else it is named, in all files of its robots."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeAlias
+
+from mars_asp.lsp.mentions import Mention, is_configuration
+from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.robot import File, Robot, Scene, behind
+
+#: What several mentions have in common: a robot and a name in it, or the module of a source.
+_Key: TypeAlias = tuple[str, str]
+_SOURCES = ""
+_PATHS = re.compile(r"[ \t]*@(sources|include)[ \t]+(.*)")
+_START = Range(Position(0, 0), Position(0, 0))
+
+
+def definition(scene: Scene, position: Position) -> tuple[Place, ...]:
+    """Return where what stands at a position is defined: annotated, else listed."""
+    mention = scene.here.at(position)
+    if mention is None:
+        return tuple(_file_at(scene, position))
+    port = mention.port
+    if port is not None and port.range.holds(position):
+        return tuple(dict.fromkeys(_ports(scene, mention)))
+    same = references(scene, position)
+    for role in ("annotated", "listed"):
+        found = tuple(place for place, each in same if each.role == role)
+        if found:
+            return found
+    return tuple(place for place, _ in same[:1])
+
+
+def references(scene: Scene, position: Position) -> tuple[tuple[Place, Mention], ...]:
+    """Return everything that names the module at a position, each with its place."""
+    mention = scene.here.at(position)
+    return () if mention is None else same_module(scene, mention)
+
+
+def same_module(scene: Scene, mention: Mention) -> tuple[tuple[Place, Mention], ...]:
+    """Return all that names a module, in the order of files, however often these are included."""
+    path = scene.here.text.path
+    of_key: dict[_Key, list[tuple[Place, Mention]]] = {}
+    keys_of: dict[tuple[Place, Mention], set[_Key]] = {}
+    for robot in scene.robots or (_alone(scene),):
+        files = tuple(scene.files(robot))
+        annotated = {
+            each.name
+            for file in files
+            if not is_configuration(file.path)
+            for each in file.mentions
+            if each.role == "annotated"
+        }
+        for file in files:
+            instances = {each.name for each in file.mentions if each.described is not None}
+            blocks = {each.name for each in file.mentions if each.role == "annotated"}
+            for each in file.mentions:
+                at = Place(file.path, each.range), each
+                for key in _keys(robot, file, each, annotated - instances, blocks):
+                    of_key.setdefault(key, []).append(at)
+                    keys_of.setdefault(at, set()).add(key)
+    start = Place(path, mention.range), mention
+    found, waiting = {start}, [start]
+    while waiting:
+        for key in keys_of.get(waiting.pop(), ()):
+            # Of a key all are found at once.
+            new = set(of_key.pop(key, ())) - found
+            found |= new
+            waiting += new
+    return tuple(sorted(found, key=lambda each: (each[0].path != path, each[0])))
+
+
+def _keys(
+    robot: Robot, file: File, mention: Mention, annotated: set[str], blocks: set[str]
+) -> Iterator[_Key]:
+    """Yield what a mention has in common with others."""
+    name = mention.name
+    if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
+        yield _SOURCES, name
+    else:
+        yield robot.path, behind(file.prefix, name)
+        if mention.described is None and name in annotated and name not in blocks:
+            yield _SOURCES, name
+
+
+def _alone(scene: Scene) -> Robot:
+    """Return the robot of a file that was not analysed yet."""
+    here = scene.here
+    return Robot(here.text.path, (File(here.text.path, "", here.mentions),), {})
+
+
+def _ports(scene: Scene, mention: Mention) -> Iterator[Place]:
+    assert mention.port is not None
+    for robot in scene.robots:
+        for file in robot.files:
+            if file.path == scene.here.text.path:
+                described = robot.modules.get(behind(file.prefix, mention.name))
+                if described is not None:
+                    ports = described.outputs if mention.port.is_output else described.inputs
+                    yield from filter(None, (ports.get(mention.port.name),))
+
+
+def _file_at(scene: Scene, position: Position) -> Iterator[Place]:
+    """Yield the file that a path of `@sources` or `@include` names."""
+    text = scene.here.text
+    line, column = text.column(position)
+    match = _PATHS.match(text.lines[line - 1])
+    if match is None or not is_configuration(text.path):
+        return
+    at = match.start(2)
+    for piece in match[2].split(","):
+        if at <= column - 1 <= at + len(piece):
+            written = re.sub(r"\s(?://|#).*", "", piece).strip()
+            if match[1] == "include":
+                written = re.sub(r"\s+as\s+\S+$", "", written)
+            if written and "\0" not in written:
+                path = Path(text.path).parent / written
+                if path.is_file():
+                    yield Place(str(path), _START)
+        at += len(piece) + 1

@@ -1,0 +1,52 @@
+"""Another name for a module, in all files of its robots: configurations, includes and sources."""
+
+from mars_asp.lsp.places import Edit, Position, Range
+from mars_asp.lsp.references import same_module
+from mars_asp.lsp.robot import Scene, behind
+from mars_asp.model.names import read_name, written
+
+
+class RefusedError(Exception):
+    """There can be no such name; what is told says why."""
+
+
+def renamed_range(scene: Scene, position: Position) -> Range | None:
+    """Return the name at a position that can be another one."""
+    mention = scene.here.at(position)
+    if mention is None or not mention.range.holds(position):
+        return None
+    return mention.range
+
+
+def rename(scene: Scene, position: Position, name: str) -> tuple[Edit, ...]:
+    """Return the edits that give the module at a position another name.
+
+    In an included file a module has its own name, and elsewhere one behind that of the include.
+
+    Raises:
+        RefusedError: there is no module, the name is that of another one, or it can be none.
+    """
+    mention = scene.here.at(position)
+    if mention is None or not mention.range.holds(position):
+        raise RefusedError("there is no module here")
+    new = read_name(name) or name
+    if not new.strip() or not new.isprintable():
+        raise RefusedError("a name is one line of letters, digits and signs")
+    same = same_module(scene, mention)
+    own = min((each.name for _, each in same), key=len)
+    before = mention.name.removesuffix(own)
+    if not new.startswith(before):
+        told = f"`{mention.name}` is included as `{before.rstrip('/')}`: begin with `{before}`"
+        raise RefusedError(f"{told}, or rename the include")
+    new = new.removeprefix(before)
+    if new == own:
+        return ()
+    places = {place for place, _ in same}
+    for robot in scene.robots:
+        for file in scene.files(robot):
+            for each in file.mentions:
+                wanted = {each.name.removesuffix(own) + new for _, each in same}
+                if each.name in wanted and (file.path, each.range) not in places:
+                    told = behind(file.prefix, each.name)
+                    raise RefusedError(f"`{told}` is a module already")
+    return tuple(Edit(place, written(each.name.removesuffix(own) + new)) for place, each in same)

@@ -1,0 +1,100 @@
+"""What an analysis tells of a robot, for the questions of an editor: plain values.
+
+Modules are named as in the file of the robot; those of included files stand behind a prefix.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Severity
+from mars_asp.lsp.mentions import Mention, Outline, outline
+from mars_asp.lsp.places import Place, Position
+
+#: A proxy of a mapping crosses no pipe.
+_NONE: Mapping[str, tuple[str, ...]] = {}
+
+
+class Finding(NamedTuple):
+    """Something that was found: what `check` and `rules lint` print of it, and where.
+
+    `title` is what `explain` calls it, `kind(subject)`, of those that have an explanation.
+    """
+
+    place: Place
+    severity: Severity
+    code: str
+    message: str
+    help: str | None = None
+    effect: str | None = None
+    related: tuple[tuple[Place, str], ...] = ()
+    title: str | None = None
+
+
+class Described(NamedTuple):
+    """A module as its annotations describe it: in lines for readers, and the places of its ports.
+
+    `place` is where its name stands there.
+    """
+
+    lines: tuple[str, ...]
+    place: Place
+    outputs: Mapping[str, Place]
+    inputs: Mapping[str, Place]
+
+
+class File(NamedTuple):
+    """A file of a robot, what its names stand behind, and the modules that it names."""
+
+    path: str
+    prefix: str
+    mentions: tuple[Mention, ...]
+
+
+class Robot(NamedTuple):
+    """The robot of a configuration: its files, the first its own, and its modules by name.
+
+    `consequences` are the titles of those that are about each module, `nodes` what synthesis adds
+    for it, once that is known.
+    """
+
+    path: str
+    files: tuple[File, ...]
+    modules: Mapping[str, Described]
+    consequences: Mapping[str, tuple[str, ...]] = _NONE
+    nodes: Mapping[str, tuple[str, ...]] | None = None
+
+    @property
+    def paths(self) -> frozenset[str]:
+        """Return the files that it consists of."""
+        return frozenset(file.path for file in self.files)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a question is about: an open text, the robots that it is part of, and open texts."""
+
+    here: Outline
+    robots: tuple[Robot, ...] = ()
+    texts: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+    def files(self, robot: Robot) -> Iterator[File]:
+        """Yield the files of a robot, open ones as they are now."""
+        for file in robot.files:
+            written = self.texts.get(file.path)
+            if written is None:
+                yield file
+            else:
+                yield file._replace(mentions=outline(file.path, written).mentions)
+
+    def found_at(self, position: Position) -> Iterator[Finding]:
+        """Yield the findings at a position."""
+        return (each for each in self.findings if each.place.range.holds(position))
+
+
+def behind(prefix: str, name: str) -> str:
+    """Return the name that a name of an included file has behind the include's."""
+    if not prefix:
+        return name
+    return f"/{prefix}{name}" if name.startswith("/") else f"{prefix}/{name}"

@@ -1,0 +1,200 @@
+"""The predicates that a text of rules names, found token by token: it may be half written.
+
+What rules mean is read elsewhere, by clingo's own parser; here is only where their words stand.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+from mars_asp.asp.signature import Signature
+from mars_asp.lsp.places import Position, Range, Text
+
+#: A larger text is linted, but answers about places in it would come too late.
+MOST_CHARACTERS = 1_000_000
+_TOKEN = re.compile(
+    r"(?P<comment>%\*.*?(?:\*%|\Z)|%[^\n]*+)"
+    r'|(?P<string>"(?:\\.|[^"\\\n])*+"?)'
+    r"|(?P<directive>\#[a-z]\w*+)"
+    r"|(?P<name>'*_*[a-z][\w']*+)"
+    r"|(?P<variable>'*_*[A-Z][\w']*+|_)"
+    r"|(?P<dots>\.\.+)"
+    r"|(?P<sign>:-|:~|<=|>=|!=|==|[-()\[\]{},;:.<>=/+*@|&?^~\\])"
+    r"|(?P<number>[0-9]\w*+)",
+    re.DOTALL,
+)
+_DOCSTRING = re.compile(r"%\*!\s*(-?[a-z_]\w*)")
+_ARITY = re.compile(r"\s*/\s*([0-9]{1,4})")
+#: Behind these a name is a value, not a predicate.
+_COMPARING = frozenset({"=", "==", "!=", "<", ">", "<=", ">=", "+", "*", "/", "@", "\\", "^", "|"})
+_DEPTHS = {"(": 1, ")": -1}
+
+
+class PredicateMention(NamedTuple):
+    """A predicate where it is named; `is_head` is whether it is derived or documented there."""
+
+    name: str
+    arity: int
+    positive: bool
+    range: Range
+    is_head: bool
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """Return what it has in common with others of the same predicate."""
+        return self.name, self.arity
+
+    @property
+    def signature(self) -> Signature:
+        """Return the predicate."""
+        return Signature(self.name, self.arity, self.positive)
+
+
+class RuleText(NamedTuple):
+    """The predicates that a text names, in its order, and where its comments and strings are."""
+
+    text: Text
+    mentions: tuple[PredicateMention, ...]
+    blank: tuple[Range, ...]
+
+    def at(self, position: Position) -> PredicateMention | None:
+        """Return the predicate at a position."""
+        return next((each for each in self.mentions if each.range.holds(position)), None)
+
+    def is_blank(self, position: Position) -> bool:
+        """Whether a position is inside of a comment or a string."""
+        return any(each.start < position <= each.end for each in self.blank)
+
+
+def is_rules(path: str) -> bool:
+    """Whether a file is one of rules."""
+    return path.lower().endswith(".lp")
+
+
+class _Token(NamedTuple):
+    sort: str
+    text: str
+    begin: int
+    end: int
+
+
+@lru_cache(maxsize=128)
+def rule_text(path: str, written: str) -> RuleText:
+    """Return the predicates that a text of rules names."""
+    text = Text(path, written)
+    if len(written) > MOST_CHARACTERS:
+        return RuleText(text, (), ())
+    starts = _Starts(text)
+    tokens = [
+        _Token(match.lastgroup or "", match[0], *match.span())
+        for match in _TOKEN.finditer(text.plain)
+    ]
+    blank = tuple(
+        starts.range(each.begin, each.end) for each in tokens if each.sort in ("comment", "string")
+    )
+    mentions = tuple(_mentions(tokens, text.plain, starts))
+    return RuleText(text, mentions, blank)
+
+
+class _Starts:
+    """Finds the ranges of offsets, which are asked for in their order."""
+
+    def __init__(self, text: Text) -> None:
+        self._text = text
+        self._line, self._start = 1, 0
+
+    def _position(self, offset: int) -> Position:
+        if offset < self._start:
+            self._line, self._start = 1, 0
+        while offset > self._start + len(self._text.lines[self._line - 1]):
+            self._start += len(self._text.lines[self._line - 1]) + 1
+            self._line += 1
+        return self._text.position(self._line, offset - self._start + 1)
+
+    def range(self, begin: int, end: int) -> Range:
+        """Return the range of a stretch of offsets."""
+        return Range(self._position(begin), self._position(end))
+
+
+def _mentions(tokens: list[_Token], text: str, starts: _Starts) -> Iterator[PredicateMention]:
+    """Yield predicates: names outside of arguments, and those that docstrings declare."""
+    depth, in_body, is_condition, before = 0, False, False, ""
+    closed = _arguments(tokens)
+    for number, token in enumerate(tokens):
+        if token.sort == "comment":
+            yield from _documented(token, starts)
+            continue
+        if token.sort == "sign":
+            depth = max(depth + _DEPTHS.get(token.text, 0), 0)
+            if token.text == "." and not depth:
+                in_body = is_condition = False
+            elif token.text in (":-", ":~"):
+                depth, in_body = 0, True
+            elif token.text in (":", ";", "}") and not depth:
+                # `{ offered(X) : premise(X) }`
+                is_condition = token.text == ":"
+        elif token.sort == "directive":
+            in_body = True
+        elif token.sort == "name" and not depth and before not in _COMPARING:
+            arity = _arity(tokens, number, text, closed)
+            is_negated = before == "-"
+            if token.text != "not" and arity is not None:
+                place = starts.range(token.begin, token.end)
+                yield PredicateMention(
+                    token.text, arity, not is_negated, place, not (in_body or is_condition)
+                )
+        before = token.text
+
+
+def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, int]) -> int | None:
+    """Return how many arguments stand behind a name, or the number behind `/`."""
+    token = tokens[number]
+    stated = _ARITY.match(text, token.end)
+    if stated is not None:
+        return int(stated[1])
+    following = tokens[number + 1] if number + 1 < len(tokens) else None
+    if following is None or following.text != "(":
+        # A value on the left of a comparison.
+        return None if following is not None and following.text in _COMPARING else 0
+    return closed[number + 1]
+
+
+def _arguments(tokens: list[_Token]) -> dict[int, int]:
+    """Return how many arguments stand behind each opening bracket, one that is not closed, too."""
+    found: dict[int, int] = {}
+    opened: list[int] = []
+    for number, token in enumerate(tokens):
+        if token.sort == "comment":
+            continue
+        if token.text in (".", ":-", ":~") and token.sort == "sign":
+            opened.clear()
+        elif token.text == ")":
+            if opened:
+                opened.pop()
+        else:
+            if opened and not found[opened[-1]]:
+                found[opened[-1]] = 1
+            if token.text == "(":
+                opened.append(number)
+                found[number] = 0
+            elif token.text == "," and opened:
+                found[opened[-1]] += 1
+    return found
+
+
+def _documented(token: _Token, starts: _Starts) -> Iterator[PredicateMention]:
+    match = _DOCSTRING.match(token.text)
+    if match is None:
+        return
+    depth, commas, is_empty = 0, 0, True
+    for sign in token.text[match.end() :]:
+        depth += {"(": 1, "{": 1, ")": -1, "}": -1}.get(sign, 0)
+        if depth <= 0:
+            break
+        commas += sign == "," and depth == 1
+        is_empty = is_empty and (sign.isspace() or sign == "(")
+    begin = token.begin + match.start(1)
+    name = match[1].removeprefix("-")
+    place = starts.range(begin, begin + len(match[1]))
+    yield PredicateMention(name, 0 if is_empty else commas + 1, name == match[1], place, True)

@@ -1,0 +1,51 @@
+"""What an analysis tells of rules: the predicates that there are, and the files that name them."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from mars_asp.lsp.places import Place, Position
+from mars_asp.lsp.rule_text import PredicateMention, RuleText, rule_text
+
+
+class Predicate(NamedTuple):
+    """A predicate: how it is written with its arguments, what is said of it, where that stands."""
+
+    name: str
+    written: str
+    words: str
+    place: Place
+
+
+class Rules(NamedTuple):
+    """What is known of the rules around a file: predicates by name and arity, mentions by file."""
+
+    predicates: Mapping[tuple[str, int], tuple[Predicate, ...]] = {}
+    files: Mapping[str, tuple[PredicateMention, ...]] = {}
+
+
+def predicate_mentions(
+    here: RuleText, rules: Rules, texts: Mapping[str, str], key: tuple[str, int]
+) -> Iterator[tuple[Place, PredicateMention]]:
+    """Yield all that names a predicate: of this text, then of the files around it."""
+    path = here.text.path
+    files = {path: here.mentions, **{p: m for p, m in rules.files.items() if p != path}}
+    for name, mentions in files.items():
+        if name != path and name in texts:
+            mentions = rule_text(name, texts[name]).mentions  # noqa: PLW2901 -- as it is now
+        for each in mentions:
+            if each.key == key:
+                yield Place(name, each.range), each
+
+
+def predicate_definition(
+    here: RuleText, rules: Rules, texts: Mapping[str, str], position: Position
+) -> tuple[Place, ...]:
+    """Return where a predicate is documented and where rules derive it."""
+    mention = here.at(position)
+    if mention is None:
+        return ()
+    documented = (each.place for each in rules.predicates.get(mention.key, ()))
+    derived = (
+        place for place, each in predicate_mentions(here, rules, texts, mention.key) if each.is_head
+    )
+    return tuple(dict.fromkeys((*derived, *documented)))

@@ -1,0 +1,551 @@
+"""The language server: what editors ask over stdio, handed to functions that know no protocol.
+
+Places in open texts are answered at once. What has to be analysed is asked of workers, so the
+server goes on answering, and what an edit has overtaken is dropped.
+"""
+
+import asyncio
+import logging
+import os
+import sys
+from collections.abc import Callable, Coroutine, Iterable, Sequence
+from contextlib import suppress
+from functools import wraps
+from typing import Any, TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.server import LanguageServer
+from pygls.uris import from_fs_path, to_fs_path
+
+from mars_asp import __version__
+from mars_asp.lsp.actions import Action, actions_at, respelt
+from mars_asp.lsp.completion import Completions, completion, rule_completion
+from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.hover import Hover, hover, hover_rules
+from mars_asp.lsp.lenses import lenses
+from mars_asp.lsp.mentions import is_configuration, language_of
+from mars_asp.lsp.places import Edit, Place, Position, Range
+from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
+from mars_asp.lsp.references import definition, references
+from mars_asp.lsp.rename import RefusedError, rename, renamed_range
+from mars_asp.lsp.robot import Finding, Robot
+from mars_asp.lsp.rule_text import is_rules
+from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
+from mars_asp.lsp.symbols import Symbol, module_symbols, predicate_symbols
+from mars_asp.lsp.workers import Workers
+
+#: Seconds without a keystroke after which an analysis begins.
+PAUSE = 0.25
+#: Seconds that a hover waits for the trace of a finding.
+_TRACE_SECONDS = 5.0
+EXPLAIN = "mars-asp.explain"
+_START = Range(Position(0, 0), Position(0, 0))
+_SEVERITIES = {
+    "error": types.DiagnosticSeverity.Error,
+    "warning": types.DiagnosticSeverity.Warning,
+    "note": types.DiagnosticSeverity.Information,
+}
+_COMPLETIONS = {
+    "keyword": types.CompletionItemKind.Keyword,
+    "module": types.CompletionItemKind.Module,
+    "port": types.CompletionItemKind.Field,
+    "mode": types.CompletionItemKind.EnumMember,
+    "function": types.CompletionItemKind.Function,
+    "predicate": types.CompletionItemKind.Function,
+    "annotation": types.CompletionItemKind.Keyword,
+}
+_NOTHING = Completions((), _START)
+_SYMBOLS = {"module": types.SymbolKind.Module, "predicate": types.SymbolKind.Function}
+_Found = TypeVar("_Found")
+
+
+def serve(workers: Workers) -> None:
+    """Answer an editor over standard input and output until it is gone."""
+    given, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    # What anything else reads or prints is no part of the conversation.
+    nothing = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nothing, 0)
+    os.dup2(nothing, 1)
+    # What goes wrong with a client's message is no business of the terminal.
+    logging.getLogger("pygls").setLevel(logging.CRITICAL)
+    server = _Server(workers)
+    for method, handler in server.handlers().items():
+        server.feature(method)(_function(handler))
+    for method, handler, options in server.handlers_with_options():
+        server.feature(method, options)(_function(handler))
+    server.command(EXPLAIN)(_function(server.explain))
+    try:
+        server.start_io(given, answers)
+    finally:
+        workers.end()
+
+
+def _function(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method as a function: pygls marks what it calls."""
+    if asyncio.iscoroutinefunction(method):
+
+        @wraps(method)
+        async def awaited(*arguments: Any) -> Any:
+            return await method(*arguments)
+
+        return awaited
+
+    @wraps(method)
+    def called(*arguments: Any) -> Any:
+        return method(*arguments)
+
+    return called
+
+
+class _Server(LanguageServer):
+    """Wires the protocol to the desk, and keeps one analysis of each file going at most."""
+
+    def __init__(self, workers: Workers) -> None:
+        super().__init__(
+            "mars-asp", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
+        )
+        self._workers = workers
+        self._desk = Desk()
+        self._uris: dict[str, str] = {}
+        self._versions: dict[str, int] = {}
+        #: Analyses that go on, by the file that is asked about.
+        self._going: dict[str, asyncio.Task[None]] = {}
+        #: The files of which what was found is about an older text.
+        self._stale: set[str] = set()
+        #: Questions that go on, of those that several requests may wait for.
+        self._asking: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
+
+    def handlers(self) -> dict[str, Callable[[Any], Any]]:
+        """Return what answers each message of the protocol."""
+        return {
+            types.INITIALIZED: self.begin,
+            types.TEXT_DOCUMENT_DID_OPEN: self.opened,
+            types.TEXT_DOCUMENT_DID_CHANGE: self.changed,
+            types.TEXT_DOCUMENT_DID_CLOSE: self.closed,
+            types.TEXT_DOCUMENT_DID_SAVE: self.saved,
+            types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self.changed_elsewhere,
+            types.TEXT_DOCUMENT_HOVER: self.hover,
+            types.TEXT_DOCUMENT_DEFINITION: self.definition,
+            types.TEXT_DOCUMENT_REFERENCES: self.references,
+            types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self.symbols,
+            types.TEXT_DOCUMENT_PREPARE_RENAME: self.prepare_rename,
+            types.TEXT_DOCUMENT_CODE_LENS: self.lenses,
+        }
+
+    def handlers_with_options(self) -> list[tuple[str, Callable[[Any], Any], Any]]:
+        """Return those that tell the editor more of what they answer."""
+        triggers = types.CompletionOptions(trigger_characters=["@", ".", " ", ","])
+        kinds = types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
+        return [
+            (types.TEXT_DOCUMENT_COMPLETION, self.completion, triggers),
+            (types.TEXT_DOCUMENT_RENAME, self.rename, types.RenameOptions(prepare_provider=True)),
+            (types.TEXT_DOCUMENT_CODE_ACTION, self.actions, kinds),
+        ]
+
+    def report_server_error(self, error: Exception, source: type[Exception]) -> None:
+        """Report a fault of ours; what is refused is told where it was asked for."""
+        if getattr(error, "code", None) != types.LSPErrorCodes.RequestFailed:
+            told = f"a fault of ours, please report it: {error!r:.300}"
+            print(f"mars-asp lsp: {told}", file=sys.stderr, flush=True)
+
+    # ---- What is open ----------------------------------------------------------------------------
+
+    async def begin(self, params: types.InitializedParams) -> None:
+        """Start what will be asked."""
+        self._workers.warm_up()
+
+    def opened(self, params: types.DidOpenTextDocumentParams) -> None:
+        """Take a text that is opened."""
+        document = params.text_document
+        path = _path(document.uri)
+        if path is not None:
+            self._uris[path] = document.uri
+            self._take(path, document.version, document.text, 0.0)
+
+    def changed(self, params: types.DidChangeTextDocumentParams) -> None:
+        """Take what a text is now."""
+        path = _path(params.text_document.uri)
+        if path in self._desk.texts and params.content_changes:
+            text = params.content_changes[-1].text
+            self._take(path, params.text_document.version, text, PAUSE)
+
+    def closed(self, params: types.DidCloseTextDocumentParams) -> None:
+        """Forget a text, and what was found of robots of which no file is open any more."""
+        path = _path(params.text_document.uri)
+        if path not in self._desk.texts:
+            return
+        self._overtake(path)
+        del self._desk.texts[path]
+        gone = set(self._desk.idle())
+        for asked in gone:
+            self._stop(asked)
+            self._publish(self._desk.drop(asked) | {asked})
+        for asked in self._desk.asked_for(path):
+            if asked in self._desk.found:
+                self._analyse(asked, PAUSE)
+        self._desk.owners.pop(path, None)
+        self._uris.pop(path, None)
+
+    def saved(self, params: types.DidSaveTextDocumentParams) -> None:
+        """Analyse what is saved where its text alone does not tell all: other files may be new."""
+        path = _path(params.text_document.uri)
+        if path in self._desk.texts:
+            # Rules that are saved may be those of any robot.
+            self._again(tuple(self._desk.texts) if is_rules(path) else (path,))
+
+    def changed_elsewhere(self, params: types.DidChangeWatchedFilesParams) -> None:
+        """Analyse everything that is open: files on the disk are other ones."""
+        self._again(tuple(self._desk.texts))
+
+    def _again(self, paths: Iterable[str]) -> None:
+        asked = {each for path in paths for each in self._desk.asked_for(path)}
+        for path in paths:
+            self._overtake(path)
+        for each in sorted(asked):
+            self._analyse(each, PAUSE)
+
+    def _take(self, path: str, version: int, text: str, delay: float) -> None:
+        self._desk.texts[path] = text
+        self._versions[path] = version
+        self._overtake(path)
+        needs_owners = language_of(path) is not None and path not in self._desk.owners
+        if needs_owners and not any(r.path != path for r in self._desk.robots_of(path)):
+            self._start(path, self._find_owners(path, delay))
+            return
+        for asked in self._desk.asked_for(path):
+            self._analyse(asked, delay)
+
+    # ---- Analyses --------------------------------------------------------------------------------
+
+    def _analyse(self, asked: str, delay: float) -> None:
+        self._start(asked, self._analysed(asked, delay))
+
+    def _start(self, asked: str, work: Coroutine[Any, Any, None]) -> None:
+        """Begin an analysis in the place of the one that goes on."""
+        self._stop(asked)
+        self._stale.add(asked)
+        self._going[asked] = asyncio.get_running_loop().create_task(work)
+
+    def _stop(self, asked: str) -> None:
+        before = self._going.pop(asked, None)
+        if before is not None:
+            before.cancel()
+
+    async def _find_owners(self, path: str, delay: float) -> None:
+        """Look for the configurations that a source belongs to, and analyse these or the source."""
+        await asyncio.sleep(delay)
+        folders = [_path(each.uri) or "" for each in self.workspace.folders.values()]
+        inside = [each for each in folders if path.startswith(f"{each}/")]
+        limit = max(inside, key=len, default="")
+        found = await self._workers.ask(Question("owners", path, self._desk.unsaved(), limit))
+        self._desk.owners[path] = () if isinstance(found, Failed) else found
+        for asked in self._desk.asked_for(path):
+            if asked != path:
+                self._analyse(asked, 0.0)
+            else:
+                await self._analysed(asked, 0.0)
+
+    async def _analysed(self, asked: str, delay: float) -> None:
+        """Ask what is found in a robot, a source or rules, and tell the editor."""
+        await asyncio.sleep(delay)
+        sort: Sort = "check" if is_configuration(asked) else "lint" if is_rules(asked) else "source"
+        answer = await self._workers.ask(Question(sort, asked, self._desk.unsaved()))
+        robot: Robot | None = None
+        match answer:
+            case Checked():
+                found, robot = answer
+            case Linted():
+                found, self._desk.rules[asked] = answer
+            case _:
+                told = f"this was not analysed: {getattr(answer, 'reason', answer)}"
+                found = (Finding(Place(asked, _START), "warning", "lsp", told),)
+        self._stale.discard(asked)
+        self._publish(self._desk.take(asked, found, robot))
+        if robot is not None and sort == "check":
+            survey = await self._workers.ask(Question("survey", asked, self._desk.unsaved()))
+            if isinstance(survey, Survey):
+                self._desk.learn(asked, survey)
+                await self._refresh_lenses()
+
+    async def _refresh_lenses(self) -> None:
+        workspace = self.client_capabilities.workspace
+        if workspace is not None and workspace.code_lens is not None:
+            if workspace.code_lens.refresh_support:
+                with suppress(JsonRpcException):
+                    await self.workspace_code_lens_refresh_async(None)
+
+    def _publish(self, paths: Iterable[str]) -> None:
+        for path in sorted(paths):
+            found = [self._diagnostic(each) for each in self._desk.findings(path)]
+            version = self._versions.get(path) if path in self._desk.texts else None
+            told = types.PublishDiagnosticsParams(self._uri(path), found, version)
+            self.text_document_publish_diagnostics(told)
+
+    async def _asked(self, question: Question) -> Any:
+        """Return an answer that several requests may wait for, whichever of them is cancelled."""
+        key = question.sort, question.path, question.about
+        task = self._asking.get(key)
+        if task is None:
+            task = asyncio.get_running_loop().create_task(self._workers.ask(question))
+            self._asking[key] = task
+            task.add_done_callback(lambda done: self._answered(key, done))
+        try:
+            return await asyncio.shield(task)
+        except asyncio.CancelledError:
+            if task.cancelled():
+                return Failed("a change has overtaken it")
+            raise
+
+    def _answered(self, key: tuple[str, str, str], done: asyncio.Task[Any]) -> None:
+        if self._asking.get(key) is not done:
+            return
+        del self._asking[key]
+        sort, path, about = key
+        answer = None if done.cancelled() or done.exception() else done.result()
+        if sort == "trace" and isinstance(answer, str):
+            # Who asked may wait no more, and asks again.
+            self._desk.traces.setdefault(path, {})[about] = answer
+
+    def _overtake(self, path: str) -> None:
+        """Forget what an edit of a file has overtaken, and end what is asked about it."""
+        asked = self._desk.forget(path)
+        for key, task in tuple(self._asking.items()):
+            if key[1] in asked:
+                del self._asking[key]
+                task.cancel()
+
+    # ---- Questions of the editor -----------------------------------------------------------------
+
+    async def hover(self, params: types.HoverParams) -> types.Hover | None:
+        """Tell what there is to say of a place."""
+        path, position = _at(params)
+        rules_here = self._desk.rule_text(path)
+        if rules_here is not None:
+            found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
+            return _hover(hover_rules(rules_here, self._rules(path), position, found))
+        scene = self._desk.scene(path)
+        if scene is None:
+            return None
+        traces: dict[str, str] = {}
+        for each in scene.found_at(position):
+            if each.title is not None:
+                traces |= await self._trace(path, each.title)
+        return _hover(hover(scene, position, traces))
+
+    async def _trace(self, path: str, title: str) -> dict[str, str]:
+        """Return the trace of a finding by its title; nothing while a newer analysis goes on."""
+        for robot in self._desk.robots_of(path):
+            known = self._desk.traces.setdefault(robot.path, {})
+            if title not in known and robot.path not in self._stale:
+                question = Question("trace", robot.path, self._desk.unsaved(), title)
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self._asked(question), _TRACE_SECONDS)
+                known = self._desk.traces.get(robot.path, {})
+            if title in known:
+                return {title: known[title]}
+        return {}
+
+    def definition(self, params: types.DefinitionParams) -> list[types.Location]:
+        """Tell where something is defined."""
+        path, position = _at(params)
+        rules_here = self._desk.rule_text(path)
+        if rules_here is not None:
+            found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
+            return self._locations(found)
+        scene = self._desk.scene(path)
+        return [] if scene is None else self._locations(definition(scene, position))
+
+    def references(self, params: types.ReferenceParams) -> list[types.Location]:
+        """Tell where something is named."""
+        path, position = _at(params)
+        with_own = params.context.include_declaration
+        rules_here = self._desk.rule_text(path)
+        if rules_here is not None:
+            mention = rules_here.at(position)
+            if mention is None:
+                return []
+            named = predicate_mentions(rules_here, self._rules(path), self._desk.texts, mention.key)
+            return self._locations(place for place, each in named if with_own or not each.is_head)
+        scene = self._desk.scene(path)
+        found = () if scene is None else references(scene, position)
+        return self._locations(
+            place for place, each in found if with_own or each.role != "annotated"
+        )
+
+    def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        """Tell what a text declares."""
+        path = _path(params.text_document.uri) or ""
+        rules_here = self._desk.rule_text(path)
+        if rules_here is not None:
+            return [_symbol(each) for each in predicate_symbols(rules_here)]
+        scene = self._desk.scene(path)
+        return [] if scene is None else [_symbol(each) for each in module_symbols(scene.here)]
+
+    def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
+        """Tell what can have another name at a place."""
+        path, position = _at(params)
+        scene = self._desk.scene(path)
+        found = None if scene is None else renamed_range(scene, position)
+        return None if found is None else _range(found)
+
+    def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
+        """Give a module another name."""
+        path, position = _at(params)
+        scene = self._desk.scene(path)
+        if scene is None:
+            return None
+        try:
+            return self._workspace_edit(rename(scene, position, params.new_name))
+        except RefusedError as refused:
+            raise JsonRpcException(str(refused), types.LSPErrorCodes.RequestFailed) from None
+
+    def completion(self, params: types.CompletionParams) -> types.CompletionList:
+        """Tell what may stand at a place."""
+        path, position = _at(params)
+        rules_here = self._desk.rule_text(path)
+        scene = self._desk.scene(path)
+        if rules_here is not None:
+            return _items(rule_completion(rules_here, self._rules(path), position))
+        found = _NOTHING if scene is None else completion(scene, position)
+        return _items(found)
+
+    def lenses(self, params: types.CodeLensParams) -> list[types.CodeLens]:
+        """Tell what stands above modules."""
+        scene = self._desk.scene(_path(params.text_document.uri) or "")
+        return [
+            types.CodeLens(
+                _range(each.range),
+                types.Command(each.title, EXPLAIN, arguments=[each.robot, each.module]),
+            )
+            for each in (() if scene is None else lenses(scene))
+        ]
+
+    async def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
+        """Tell the repairs of the findings at a place."""
+        path = _path(params.text_document.uri) or ""
+        text = self._desk.texts.get(path)
+        if text is None:
+            return []
+        stretch = Range(_position(params.range.start), _position(params.range.end))
+        found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
+        scene = self._desk.scene(path)
+        here = self._desk.rule_text(path) if scene is None else scene.here
+        chosen = [] if here is None else list(respelt(here.text, found))
+        if any(each.title for each in found):
+            for robot in self._desk.robots_of(path):
+                chosen += actions_at(await self._repaired(robot.path), found)
+        if self._desk.texts.get(path) != text:
+            return []
+        return [self._action(*each) for each in chosen]
+
+    async def _repaired(self, asked: str) -> tuple[Action, ...]:
+        if asked not in self._desk.repairs:
+            texts = self._desk.unsaved()
+            answer = await self._asked(Question("repairs", asked, texts))
+            if isinstance(answer, Failed) or texts != self._desk.unsaved():
+                return ()
+            self._desk.repairs[asked] = answer
+        return self._desk.repairs[asked]
+
+    async def explain(self, robot: str, module: str | None) -> str:
+        """Tell what is found about a module, as the title above it counts it."""
+        known = self._desk.robots.get(robot)
+        if known is None:
+            return ""
+        names = known.consequences.keys() if module is None else (module,)
+        lines = dict.fromkeys(each for name in names for each in known.consequences.get(name, ()))
+        nodes = known.nodes or {}
+        lines |= dict.fromkeys(node for name in names for node in nodes.get(name, ()))
+        text = "\n".join(lines)
+        self.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
+        return text
+
+    # ---- Values of the protocol ------------------------------------------------------------------
+
+    def _rules(self, path: str) -> Rules:
+        return self._desk.rules.get(path, Rules())
+
+    def _uri(self, path: str) -> str:
+        return self._uris.get(path) or from_fs_path(path) or path
+
+    def _location(self, place: Place) -> types.Location:
+        return types.Location(self._uri(place.path), _range(place.range))
+
+    def _locations(self, places: Iterable[Place]) -> list[types.Location]:
+        return [self._location(each) for each in places]
+
+    def _diagnostic(self, finding: Finding) -> types.Diagnostic:
+        parts = (finding.message, finding.effect, finding.help and f"help: {finding.help}")
+        return types.Diagnostic(
+            _range(finding.place.range),
+            "\n".join(filter(None, parts)),
+            severity=_SEVERITIES[finding.severity],
+            code=finding.code,
+            source="mars-asp",
+            related_information=[
+                types.DiagnosticRelatedInformation(self._location(place), label or "also here")
+                for place, label in finding.related
+            ],
+        )
+
+    def _action(self, finding: Finding, action: Action) -> types.CodeAction:
+        return types.CodeAction(
+            action.title,
+            kind=types.CodeActionKind.QuickFix,
+            diagnostics=[self._diagnostic(finding)],
+            edit=self._workspace_edit(action.edits),
+            is_preferred=action.is_sole,
+        )
+
+    def _workspace_edit(self, edits: Sequence[Edit]) -> types.WorkspaceEdit:
+        changes: dict[str, list[types.TextEdit]] = {}
+        for each in edits:
+            edit = types.TextEdit(_range(each.place.range), each.text)
+            changes.setdefault(self._uri(each.place.path), []).append(edit)
+        return types.WorkspaceEdit(changes)
+
+
+def _path(uri: str) -> str | None:
+    """Return the path of a file; nothing where a text is none."""
+    path = to_fs_path(uri) if uri.startswith("file:") else None
+    return None if path is None or "\0" in path else path
+
+
+def _at(params: types.TextDocumentPositionParams | Any) -> tuple[str, Position]:
+    return _path(params.text_document.uri) or "", _position(params.position)
+
+
+def _position(position: types.Position) -> Position:
+    return Position(position.line, position.character)
+
+
+def _range(found: Range) -> types.Range:
+    return types.Range(types.Position(*found.start), types.Position(*found.end))
+
+
+def _hover(found: Hover | None) -> types.Hover | None:
+    if found is None:
+        return None
+    text = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
+    return types.Hover(text, None if found.range is None else _range(found.range))
+
+
+def _symbol(found: Symbol) -> types.DocumentSymbol:
+    return types.DocumentSymbol(
+        found.name, _SYMBOLS[found.sort], _range(found.whole), _range(found.place), found.detail
+    )
+
+
+def _items(found: Completions) -> types.CompletionList:
+    items = [
+        types.CompletionItem(
+            each.label,
+            kind=_COMPLETIONS[each.sort],
+            documentation=each.detail or None,
+            filter_text=each.text,
+            text_edit=types.TextEdit(_range(found.typed), each.text),
+        )
+        for each in found.items
+    ]
+    return types.CompletionList(not found.is_whole, items)

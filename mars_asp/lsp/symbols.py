@@ -1,0 +1,51 @@
+"""The symbols of a text: its modules and, of rules, its predicates."""
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import Literal, NamedTuple, TypeAlias
+
+from mars_asp.lsp.mentions import Outline
+from mars_asp.lsp.places import Range
+from mars_asp.lsp.rule_text import RuleText
+
+Sort: TypeAlias = Literal["module", "predicate"]
+
+
+class Symbol(NamedTuple):
+    """Something that a text declares: what is said of it, where, and all that it consists of."""
+
+    name: str
+    detail: str
+    sort: Sort
+    place: Range
+    whole: Range
+
+
+def module_symbols(found: Outline) -> Iterator[Symbol]:
+    """Yield the modules that a text lists or annotates, in its order."""
+    for each in found.mentions:
+        if each.role == "listed":
+            detail = f"described by {each.described}" if each.described else "listed"
+            yield Symbol(each.name, detail, "module", each.range, each.range)
+        elif each.role == "annotated":
+            yield Symbol(each.name, "annotated", "module", each.range, _block(found, each.range))
+
+
+def predicate_symbols(text: RuleText) -> Iterator[Symbol]:
+    """Yield the predicates that rules derive, each where that is first done."""
+    seen: set[tuple[str, int]] = set()
+    for each in text.mentions:
+        if each.is_head and each.key not in seen:
+            seen.add(each.key)
+            yield Symbol(str(each.signature), "predicate", "predicate", each.range, each.range)
+
+
+def _block(found: Outline, name: Range) -> Range:
+    """Return the block that a name stands in, else its line."""
+    number = name.start.line + 1
+    at = bisect_right(found.blocks, number, key=lambda block: block[0]) - 1
+    first, last = (
+        found.blocks[at] if at >= 0 and found.blocks[at][1] >= number else (number, number)
+    )
+    lines = found.text.lines
+    return Range(found.text.position(first, 1), found.text.position(last, len(lines[last - 1]) + 1))

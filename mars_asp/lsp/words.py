@@ -1,0 +1,168 @@
+"""What each word of the language and of annotations means, in a sentence, and how it is written.
+
+A test holds that no word of the language, of annotations, or of modes is left out.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+
+class Word(NamedTuple):
+    """A word: how it is written with what belongs to it, and what it means."""
+
+    written: str
+    meaning: str
+
+
+#: The words of a `.mars` file.
+STATEMENTS: Mapping[str, Word] = {
+    "@configuration": Word(
+        "@configuration [flat | hierarchical] [period MS]",
+        "Begins a configuration: which modules there are and how they are related. `flat` control "
+        "takes the mean of all commands, `hierarchical` control the one of the highest priority.",
+    ),
+    "@specification": Word(
+        "@specification [flat | hierarchical] [period MS]",
+        "Begins a specification: a configuration with the nodes that realise it.",
+    ),
+    "@modules": Word(
+        "@modules NAME, NAME: DESCRIBED, ...",
+        "Lists the modules of the robot. `left: Camera` is a module that `Camera` describes.",
+    ),
+    "@sources": Word(
+        "@sources PATH, PATH ...",
+        "Names annotated sources: files, folders or globs, relative to this file.",
+    ),
+    "@include": Word(
+        "@include PATH [as NAME]",
+        "Takes in the modules and relationships of another configuration; `Arm` becomes "
+        "`NAME/Arm`.",
+    ),
+    "is_mounted_on": Word(
+        "NAME [VERTEX] is_mounted_on NAME [VERTEX] [TRANSFORMATION]",
+        "Mounts a module on another one, which moves it along. The tuple is `(axis, degrees, axis, "
+        "degrees, x, y, z)` in degrees and millimetres.",
+    ),
+    "is_controlled_by": Word(
+        "NAME is_controlled_by NAME [PRIORITY] [hold MS]",
+        "Lets a module command another one. A higher number wins; a list of controllers has "
+        "ascending priorities from 0.",
+    ),
+    "uses_data_from": Word(
+        "NAME[.INPUT] uses_data_from NAME[.OUTPUT] [MODE] [HZ | every N ms]",
+        "Delivers data of the right module to the left one, in a mode and at a rate where these "
+        "are stated.",
+    ),
+    "flat": Word("flat", "Control in which an arbiter takes the mean of all commands."),
+    "hierarchical": Word("hierarchical", "Control in which the highest priority wins."),
+    "period": Word("period MS", "How many milliseconds a flat arbiter takes its mean over."),
+    "hold": Word("hold MS | forever", "How long a command of this controller stays in force."),
+    "forever": Word("hold forever", "A command of this controller stays in force for good."),
+    "every": Word("every N ms | every N s", "The time between two messages, instead of a rate."),
+    "allocation": Word(
+        "allocation root | split",
+        "Which of several modules that give an inherited function carries it out.",
+    ),
+    "root": Word("allocation root", "The module nearest to the root carries the function out."),
+    "split": Word("allocation split", "All modules that give the function carry it out."),
+}
+
+_MOTION = "[MIN MAX [RATE]]"
+
+
+def _turns(axis: str) -> Word:
+    meaning = f"The module turns about its {axis} axis; bounds in degrees, RATE per second."
+    return Word(f"@Rotn_{axis} {_MOTION}", meaning)
+
+
+def _drives(axis: str) -> Word:
+    meaning = f"The module moves along its {axis} axis; bounds in millimetres, RATE per second."
+    return Word(f"@Trans_{axis} {_MOTION}", meaning)
+
+
+#: The words of annotations, without their `@`.
+ANNOTATIONS: Mapping[str, Word] = {
+    "module_start": Word(
+        "@module_start", "Begins a module; what is annotated until `@module_end` belongs to it."
+    ),
+    "module_name": Word("@module_name NAME", "Names the module."),
+    "module_end": Word("@module_end", "Ends the module."),
+    "Sense": Word(
+        "@Sense MODES [HZ]",
+        "A sensor: the declaration that follows delivers data. `NotifyAtFrequency` needs its HZ.",
+    ),
+    "DataOut": Word(
+        "@DataOut MODES [HZ]",
+        "An algorithm that delivers data: what the declaration that follows returns.",
+    ),
+    "ControlOut": Word(
+        "@ControlOut [FUNCTIONS]",
+        "An algorithm that commands others, in these functions where they are named.",
+    ),
+    "DataIn": Word("@DataIn", "The declaration that follows only consumes data, as a screen does."),
+    "Converts": Word(
+        "@Converts [COST]",
+        "A converter: makes its return type of its one parameter, at a cost (default 1).",
+    ),
+    **{f"Rotn_{axis}": _turns(axis) for axis in "XYZ"},
+    **{f"Trans_{axis}": _drives(axis) for axis in "XYZ"},
+    "Grasp": Word(
+        f"@Grasp {_MOTION}",
+        "A two-fingered gripper; bounds are its opening width in millimetres.",
+    ),
+    "Vertex": Word(
+        "@Vertex N [TRANSFORMATION]", "Where vertex N is in the module's reference frame."
+    ),
+    "Guard": Word(
+        "@Guard",
+        "A module through which every command to what it controls is meant to pass.",
+    ),
+    "Output": Word(
+        "@Output TYPE | NAME | none",
+        "What the declaration delivers, instead of its return type: a type or a parameter.",
+    ),
+    "Input": Word(
+        "@Input TYPE, TYPE | NAME: TYPE",
+        "What the declaration takes in, instead of the types of its parameters.",
+    ),
+    "Port": Word("@Port NAME", "The name of the output, instead of that of the function."),
+    "Signature": Word(
+        "@Signature DECLARATION", "Is read instead of a declaration that cannot be read."
+    ),
+}
+
+#: The delivery modes.
+MODES: Mapping[str, Word] = {
+    "NotifyWhenReady": Word("NotifyWhenReady", "Sends each message as soon as there is one."),
+    "NotifyAtFrequency": Word("NotifyAtFrequency HZ", "Sends messages at a rate in Hertz."),
+    "NotifyOnMax": Word(
+        "NotifyOnMax[(LIMIT)]",
+        "Sends a message where the value reaches LIMIT; without one, where it is above all before.",
+    ),
+    "NotifyOnMin": Word(
+        "NotifyOnMin[(LIMIT)]",
+        "Sends a message where the value falls to LIMIT; without one, where it is "
+        "below all before.",
+    ),
+    "NotifyOnValue": Word(
+        "NotifyOnValue[(VALUE[, TOLERANCE])]", "Sends a message where the value becomes this one."
+    ),
+    "NotifyOnChange": Word(
+        "NotifyOnChange[(DIFFERENCE)]", "Sends a message where the value has changed so much."
+    ),
+    "RequestWhenReady": Word("RequestWhenReady", "Sends a message when one is asked for."),
+}
+
+#: The keys of comments above rules.
+METADATA: Mapping[str, Word] = {
+    "id": Word("%! id: FILE/NAME", "The name of the rule, which is unique."),
+    "because": Word("%! because: TEXT", "What the rule tells; `{X}` is a variable of its body."),
+    "help": Word("%! help: TEXT", "What to do about it."),
+    "why": Word("%! why: TEXT", "What the rule is about and why that matters."),
+    "example": Word("%! example: PATH", "A case in which the rule fires."),
+    "effect": Word("%! effect: TEXT", "What will happen, in a sentence."),
+    "fits": Word("%! fits: TEXT", "Why what the rule computes fits into 32 bits."),
+    "who": Word("%! who: TERM, ...", "Who takes part in the consequence."),
+    "at": Word("%! at: TERM, ...", "The lines that the consequence is about."),
+    "lines": Word("%! lines: TERM, ...", "The lines that an answer to why not speaks of."),
+}

@@ -1,0 +1,362 @@
+"""Answers about places in texts: what is asked, and what is answered."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from mars_asp.annotations.directives import WORDS
+from mars_asp.asp.rules.metadata import KEYS
+from mars_asp.language.expected import _WORDS, KEYWORDS
+from mars_asp.language.text_edits import LineEdit, apply_lines
+from mars_asp.lsp.actions import line_edits
+from mars_asp.lsp.completion import completion, rule_completion
+from mars_asp.lsp.desk import Desk
+from mars_asp.lsp.places import Edit, Position, Text
+from mars_asp.lsp.questions import Checked
+from mars_asp.lsp.references import definition, references
+from mars_asp.lsp.rename import RefusedError, rename
+from mars_asp.lsp.rule_text import rule_text
+from mars_asp.lsp.rules import Rules
+from mars_asp.lsp.symbols import module_symbols
+from mars_asp.lsp.words import ANNOTATIONS, METADATA, MODES, STATEMENTS
+from mars_asp.model.declarations import DELIVERY_MODES
+from mars_asp.reasoning.findings import EXPANSIONS
+from tests.support.asked import asked
+
+
+def desk_of(folder: Path, texts: Mapping[str, str], robot: str = "robot.mars") -> Desk:
+    """Return what is known of files that are all open, the robot's analysed."""
+    desk = Desk()
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+        desk.texts[str(folder / name)] = text
+    found = asked("check", folder / robot)
+    assert isinstance(found, Checked)
+    assert found.robot is not None, found.findings
+    desk.take(str(folder / robot), *found)
+    return desk
+
+
+def marked(text: str) -> tuple[str, Position]:
+    """Return a text without its mark `¦`, and where that was, in UTF-16 units."""
+    before, _, after = text.partition("¦")
+    line = before.count("\n")
+    last = before.rpartition("\n")[2]
+    return before + after, Position(line, len(last.encode("utf-16-le")) // 2)
+
+
+def edited(texts: Mapping[str, str], edits: tuple[Edit, ...]) -> dict[str, str]:
+    """Return texts by the names of files, as edits of them make them."""
+    found = dict(texts)
+    for edit in sorted(edits, key=lambda each: each.place, reverse=True):
+        name = Path(edit.place.path).name
+        lines = found[name].split("\n")
+        (first, begin), (last, end) = edit.place.range
+        units = [line.encode("utf-16-le") for line in lines]
+        whole = units[first][: 2 * begin] + edit.text.encode("utf-16-le") + units[last][2 * end :]
+        found[name] = "\n".join([*lines[:first], whole.decode("utf-16-le"), *lines[last + 1 :]])
+    return found
+
+
+# ---- Rename --------------------------------------------------------------------------------------
+
+ROBOT = """\
+@configuration hierarchical
+@sources code.py
+@include arm.mars as left
+@include arm.mars as right
+@modules Camera, "odd 😀 name", eye: Camera, Base
+left/Hand uses_data_from Camera.grab
+"odd 😀 name" uses_data_from eye.grab  // Camera is not named here
+left/Arm is_mounted_on Base
+right/Arm is_mounted_on Base
+"""
+ARM = "@configuration\n@modules Arm, Hand\nHand is_mounted_on Arm\n"
+CODE = """\
+# @module_start
+# @module_name Camera
+# @Sense NotifyWhenReady
+def grab() -> Image: ...
+# @module_end
+"""
+TEXTS = {"robot.mars": ROBOT, "arm.mars": ARM, "code.py": CODE}
+
+
+@pytest.mark.parametrize(
+    ("file", "at", "new", "changes"),
+    [
+        (
+            "robot.mars",
+            "@modules Ca¦mera",
+            "Front",
+            {
+                "robot.mars": [
+                    '@modules Front, "odd 😀 name", eye: Front, Base',
+                    "left/Hand uses_data_from Front.grab",
+                ],
+                "code.py": ["# @module_name Front"],
+            },
+        ),
+        (
+            "code.py",
+            "@module_name Camera¦",
+            "a b",
+            {
+                "robot.mars": [
+                    '@modules "a b", "odd 😀 name", eye: "a b", Base',
+                    'left/Hand uses_data_from "a b".grab',
+                ],
+                "code.py": ['# @module_name "a b"'],
+            },
+        ),
+        (
+            "robot.mars",
+            "uses_data_from ¦eye",
+            "Eye",
+            {
+                "robot.mars": [
+                    '@modules Camera, "odd 😀 name", Eye: Camera, Base',
+                    '"odd 😀 name" uses_data_from Eye.grab  // Camera is not named here',
+                ]
+            },
+        ),
+        (
+            "robot.mars",
+            '"odd ¦😀 name" uses',
+            "plain",
+            {
+                "robot.mars": [
+                    "@modules Camera, plain, eye: Camera, Base",
+                    "plain uses_data_from eye.grab  // Camera is not named here",
+                ]
+            },
+        ),
+        (
+            "arm.mars",
+            "Hand is_mounted_on A¦rm",
+            "Elbow",
+            {
+                "arm.mars": ["@modules Elbow, Hand", "Hand is_mounted_on Elbow"],
+                "robot.mars": [
+                    "left/Elbow is_mounted_on Base",
+                    "right/Elbow is_mounted_on Base",
+                ],
+            },
+        ),
+        (
+            "robot.mars",
+            "left/A¦rm is",
+            "left/Elbow",
+            {
+                "arm.mars": ["@modules Elbow, Hand", "Hand is_mounted_on Elbow"],
+                "robot.mars": [
+                    "left/Elbow is_mounted_on Base",
+                    "right/Elbow is_mounted_on Base",
+                ],
+            },
+        ),
+    ],
+)
+def test_a_module_is_renamed_wherever_it_is_named(
+    file: str, at: str, new: str, changes: Mapping[str, list[str]], tmp_path: Path
+) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    assert at.replace("¦", "") in TEXTS[file]
+    _, position = marked(TEXTS[file].replace(at.replace("¦", ""), at, 1))
+    scene = desk.scene(str(tmp_path / file))
+    assert scene is not None
+    after = edited(TEXTS, rename(scene, position, new))
+    changed = {
+        name: [line for line in after[name].splitlines() if line not in TEXTS[name].splitlines()]
+        for name in TEXTS
+        if after[name] != TEXTS[name]
+    }
+    assert changed == changes
+    # The robot is what it was, but for the name.
+    again = desk_of(tmp_path, after)
+    assert len(again.findings(str(tmp_path / "robot.mars"))) == len(
+        desk.findings(str(tmp_path / "robot.mars"))
+    )
+
+
+@pytest.mark.parametrize(
+    ("at", "new", "why"),
+    [
+        ("@modules Ca¦mera", "Base", "`Base` is a module already"),
+        ("left/A¦rm is", "Elbow", "begin with `left/`"),
+        ("left/A¦rm is", "left/Hand", "`left/Hand` is a module already"),
+        ("@modules Ca¦mera", "two\nlines", "one line"),
+        ("@modules Ca¦mera", " ", "one line"),
+        ("uses_data_fr¦om eye", "x", "no module here"),
+    ],
+)
+def test_what_cannot_be_renamed_is_refused(at: str, new: str, why: str, tmp_path: Path) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    _, position = marked(ROBOT.replace(at.replace("¦", ""), at, 1))
+    scene = desk.scene(str(tmp_path / "robot.mars"))
+    assert scene is not None
+    with pytest.raises(RefusedError, match=re.escape(why)):
+        rename(scene, position, new)
+
+
+def test_the_comments_of_nodes_name_modules(tmp_path: Path) -> None:
+    text = (
+        "@specification hierarchical\n@modules A, B, C, InheritanceNode1\n"
+        "// InheritanceNode1: A\nInheritanceNode1 is_controlled_by B 0\n"
+    )
+    desk = Desk()
+    path = str(tmp_path / "spec.mars")
+    desk.texts[path] = text
+    scene = desk.scene(path)
+    assert scene is not None
+    places = [place.range.start for place, _ in references(scene, Position(1, 9))]
+    assert places == [Position(1, 9), Position(2, 21)]
+
+
+def test_a_path_leads_to_its_file(tmp_path: Path) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    scene = desk.scene(str(tmp_path / "robot.mars"))
+    assert scene is not None
+    for line, name in ((1, "code.py"), (2, "arm.mars")):
+        (found,) = definition(scene, Position(line, 11))
+        assert Path(found.path) == tmp_path / name
+    assert definition(scene, Position(0, 3)) == ()
+
+
+# ---- Completion ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "has", "lacks"),
+    [
+        ("¦", {"@modules", "@include", "@module_start", "Camera"}, {"hold", "NotifyOnMax"}),
+        ("Camera ¦", {"uses_data_from", "is_mounted_on", "is_controlled_by"}, {"Camera"}),
+        ("Camera uses_data_from ¦", {"Camera", "eye", "odd 😀 name"}, {"hold", "grab"}),
+        ("Base uses_data_from Camera.¦", {"grab"}, {"Camera", "Base"}),
+        ("Base uses_data_from Camera.grab Not¦", {"NotifyWhenReady", "every"}, {"Camera"}),
+        ("Base is_controlled_by Camera 1, ¦", {"Camera", "left/Arm"}, {"hold"}),
+        ("Base is_controlled_by Camera ¦", {"hold", "allocation"}, {"Camera"}),
+        ("Base is_controlled_by Camera hold ¦", {"forever"}, {"hold"}),
+        ("@configuration ¦", {"flat", "hierarchical", "period"}, {"Camera"}),
+        ("@modules Cam¦", {"Camera"}, {"@modules"}),
+        ("Camera uses_data_from eye // Ca¦", set(), {"Camera", "hold"}),
+    ],
+)
+def test_a_line_is_completed(line: str, has: set[str], lacks: set[str], tmp_path: Path) -> None:
+    desk = desk_of(tmp_path, TEXTS)
+    path = str(tmp_path / "robot.mars")
+    desk.texts[path], position = marked(f"{ROBOT}{line}\n")
+    scene = desk.scene(path)
+    assert scene is not None
+    found = {each.label for each in completion(scene, position).items}
+    assert has <= found
+    assert not lacks & found
+
+
+@pytest.mark.parametrize(
+    ("line", "has"),
+    [
+        ("// @¦", {"@Sense", "@module_start"}),
+        ("// @Sense ¦", {"NotifyAtFrequency"}),
+        ("// @ControlOut Ro¦", {"Rotn_X", "Grasp"}),
+        ("int code = ¦", set()),
+    ],
+)
+def test_annotations_are_completed(line: str, has: set[str]) -> None:
+    desk = Desk()
+    desk.texts["/a.cpp"], position = marked(line)
+    scene = desk.scene("/a.cpp")
+    assert scene is not None
+    found = {each.label for each in completion(scene, position).items}
+    assert has <= found
+    assert bool(found) == bool(has)
+
+
+def test_what_is_typed_is_replaced() -> None:
+    desk = Desk()
+    desk.texts["/a.mars"], position = marked('@modules "😀 eye", Base\n"😀 e¦')
+    scene = desk.scene("/a.mars")
+    assert scene is not None
+    found = completion(scene, position)
+    assert found.typed.start == Position(1, 0)
+    assert '"😀 eye"' in {each.text for each in found.items}
+
+
+def test_rules_are_completed() -> None:
+    text, position = marked("mine(X) :- own(X), ¦")
+    found = rule_completion(rule_text("/a.lp", text), Rules(), position)
+    assert {each.text for each in found.items} == {"mine(", "own("}
+    text, position = marked("%! be¦")
+    found = rule_completion(rule_text("/a.lp", text), Rules(), position)
+    assert "because: " in {each.text for each in found.items}
+    text, position = marked('mine("¦')
+    assert rule_completion(rule_text("/a.lp", text), Rules(), position).items == ()
+
+
+# ---- Rules as text -------------------------------------------------------------------------------
+
+
+def test_predicates_are_found_with_their_arguments() -> None:
+    text = (
+        'a(X,f(Y,Z)) :- not b, -c("x,(", X+1), X = #sum { W,V : d(W,V), not e }, Y != g.\n'
+        "{ h(X) : i(X); j } :- k((1,2)). % l(X)\n"
+        "#show m/3.\n%*! n(A: {o, p}, B)\nwords q(X)\n*%\n:- r, not"
+    )
+    found = [(str(each.signature), each.is_head) for each in rule_text("/a.lp", text).mentions]
+    assert found == [
+        *[("a/2", True), ("b/0", False), ("-c/2", False), ("d/2", False), ("e/0", False)],
+        *[("h/1", True), ("i/1", False), ("j/0", True), ("k/1", False), ("m/3", False)],
+        *[("n/2", True), ("r/0", False)],
+    ]
+
+
+# ---- Edits of lines ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["a\nb\nc\n", "a\nb\nc", "a\n😀 b\n\n"])
+@pytest.mark.parametrize(
+    "edits",
+    [
+        [(1, "x", None)],
+        [(1, None, None), (2, "x😀", None)],
+        [(3, None, None)],
+        [(1, "new", "before"), (1, "x", None), (1, "more\nlines", "behind")],
+        [(3, "last", "behind")],
+        [(2, "a", "before"), (2, None, None), (3, None, None)],
+    ],
+)
+def test_edits_of_lines_are_edits_of_stretches(
+    text: str, edits: list[tuple[int, str | None, str | None]]
+) -> None:
+    lines = text.split("\n")
+    wanted = [
+        LineEdit("/t", number, 1, None if where else lines[number - 1], new, where)  # type: ignore[arg-type]
+        for number, new, where in edits
+    ]
+    whole = tuple(line_edits({"/t": Text("/t", text)}, wanted))
+    after = edited({"t": text}, whole)["t"]
+    assert after.rstrip("\n") == apply_lines(text, wanted).rstrip("\n")
+
+
+# ---- Words and symbols ---------------------------------------------------------------------------
+
+
+def test_each_word_has_its_meaning() -> None:
+    assert ANNOTATIONS.keys() == set(WORDS)
+    assert MODES.keys() == set(DELIVERY_MODES)
+    assert STATEMENTS.keys() == {*KEYWORDS, *_WORDS}
+    assert METADATA.keys() == {*KEYS, *EXPANSIONS}
+
+
+def test_symbols_span_their_blocks() -> None:
+    desk = Desk()
+    desk.texts["/a.mars"] = "@modules A\n@module_start\n@module_name B\n@Grasp 0 1\n@module_end\n"
+    scene = desk.scene("/a.mars")
+    assert scene is not None
+    found = [(each.name, each.whole) for each in module_symbols(scene.here)]
+    assert found == [
+        ("A", (Position(0, 9), Position(0, 10))),
+        ("B", (Position(1, 0), Position(4, 11))),
+    ]

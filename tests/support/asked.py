@@ -1,0 +1,88 @@
+"""Questions of the language server, answered in this process."""
+
+import argparse
+import io
+import json
+from collections.abc import Mapping
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import Any, TypeAlias
+from unittest.mock import patch
+
+from mars_asp.cli import run_here
+from mars_asp.cli.arguments import parser_of
+from mars_asp.cli.lsp_answers import answer
+from mars_asp.lsp.questions import Question, Sort
+from mars_asp.lsp.robot import Finding
+
+#: Where something is, in lines and UTF-16 units from 0, and what is told of it.
+Told: TypeAlias = tuple[
+    str, tuple[int, int], tuple[int, int], str, str, str, str | None, str | None
+]
+
+
+def options(*words: str) -> argparse.Namespace:
+    """Return the options of a server."""
+    _, parser = parser_of("lsp")
+    return parser.parse_intermixed_args(words)
+
+
+def asked(sort: Sort, path: Path, texts: Mapping[str, str] | None = None, about: str = "") -> Any:
+    """Return what a worker answers."""
+    return answer(Question(sort, str(path), texts or {}, about), options())
+
+
+def printed(*words: str) -> list[Told]:
+    """Return the diagnostics that a verb prints, in the units of editors; no repairs are sought."""
+    heard = io.StringIO()
+    with (
+        redirect_stderr(heard),
+        redirect_stdout(io.StringIO()),
+        patch("mars_asp.cli.check._sole_repairs", lambda *_: ()),
+    ):
+        run_here([*words, "--format", "json"])
+    found = [json.loads(line) for line in heard.getvalue().splitlines() if line.startswith("{")]
+    return sorted(_told(each) for each in found if Path(each["path"]).is_file())
+
+
+def _told(found: Mapping[str, Any]) -> Told:
+    path = str(Path(found["path"]).resolve())
+    places = [
+        _units(path, found[line], found[column])
+        for line, column in (("line", "column"), ("end_line", "end_column"))
+    ]
+    said = (found[key] for key in ("severity", "code", "message", "help", "effect"))
+    return path, places[0], places[1], *said
+
+
+def _units(path: str, line: int, column: int) -> tuple[int, int]:
+    """Return a place in UTF-16 units, counted in the bytes of a file."""
+    raw = Path(path).read_bytes()
+    encoding = "utf-16" if raw.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
+    try:
+        text = raw.decode(encoding)
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if line > len(lines):
+        line, column = len(lines), len(lines[-1]) + 1
+    before = lines[line - 1][: column - 1]
+    # A byte order mark is no character to an editor that opens the file.
+    return line - 1, sum(2 if ord(each) > 0xFFFF else 1 for each in before)
+
+
+def told_of(found: tuple[Finding, ...]) -> list[Told]:
+    """Return what a worker finds, in the same form."""
+    return sorted(
+        (
+            str(Path(each.place.path).resolve()),
+            (each.place.range.start.line, each.place.range.start.character),
+            (each.place.range.end.line, each.place.range.end.character),
+            each.severity,
+            each.code,
+            each.message,
+            each.help,
+            each.effect,
+        )
+        for each in found
+    )
