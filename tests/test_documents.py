@@ -14,6 +14,7 @@ DOCUMENTS = [
     *sorted(ROOT.glob("docs/**/*.md")),
     ROOT / "examples" / "README.md",
     *sorted(ROOT.glob("examples/*/README.md")),
+    *sorted(ROOT.glob("examples/packs/*/README.md")),
     ROOT / "mars_asp" / "asp" / "README.md",
     ROOT / "rules" / "README.md",
 ]

@@ -264,6 +264,7 @@ def _predicate_document(declaration: Declaration) -> str:
     said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
     said += [f"from: {declaration.origin}"] if declaration.origin else []
     said += ["packs: extend"] if declaration.extensible else []
+    said += ["packs: read"] if declaration.public else []
     said += [] if declaration.joins else ["joins: nothing"]
     said += [] if declaration.cited else ["cited: never"]
     said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
