@@ -16,6 +16,7 @@ DOCUMENTS = [
     *(page for page in sorted(ROOT.glob("docs/**/*.md")) if page != TUTORIAL),
     ROOT / "examples" / "README.md",
     *sorted(ROOT.glob("examples/*/README.md")),
+    *sorted(ROOT.glob("examples/packs/*/README.md")),
     ROOT / "mars_asp" / "asp" / "README.md",
     ROOT / "rules" / "README.md",
 ]

@@ -332,6 +332,7 @@ def _predicate_document(declaration: Declaration) -> str:
     said += [f"from: {origin}"] if origin else []
     said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
     said += ["packs: extend"] if declaration.extensible else []
+    said += ["packs: read"] if declaration.public else []
     said += [] if declaration.joins else ["joins: nothing"]
     said += [] if declaration.cited else ["cited: never"]
     said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]

@@ -1,0 +1,169 @@
+"""Nodes that rule packs bring: specifications written by hand, and what is wrong with others.
+
+Each case of `tests/node_kinds` is a configuration with the specification that it should give,
+beside it, written from the meaning of `docs/writing-rules.md`. Its first line names its packs.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.language import parse_text, print_configuration
+from mars_asp.model.declarations import Configuration, Control, Data, Relationship, pack_kind
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.rules import by_name, load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis.synthesise import Synthesis
+from mars_asp.reasoning.verification import Violation, judge_specification, written_cost
+from tests.support.documents import ROOT, run
+
+HERE = ROOT / "tests" / "node_kinds"
+CASES = sorted(path for path in HERE.glob("*.mars") if ".expected" not in path.suffixes)
+PLACES = {"witness": HERE / "packs", "filters": HERE / "packs"}
+
+every_case = pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+
+
+def packs_of(path: Path) -> tuple[Path, ...]:
+    first = path.read_text(encoding="utf-8").partition("\n")[0]
+    names = first.removeprefix("// packs: ").split(", ")
+    return tuple(PLACES.get(name, ROOT / "examples" / "packs") / name for name in names)
+
+
+@cache
+def rulebook(packs: tuple[Path, ...]) -> Rulebook:
+    return load_rulebook(packs, stages=("resolve", "verify", "cost"), strict=True)
+
+
+@cache
+def resolved(path: Path) -> tuple[Reasoner, Synthesis]:
+    reasoner = Reasoner(load_project(str(path)), rulebook(packs_of(path)))
+    found = reasoner.synthesis
+    assert found is not None
+    return reasoner, found
+
+
+def read(text: str, reasoner: Reasoner) -> Configuration:
+    """Return a specification, whose nodes of packs are known."""
+    parsed = parse_text(text, "s.mars").configuration
+    return replace(parsed, kinds=reasoner.project.configuration.kinds)
+
+
+def lines_of(text: str) -> list[str]:
+    """Return what a specification says, in whatever order: its modules, and each of its lines."""
+    body = text.partition("\n@module_start")[0]
+    head, _, rest = body.partition("@modules ")
+    named, lines = [], rest.splitlines()
+    while lines:
+        line = lines.pop(0)
+        named += [name.strip() for name in line.split(",") if name.strip()]
+        if not line.rstrip().endswith(","):
+            break
+    return sorted([*head.split(), *named, *(line.strip() for line in lines if line.strip())])
+
+
+@every_case
+def test_a_synthesis_gives_what_was_expected_by_hand(path: Path) -> None:
+    _, found = resolved(path)
+    expected = path.with_suffix(".expected.mars").read_text(encoding="utf-8")
+    assert lines_of(print_configuration(found.specification.configuration)) == lines_of(expected)
+    assert found.resolution.proven
+
+
+def judged(specification: Configuration, reasoner: Reasoner) -> tuple[Violation, ...]:
+    return judge_specification(specification, reasoner.project, reasoner.rulebook).violations
+
+
+@every_case
+def test_what_was_expected_by_hand_is_accepted_and_costs_as_much(path: Path) -> None:
+    reasoner, found = resolved(path)
+    expected = read(path.with_suffix(".expected.mars").read_text(encoding="utf-8"), reasoner)
+    verification = judge_specification(expected, reasoner.project, reasoner.rulebook)
+    assert [violation.message for violation in verification.violations] == []
+    written = written_cost(verification, reasoner.project, reasoner.rulebook)
+    assert by_name(written.cost) == by_name(found.resolution.cost)
+
+
+def brought(specification: Configuration) -> list[str]:
+    kinds = specification.kinds
+    return [each.text for each in specification.modules if pack_kind(each.text, kinds)]
+
+
+def ends(line: Relationship) -> tuple[str, str]:
+    """Return who takes and who gives."""
+    if isinstance(line, Data):
+        return line.client, line.source
+    assert isinstance(line, Control)
+    return line.controlled, line.controller
+
+
+def joined(line: Relationship, taker: str, giver: str) -> Relationship:
+    if isinstance(line, Data):
+        return replace(line, client=taker, source=giver)
+    assert isinstance(line, Control)
+    return replace(line, controlled=taker, controller=giver)
+
+
+def changes(specification: Configuration, node: str) -> Iterator[tuple[str, Configuration]]:
+    """Yield specifications in which a node of a pack is missing, passed by, or wrongly fed."""
+    lines = [each for each in specification.relationships if isinstance(each, Data | Control)]
+    others = [each for each in specification.relationships if each not in lines]
+    taken = [each for each in lines if ends(each)[0] == node]
+    given = [each for each in lines if ends(each)[1] == node]
+    rest = [each for each in lines if node not in ends(each)]
+    past = [joined(out, ends(out)[0], ends(into)[1]) for out in given for into in taken]
+
+    def made(relationships: list[Relationship], keep: bool = True) -> Configuration:
+        modules = tuple(m for m in specification.modules if keep or m.text != node)
+        return replace(specification, modules=modules, relationships=(*others, *relationships))
+
+    yield "removed", made([*rest, *past], keep=False)
+    yield "bypassed", made([*rest, *taken, *past])
+    yield "bypassed as well", made([*rest, *taken, *given, *past[:1]])
+    yield "unfed", made([*rest, *given])
+    yield "not heard", made([*rest, *taken])
+    yield "second input", made([*lines, joined(taken[0], node, "Stranger")])
+
+
+@every_case
+def test_a_specification_without_its_node_or_past_it_is_refused(path: Path) -> None:
+    reasoner, found = resolved(path)
+    specification = read(print_configuration(found.specification.configuration), reasoner)
+    nodes = brought(specification)
+    assert nodes
+    accepted = [
+        (node, how)
+        for node in nodes
+        for how, changed in changes(specification, node)
+        if not judged(changed, reasoner)
+    ]
+    assert accepted == []
+
+
+@every_case
+def test_a_specification_that_is_resolved_again_stays_as_it_is(path: Path) -> None:
+    reasoner, found = resolved(path)
+    printed = print_configuration(found.specification.configuration)
+    text = "\n".join([printed, *reasoner.project.blocks])
+    again = Reasoner(load_project(str(path), text=text), reasoner.rulebook).synthesis
+    assert again is not None
+    assert lines_of(print_configuration(again.specification.configuration)) == lines_of(printed)
+
+
+@every_case
+def test_drawings_and_json_name_the_node(path: Path, tmp_path: Path) -> None:
+    options = " ".join(f"--rules {each}" for each in packs_of(path))
+    reasoner, found = resolved(path)
+    printed = print_configuration(found.specification.configuration)
+    nodes = brought(read(printed, reasoner))
+    specification, drawing = tmp_path / "s.mars", tmp_path / "s.dot"
+    specification.write_text(printed, encoding="utf-8")
+    run(f"mars-asp draw {specification} {options} -o {drawing}")
+    drawn = drawing.read_text(encoding="utf-8")
+    listed = run(f"mars-asp synthesise {path} {options} --format json --quiet")
+    assert nodes
+    assert [node for node in nodes if node not in drawn or f'"{node}"' not in listed] == []
