@@ -15,7 +15,7 @@ from mars_asp.asp.rules.risks import risks
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.sorts import wrong_sorts
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns
@@ -280,9 +280,8 @@ def _write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fo
     listed = ["# Rules", ""]
     Path(folder).mkdir(parents=True, exist_ok=True)
     for stage in stages:
-        files = [
-            (p, o) for p, (at, o) in rulebook.outlines.items() if at == stage and _is_of(p, pack)
-        ]
+        named = ((path, of) for path, (at, of) in rulebook.outlines.items() if at == stage)
+        files = [(path, of) for path, of in named if _is_of(path, pack)]
         listed += [f"## {stage}", "", f"{_PURPOSES[stage]}.", ""] if files else []
         for path, outline in files:
             name = f"{file_name(path, stage).replace('/', '-')}.md"
@@ -339,7 +338,7 @@ def _document(rule: Rule, heading: str) -> str:
     if rule.example:
         parts.append(f"Example: {rule.example}")
     parts.append(f"{rule.span.path}:{rule.span.line}")
-    return "\n\n".join([*parts, f"```clingo\n{rule.text}\n```"])
+    return "\n\n".join([*parts, f"```clingo\n{plain(rule.text)}\n```"])
 
 
 def _predicate_document(declaration: Declaration) -> str:
@@ -386,5 +385,5 @@ def _rule_json(rule: Rule) -> dict[str, object]:
         **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
         "path": rule.span.path,
         "line": rule.span.line,
-        "text": rule.text,
+        "text": plain(rule.text),
     }

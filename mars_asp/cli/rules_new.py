@@ -78,8 +78,8 @@ A pack of rules for mars-asp. It finds `$kind`: a controller that uses no data.
     mars-asp test $topic --coverage --mutate
 
 - `pack.toml` names the pack and what it needs.
-- `consequences/` holds the rules that find something; `resolve/`, `verify/`, `run/` and `repair/` may
-  stand beside it.
+- `consequences/` holds the rules that find something; `resolve/`, `verify/`, `run/` and `repair/`
+  can be added.
 - `cases/` holds what the rules are expected to make of facts (`.lp`) and of robots (`.mars`).
 """,
 }
