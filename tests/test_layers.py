@@ -96,9 +96,9 @@ FILES = {
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
         "limits trace_document trace_schema worker reason perform ignores baseline settings "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import rules winners run_report run campaign_runner campaign_dask "
+        "draw export facts fmt import winners run_report run campaign_runner campaign_dask "
         "campaign_job campaign_table campaign synthesise cases_report cases_measure cases_watch "
-        "test pytest_plugin verify diff rules_diff rules repair check account "
+        "test pytest_plugin verify diff rules_kinds rules_new rules_diff rules repair check account "
         "explain_page explain"
     ),
 }
