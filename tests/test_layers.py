@@ -106,10 +106,10 @@ FILES = {
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
         "limits settings trace_document schemas worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import rules_kinds rules_new winners run_report run "
+        "draw export facts fmt import winners run_report run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
-        "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_diff rules "
-        "repair check lsp_answers lsp account explain_page explain"
+        "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
+        "rules_new rules_diff rules repair check lsp_answers lsp account explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

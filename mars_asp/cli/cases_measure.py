@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from mars_asp.asp.cases.coverage import Case, covered
 from mars_asp.asp.cases.mutants import Mutant, RuleFile, rule_file, rule_mutants
@@ -17,13 +18,18 @@ from mars_asp.reasoning.cases.run import DETERMINISTIC, tried
 from mars_asp.reasoning.findings import EXPANSIONS
 
 
+class Measured(NamedTuple):
+    """Coverage and mutants for programs and for people, and 1 where something is not held."""
+
+    result: Mapping[str, object]
+    lines: Sequence[str]
+    status: int
+
+
 def measured(
     found: Sequence[Found], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
-) -> tuple[dict[str, object], int]:
-    """Return coverage and mutants of the rules of each pack, and 1 where something is not held.
-
-    Its `lines` are the text for people.
-    """
+) -> Measured:
+    """Return what is asked for of coverage and mutants of the rules of each pack."""
     lines: list[str] = []
     result: dict[str, object] = {}
     coverage: list[dict[str, object]] = []
@@ -45,8 +51,7 @@ def measured(
             status = max(status, is_bad)
     result |= {"coverage": coverage} if arguments.coverage else {}
     result |= {"mutants": mutation} if arguments.mutate else {}
-    result |= {"lines": lines} if arguments.format == "text" else {}
-    return result, status
+    return Measured(result, lines, status)
 
 
 def _is_of(path: str, pack: Path | None) -> bool:

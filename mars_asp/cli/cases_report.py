@@ -1,7 +1,7 @@
 """Outcomes of cases as text, as JSON and as JUnit XML."""
 
 import argparse
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -23,9 +23,15 @@ class Ran(NamedTuple):
 
 
 def print_outcomes(
-    outcomes: Sequence[Outcome], arguments: argparse.Namespace, measured: dict[str, object]
+    outcomes: Sequence[Outcome],
+    arguments: argparse.Namespace,
+    measured: Mapping[str, object],
+    lines: Iterable[str],
 ) -> None:
-    """Print the cases that failed, with what they expect and what was found, and how many."""
+    """Print the cases that failed, with what they expect and what was found, and how many.
+
+    `measured` is what else was asked for, for programs, and `lines` the same for people.
+    """
     checks = [(outcome, check) for outcome in outcomes for check in outcome.checks]
     failed = sum(not check.passed for _, check in checks)
     passed = len(checks) - failed
@@ -41,8 +47,7 @@ def print_outcomes(
     updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
     files = f"{updated} file{'s' * (updated != 1)}"
     print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
-    lines = measured.get("lines")
-    for line in lines if isinstance(lines, list) else ():
+    for line in lines:
         print(line)
 
 

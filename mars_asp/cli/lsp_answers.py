@@ -26,7 +26,6 @@ from mars_asp.cli.limits import limit_memory, memory_limit
 from mars_asp.cli.lines import line_at, remember
 from mars_asp.cli.reason import load, rulebook_for
 from mars_asp.cli.results import Result
-from mars_asp.cli.rules import lint
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, brief
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
@@ -41,6 +40,8 @@ from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.lint import lint
+from mars_asp.reasoning.packs import pack_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.questions.repair import STAGES as REPAIRING
@@ -404,11 +405,14 @@ def _lint(question: Question, options: argparse.Namespace) -> Linted:
     is_own = path.resolve().is_relative_to(rules_directory().resolve())
     found: tuple[Diagnostic, ...] = ()
     if text is not None and not any(line.startswith(_EXPECTED) for line in text.lines):
-        packs = [] if is_own else [path]
+        # A file of a pack means what it does among the others.
+        packs = [] if is_own else [pack_of(path) or path]
         try:
-            found = lint([*map(Path, options.rules), *packs] if packs else [])
+            found = lint([*map(Path, options.rules), *packs] if packs else []).diagnostics
         except MarsError as error:
             found = error.diagnostics
+        if pack_of(path) is not None:
+            found = tuple(each for each in found if Path(each.span.path) == path)
     return Linted(tuple(map(files.finding, found)), _rules(path, files, is_own))
 
 

@@ -263,9 +263,8 @@ def _write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fo
     listed = ["# Rules", ""]
     Path(folder).mkdir(parents=True, exist_ok=True)
     for stage in stages:
-        files = [
-            (p, o) for p, (at, o) in rulebook.outlines.items() if at == stage and _is_of(p, pack)
-        ]
+        named = ((path, of) for path, (at, of) in rulebook.outlines.items() if at == stage)
+        files = [(path, of) for path, of in named if _is_of(path, pack)]
         listed += [f"## {stage}", "", f"{_PURPOSES[stage]}.", ""] if files else []
         for path, outline in files:
             name = f"{file_name(path, stage).replace('/', '-')}.md"

@@ -69,10 +69,5 @@ def kind_json(kind: Kind) -> dict[str, object]:
             "line": stated.span.line,
         }
     named = {} if kind.called is None else {"name": kind.called}
-    return {
-        "kind": kind.name,
-        "sort": kind.sort,
-        **named,
-        **more,
-        "rules": [r.id for r in kind.rules],
-    }
+    rules = [rule.id for rule in kind.rules]
+    return {"kind": kind.name, "sort": kind.sort, **named, **more, "rules": rules}

@@ -79,7 +79,7 @@ A pack of rules for mars-asp. It finds `$kind`: a controller that uses no data.
 
 - `pack.toml` names the pack and what it needs.
 - `consequences/` holds the rules that find something; `resolve/`, `verify/`, `run/` and `repair/`
-  may be beside it.
+  can be added.
 - `cases/` holds what the rules are expected to make of facts (`.lp`) and of robots (`.mars`).
 """,
 }

@@ -3,7 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from mars_asp.asp.cases import Outcome
@@ -41,8 +41,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--coverage",
         action="store_true",
-        help="list the rules of the packs, without packs of our own, that fire in no case (status"
-        " 1), and those that never fail by one premise alone",
+        help="list the rules of the packs (of mars-asp, where there are none) that fire in no case"
+        " (status 1), and those that never fail by one premise alone",
     )
     parser.add_argument(
         "--mutate",
@@ -100,8 +100,8 @@ def run_once(arguments: argparse.Namespace) -> int:
     if arguments.mutate and not all_pass:
         print("mars-asp test: mutants are tried when all cases pass", file=sys.stderr)
     arguments.mutate = arguments.mutate and all_pass
-    measured, status = _measured(found, books, arguments)
-    print_outcomes(outcomes, arguments, measured)
+    result, lines, status = _measured(found, books, arguments)
+    print_outcomes(outcomes, arguments, result, lines)
     failed = not all_pass or not outcomes
     return max(int(failed and not _is_mended(outcomes, arguments)), status)
 
@@ -122,10 +122,10 @@ def _ran(found: Found, rulebook: Rulebook) -> Ran:
 
 def _measured(
     found: Iterable[Found], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
-) -> tuple[dict[str, object], int]:
-    """Return what `--coverage` and `--mutate` found, for programs, and the status that it gives."""
+) -> tuple[Mapping[str, object], Sequence[str], int]:
+    """Return what `--coverage` and `--mutate` found, for programs and people, and the status."""
     if not arguments.coverage and not arguments.mutate:
-        return {}, 0
+        return {}, (), 0
     from mars_asp.cli.cases_measure import measured
 
     return measured(tuple(found), books, arguments)

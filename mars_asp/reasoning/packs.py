@@ -132,6 +132,15 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
     return tuple(packs)
 
 
+def pack_of(file: Path) -> Path | None:
+    """Return the folder of the pack with a manifest that a file of rules belongs to, if any."""
+    folder = file.parent
+    if (folder / MANIFEST).is_file():
+        return folder
+    above = folder.parent
+    return above if folder.name in FOLDERS and (above / MANIFEST).is_file() else None
+
+
 def kinds_of(packs: Iterable[Pack]) -> tuple[PackKind, ...]:
     """Return the kinds of nodes that packs bring."""
     manifests = (pack.manifest for pack in packs if pack.manifest is not None)

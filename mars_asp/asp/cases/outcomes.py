@@ -83,6 +83,8 @@ class Answer:
 def difference(check: Check) -> Iterator[str]:
     """Yield lines that say what is missing in a case and what is too much."""
     for failure in check.failures:
+        if not any(line.startswith("  - ") for line in failure.lines):
+            yield f"  - {failure.expected}"
         yield from failure.lines
 
 
@@ -198,9 +200,13 @@ def _missing(stated: Stated, atoms: Sequence[clingo.Symbol]) -> Failure:
 
 
 def _failure(span: Span, expected: str, found: tuple[str, ...], near: str | None = None) -> Failure:
-    lines = [f"  - expected {expected}", *(f"  + found {atom}" for atom in found)]
-    lines += [] if near is None else [f"    nearest: {near}"]
-    return Failure(span, expected, found, near, tuple(lines))
+    return Failure(span, expected, found, near, shown_beside(found, near))
+
+
+def shown_beside(found: Iterable[str], near: str | None) -> tuple[str, ...]:
+    """Return lines that show what was found instead of what was expected, and what is near it."""
+    nearest_one = () if near is None else (f"    nearest: {near}",)
+    return (*(f"  + {each}" for each in found), *nearest_one)
 
 
 def _shown(atoms: Iterable[clingo.Symbol]) -> tuple[str, ...]:
@@ -257,8 +263,10 @@ def rewritten(text: str, blocks: Sequence[Block], answers: Mapping[Block, Sequen
     edits: list[tuple[int, int, list[str]]] = []
     for block in blocks:
         edits += _edits(block, answers[block], len(lines))
+    # New lines end as the others do.
+    mark = "\r" if "\r\n" in text else ""
     for begin, end, new in sorted(edits, reverse=True):
-        lines[begin:end] = new
+        lines[begin:end] = [f"{line}{mark}" for line in new]
     return "\n".join(lines)
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from mars_asp.asp.cases import Check, Failure, Outcome
+from mars_asp.asp.cases.outcomes import shown_beside
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language.parse import read_text
@@ -287,9 +288,7 @@ def _listed(counts: Mapping[str, int]) -> str:
 
 def _failure(span: Span, expected: str, found: Iterable[object], near: object = None) -> Failure:
     shown, nearest_one = tuple(map(str, found)), None if near is None else str(near)
-    lines = [f"  - expected {expected}", *(f"  + found {each}" for each in shown)]
-    lines += [] if nearest_one is None else [f"    nearest: {nearest_one}"]
-    return Failure(span, expected, shown, nearest_one, tuple(lines))
+    return Failure(span, expected, shown, nearest_one, shown_beside(shown, nearest_one))
 
 
 # ---- What they would get -------------------------------------------------------------------------

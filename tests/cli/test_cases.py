@@ -1,0 +1,162 @@
+"""Cases of rules as the command runs them: `tests/cases` holds packs, cases and what is printed."""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from shutil import copytree
+from xml.etree import ElementTree
+
+import pytest
+
+from mars_asp.cli import run_here
+from mars_asp.cli.cases_report import Ran, junit
+from mars_asp.diagnostic import Diagnostic, point
+from tests.support.documents import ROOT, answered, questions
+
+ASKED = ROOT / "tests" / "cases" / "questions.txt"
+ODD = ROOT / "tests" / "cases" / "odd"
+
+
+@pytest.mark.parametrize(("command", "expected"), questions(ASKED))
+def test_what_is_printed(command: str, expected: str, update_golden: bool) -> None:
+    answered(ASKED, command, expected, update_golden)
+
+
+@pytest.fixture
+def odd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return copytree(ODD, tmp_path / "odd")
+
+
+def test_an_update_writes_what_was_found_and_no_facts(odd: Path) -> None:
+    facts, robot = odd / "cases" / "facts.lp", odd / "cases" / "robot.mars"
+    before = {path: path.read_text().splitlines() for path in (facts, robot)}
+    assert run_here(["test", "odd", "--update"]) == 0
+    assert [line for line in facts.read_text().splitlines() if line not in before[facts]] == [
+        '%+ consequence(odd_idle,warning,"B",alone)',
+        '%+ consequence(odd_idle,warning,"B",alone)',
+        '%+ consequence(unused_module,warning,"A",declaration)',
+        '%+ consequence(unused_module,warning,"B",declaration)',
+    ]
+    assert [line for line in robot.read_text().splitlines() if line not in before[robot]] == [
+        "# expect: warning odd_idle(D) at 1",
+        "# expect nodes: DataSplitter 1, ArbitrationNode 0",
+        "# expect cost: nodes 1, conversion 0",
+    ]
+    once = facts.read_text(), robot.read_text()
+    run_here(["test", "odd", "--update"])
+    assert (facts.read_text(), robot.read_text()) == once
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_case_that_expects_nothing_is_given_what_was_found(odd: Path, end: str) -> None:
+    case = odd / "cases" / "new.lp"
+    case.write_bytes(f'module("A").{end}'.encode())
+    assert run_here(["test", str(case), "--update"]) == 0
+    expected = f'%= consequence(odd_idle,warning,"A",alone){end}'
+    expected += f'%+ consequence(unused_module,warning,"A",declaration){end}'
+    assert case.read_bytes().decode() == f'module("A").{end}{expected}'
+    assert run_here(["test", str(case)]) == 0
+
+
+def test_junit_holds_each_case(odd: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_here(["test", "odd", "--junit", "out.xml"]) == 1
+    (suite,) = ElementTree.parse("out.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("7", "6", "0")
+    first = suite[0]
+    assert (first.get("name"), first.get("line")) == ("facts.lp: all that holds", "4")
+    failure = suite[1].find("failure")
+    assert failure is not None
+    assert (failure.get("message") or "").startswith("odd/cases/facts.lp:10:7: expected")
+
+
+def test_junit_is_xml_whatever_a_name_holds() -> None:
+    wrong = Diagnostic("case", "error", "a \x00 and \ud800 and <&>", point("\x1b.lp", 1, 1))
+    (suite,) = ElementTree.fromstring(junit([Ran(Path("\x1b.lp"), None, [wrong], 0.0)]))
+    assert suite.get("errors") == "1"
+
+
+def test_a_template_passes_its_lint_and_its_cases(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run_here(["rules", "new", "wheel-slip"]) == 0
+    assert run_here(["rules", "lint", "wheel-slip"]) == 0
+    assert run_here(["test", "wheel-slip", "--coverage", "--mutate", "--jobs", "1"]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told[-4:] == [
+        "nothing wrong",
+        "4 passed, 0 failed",
+        "coverage of wheel-slip: 4 of 4 rules fire in a case",
+        "mutants of wheel-slip: 4 of 4 are noticed by a case",
+    ]
+    held = {path: path.read_bytes() for path in Path("wheel-slip").rglob("*.*")}
+    for topic in ("wheel-slip", "../up", "Wheel", "data_cycle", "mars-asp"):
+        assert run_here(["rules", "new", topic]) == 2
+    assert {path: path.read_bytes() for path in Path("wheel-slip").rglob("*.*")} == held
+    assert [path.name for path in tmp_path.iterdir()] == ["wheel-slip"]
+
+
+def test_a_mutant_survives_where_no_case_is_near(
+    odd: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = odd / "cases" / "facts.lp"
+    case.write_text('module("A").\n%has: consequence(odd_idle,_,"A",_)\n')
+    (odd / "cases" / "robot.mars").unlink()
+    assert run_here(["test", "odd", "--mutate", "--jobs", "1"]) == 1
+    told = capsys.readouterr().out
+    assert "  survives: odd/consequences/odd.lp:10: drop `not busy(M)`" in told
+    assert "odd.lp:10: delete" not in told
+
+
+def test_documents_of_a_pack_are_pages(odd: Path) -> None:
+    assert run_here(["rules", "doc", "odd", "-o", "pages"]) == 0
+    assert {path.name for path in Path("pages").iterdir()} == {"index.md", "odd.md"}
+    assert "[odd](odd.md)" in Path("pages/index.md").read_text()
+    assert Path("pages/odd.md").read_text().startswith("# odd\n")
+
+
+PLUGIN = ["-q", "-p", "mars_asp.cli.pytest_plugin", "-p", "no:cacheprovider", "-p", "no:xdist"]
+
+
+def test_pytest_collects_cases_of_packs_alone(odd: Path) -> None:
+    (odd.parent / "cases").mkdir()
+    (odd.parent / "cases" / "other.lp").write_text("%= never\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *PLUGIN, "."],
+        capture_output=True, check=False, text=True, timeout=100,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert "6 failed, 1 passed" in done.stdout, done.stdout + done.stderr
+    assert 'odd/cases/facts.lp:10:37: expected `busy("C")`' in done.stdout
+    assert "other.lp" not in done.stdout
+
+
+def test_a_watch_runs_again_after_a_change_and_ends_by_a_signal(odd: Path) -> None:
+    watching = subprocess.Popen(
+        [sys.executable, "-m", "mars_asp", "test", "odd/cases/facts.lp", "--watch"],
+        stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert watching.stderr is not None
+    try:
+        assert any("waiting" in line for line in watching.stderr)
+        (odd / "consequences" / "odd.lp").write_text("busy(M) :- module(M).\n")
+        told = next(line for line in watching.stderr if "passed" in line or "error" in line)
+        assert "6 failed" in told or "passed" in told
+        assert any("waiting" in line for line in watching.stderr)
+    finally:
+        asked = time.monotonic()
+        watching.send_signal(2)
+        assert watching.wait(5) == 130
+        assert time.monotonic() - asked < 1
+        watching.stderr.close()
+
+
+def test_arguments_of_a_watch_name_its_files(odd: Path) -> None:
+    from mars_asp.cli.cases_watch import _files
+
+    arguments = argparse.Namespace(paths=["odd/cases/facts.lp"], rules=[])
+    assert Path("odd/consequences/odd.lp") in set(_files(arguments))
