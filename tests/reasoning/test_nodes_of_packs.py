@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli import run_here
+from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Control, Data, Relationship, pack_kind
 from mars_asp.reasoning.project import load_project
@@ -167,3 +169,126 @@ def test_drawings_and_json_name_the_node(path: Path, tmp_path: Path) -> None:
     listed = run(f"mars-asp synthesise {path} {options} --format json --quiet")
     assert nodes
     assert [node for node in nodes if node not in drawn or f'"{node}"' not in listed] == []
+
+
+@every_case
+def test_what_is_told_of_nodes(
+    path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    update_golden: bool,
+) -> None:
+    monkeypatch.chdir(path.parent)
+    options = [word for pack in packs_of(path) for word in ("--rules", str(pack))]
+    run_here(["explain", path.name, *options, "--quiet"])
+    told, expected = capsys.readouterr().out, path.with_suffix(".txt")
+    if update_golden:
+        expected.write_text(told, encoding="utf-8")
+    assert told == expected.read_text(encoding="utf-8")
+
+
+#: What a pack derives that no specification can hold, by the rule that says so.
+WRONG = {
+    "undeclared": 'inserted(n, cat). placed_before(n, "Base").',
+    "two-kinds": 'inserted(n, (dog; bird)). placed_before(n, "Base").',
+    "named-as-a-module": 'inserted("Drive", dog). placed_before("Drive", "Base").',
+    "nowhere-before": 'inserted(n, dog). placed_before(n, "Drive").',
+    "nowhere-after": 'inserted(n, dog). placed_after(n, "Base").',
+    "unplaced": "inserted(n, dog).",
+    "twice": 'inserted(n, dog). placed_before(n, "Base"). placed_after(n, "Drive").',
+    "two-sources": 'inserted(n, dog). placed_after(n, ("Drive"; "Reach")).',
+    "two-modules": 'inserted(n, dog). placed_before(n, ("Base"; "Arm")).',
+}
+DATA = {
+    "two-inputs": "inserted(n, sieve). placed_before(n, R) :- link(R, _, _).",
+    "two-clients": "inserted(n, vote). placed_before(n, R) :- link(R, _, _).",
+    "parted": (
+        'inserted(a, vote). placed_before(a, R) :- link(R, "Map", _). inserted(b, sieve). '
+        'placed_before(b, R) :- link(R, "Map", "Left").'
+    ),
+}
+
+
+def pack(folder: Path, name: str, stage: str, text: str) -> Path:
+    """Write a pack of one file, with kinds of nodes of both sorts."""
+    (folder / name / stage).mkdir(parents=True)
+    kinds = {
+        "dog": ("Dog", "control", "one"),
+        "bird": ("Bird", "control", "one"),
+        "sieve": ("Sieve", "data", "one"),
+        "vote": ("Vote", "data", "several"),
+    }
+    nodes = "".join(
+        f'[[node]]\nkind = "{kind}"\nname = "{called}"\ncarries = "{carries}"\n'
+        f'inputs = "{inputs}"\noutputs = "one"\n'
+        for kind, (called, carries, inputs) in kinds.items()
+    )
+    told = nodes if stage == "resolve" else ""
+    (folder / name / "pack.toml").write_text(f'name = "{name}"\nversion = "1.0"\n{told}')
+    (folder / name / stage / f"{name}.lp").write_text(f"{text}\n", encoding="utf-8")
+    return folder / name
+
+
+@pytest.mark.parametrize(("rule", "text"), [*WRONG.items(), *DATA.items()])
+def test_a_node_that_cannot_be_is_named(rule: str, text: str, tmp_path: Path) -> None:
+    named = {"two-clients": "after_source", "two-inputs": "other_sources"}
+    case = named.get(rule, "other_sources" if rule in DATA else "two_effectors")
+    book = load_rulebook([pack(tmp_path, "mine", "resolve", text)], stages=("resolve",))
+    with pytest.raises(MarsError) as caught:
+        _ = Reasoner(load_project(str(HERE / f"{case}.mars")), book).synthesis
+    assert [each.code for each in caught.value.diagnostics] == [f"resolve/inserted/{rule}"]
+
+
+ONE_OF_TWO = (
+    '1 { chosen("Base"; "Arm") } 1. inserted(n, dog). placed_before(n, M) :- chosen(M). '
+    "#minimize { 1@LEVEL, M : chosen(M), M = MODULE }."
+)
+
+
+def before(reasoner: Reasoner) -> list[str]:
+    found = reasoner.synthesis
+    assert found is not None
+    lines = found.specification.configuration.relationships
+    return [ends(line)[0] for line in lines if ends(line)[1] == "Dog1"]
+
+
+@pytest.mark.parametrize(("avoided", "taken"), [("Base", "Arm"), ("Arm", "Base")])
+def test_a_preference_of_a_pack_chooses_among_optima(
+    avoided: str, taken: str, tmp_path: Path
+) -> None:
+    project = load_project(str(HERE / "two_effectors.mars"))
+    text = ONE_OF_TWO.replace("MODULE", f'"{avoided}"')
+    mine = pack(tmp_path, "mine", "resolve", text.replace("LEVEL", "3"))
+    assert before(Reasoner(project, load_rulebook([mine]))) == [taken]
+    high = pack(tmp_path, "high", "resolve", text.replace("LEVEL", "40"))
+    with pytest.raises(MarsError, match="--trust|40"):
+        load_rulebook([high])
+    assert before(Reasoner(project, load_rulebook([high], trusted=True))) == [taken]
+
+
+def test_a_constraint_of_a_pack_is_named_where_nothing_is_left(tmp_path: Path) -> None:
+    text = (
+        "%! id: resolve/mine/quiet\n%! because: `{M}` may not be commanded\n:- commanded(_, M, _)."
+    )
+    book = load_rulebook([pack(tmp_path, "mine", "resolve", text)])
+    with pytest.raises(MarsError, match="may not be commanded"):
+        _ = Reasoner(load_project(str(HERE / "arbiter.mars")), book).synthesis
+
+
+def test_packs_use_one_name_apart_and_read_what_is_public_of_packs_they_need(
+    tmp_path: Path,
+) -> None:
+    shared = "%*! odd(M)\nM is odd.\npackage\n*%\nodd(M) :- module(M).".replace(
+        "package", "packs: read"
+    )
+    one = pack(tmp_path, "one", "consequences", shared)
+    two = pack(tmp_path, "two", "consequences", "odd(M, 1) :- class(M, effector).\nodd(1).")
+    load_rulebook([one, two])
+    reads = pack(tmp_path, "reads", "consequences", "even(M) :- module(M), not odd(M).")
+    with pytest.raises(MarsError, match="odd/1"):
+        load_rulebook([one, reads])
+    (reads / "pack.toml").write_text('name = "reads"\nversion = "1.0"\nneeds = ["one"]\n')
+    load_rulebook([one, reads])
+    private = pack(tmp_path, "private", "consequences", "a(M) :- borrowed(M, _).")
+    with pytest.raises(MarsError, match="borrowed/2"):
+        load_rulebook([private])
