@@ -45,7 +45,7 @@ is_controlled_by(1,"Base","Drive").
 %case: a controller without data
 %only: consequence($kind,warning,"Drive","Base")
 %has: participant($kind,"Drive","Base",_,"Base") concerns($kind,"Drive","Base",1)
-%> $topic/$topic/blind: `Drive` controls `Base` without using any data
+%> $topic/blind: `Drive` controls `Base` without using any data
 
 %case: it uses data
 module("Sonar").
