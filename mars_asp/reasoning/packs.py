@@ -317,7 +317,7 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 there = named[need.name].version
             if there is None:
                 message = f"pack `{manifest.name}` needs `{need.name}`, which is not given"
-                advice = "give its folder with `--rules`, too"
+                advice = "give its folder with `--rules` also"
                 yield Diagnostic(_CODE, "error", message, need.span, help=advice)
             elif not _will_do(there, need):
                 asked = f"{need.comparison} {need.version}"

@@ -261,7 +261,7 @@ def test_a_preference_of_a_pack_chooses_among_optima(
     mine = pack(tmp_path, "mine", "resolve", text.replace("LEVEL", "3"))
     assert before(Reasoner(project, load_rulebook([mine]))) == [taken]
     high = pack(tmp_path, "high", "resolve", text.replace("LEVEL", "40"))
-    with pytest.raises(MarsError, match="--trust|40"):
+    with pytest.raises(MarsError, match=r"--trust|40"):
         load_rulebook([high])
     assert before(Reasoner(project, load_rulebook([high], trusted=True))) == [taken]
 
