@@ -30,6 +30,7 @@ from mars_asp.reasoning.questions.preceding import preceding_evidence
 from mars_asp.reasoning.questions.subject import (
     absent_subject,
     quoted,
+    spaced_subjects,
     unapplied,
     unconcerned,
     wrong_subject,
@@ -105,6 +106,17 @@ def explain(
         MarsError: the subject is nothing that could be explained, or does not hold.
         TimeoutError: no specification was found in time.
     """
+    *others, subject = [None] if subject is None else spaced_subjects(subject, reasoner.rulebook)
+    for each in others:
+        # What a pack calls alike is explained where ours does not hold.
+        with contextlib.suppress(MarsError):
+            return _explained(reasoner, each, every, only, traced)
+    return _explained(reasoner, subject, every, only, traced)
+
+
+def _explained(
+    reasoner: Reasoner, subject: str | None, every: bool, only: Sort | None, traced: bool
+) -> Explanation:
     if subject is not None and only is not None:
         _check_module(subject, reasoner.project, only)
     elif subject is not None and not reasoner.is_resolved:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import SPACE
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.findings import consequence_kinds
@@ -12,6 +13,7 @@ from mars_asp.spelling import nearest
 
 #: So many names are listed where none is alike.
 _MOST_NAMES = 5
+_PREDICATE = re.compile(r"(-?)([a-z_]\w*'*)(?=\()")
 _STRING_OR_VARIABLE = re.compile(r'"(?:[^"\\]|\\.)*"|\b[A-Z_]\w*')
 
 
@@ -22,6 +24,21 @@ def quoted(subject: str, names: Set[str]) -> str:
         return f'"{word[0]}"' if word[0] in names else word[0]
 
     return _STRING_OR_VARIABLE.sub(quote, subject)
+
+
+def spaced_subjects(subject: str, rulebook: Rulebook) -> list[str]:
+    """Return what an atom may mean: a predicate of ours, or of a pack with a name space.
+
+    A subject that is no atom means itself.
+    """
+    match = _PREDICATE.match(subject)
+    if match is None or not rulebook.packs or SPACE in subject:
+        return [subject]
+    sign, name = match.groups()
+    heads = {head.name for rule in rulebook.rules for head in rule.heads}
+    spaced = sorted(each for each in heads if each.partition(SPACE)[0] == name and each != name)
+    names = [*([name] if name in heads or not spaced else []), *spaced]
+    return [f"{sign}{each}{subject[match.end() :]}" for each in names]
 
 
 def absent_subject(

@@ -30,7 +30,7 @@ from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
-from mars_asp.reasoning.questions.subject import wrong_question
+from mars_asp.reasoning.questions.subject import spaced_subjects, wrong_question
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.exclusion import NoSpecificationError, excluded
@@ -145,6 +145,7 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
     """
+    subject = spaced_subjects(subject, reasoner.rulebook)[-1]
     vocabulary = _Vocabulary(reasoner)
     if vocabulary.is_node(subject):
         return _of_named_node(reasoner, subject)

@@ -69,6 +69,13 @@ def test_what_is_told_of_files_of_others(
 
 
 #: What sharing saves is told of one arbiter alone, for it takes a search of its own.
+#: Robots whose packs bring nodes.
+BROUGHT = {
+    "two_effectors.mars": ["examples/packs/watchdog"],
+    "after_controller.mars": ["tests/node_kinds/packs/filters"],
+    "after_source.mars": ["tests/node_kinds/packs/filters"],
+    "other_sources.mars": ["examples/packs/redundancy"],
+}
 PRICES = {
     "shared.mars": "2 nodes; apart it would take 4 (2 arbiters; splitters for `Joy` and `Nav`).",
     "robots.mars": "These controllers take 5 nodes in all; apart it would take 6 (3 arbiters; "
@@ -96,9 +103,16 @@ def test_every_rule_speaks_in_a_case() -> None:
     telling = {rule.id for rule in rulebook.rules if rule.stage == STAGE and rule.derives(ACCOUNT)}
     spoken = {rule for account in _accounts() for rule in account.rules}
     for path in FOREIGN:
-        reading = argparse.Namespace(from_format=None, sources=[], quiet=True)
+        reading = argparse.Namespace(
+            from_format=None, sources=[], quiet=True, rules=[], trust=False
+        )
         project = load(reading, str(ROOT / "tests" / path))
         for topic in explain(Reasoner(project, rulebook), traced=False).topics:
+            spoken |= set(topic.account.rules) if topic.account else set()
+    for name, packs in BROUGHT.items():
+        with_packs = load_rulebook([ROOT / each for each in packs], stages=STAGES)
+        project = load_project(str(ROOT / "tests/node_kinds" / name))
+        for topic in explain(Reasoner(project, with_packs), traced=False).topics:
             spoken |= set(topic.account.rules) if topic.account else set()
     for name in PRICES:
         spoken |= set(told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").rules)

@@ -133,6 +133,12 @@ def test_each_rule_for_needs_speaks() -> None:
         for reason in need.reasons
         for rule in reason.rules
     }
+    # Nodes of packs are told by what they are alone.
+    packs = [ROOT / "examples" / "packs" / "watchdog"]
+    project = load_project(str(ROOT / "tests" / "node_kinds" / "two_effectors.mars"))
+    answer = alternatives(Reasoner(project, load_rulebook(packs, ("resolve", "account"))), most=1)
+    assert answer is not None
+    spoken |= {rule for need in answer.needs for reason in need.reasons for rule in reason.rules}
     assert spoken == telling
 
 
