@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 import clingo
 
 from mars_asp.asp.rules.symbols import symbol_in
-from mars_asp.asp.signature import signature_of
+from mars_asp.asp.signature import plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
@@ -225,7 +225,8 @@ def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace:
             account, rule = next(accounts)
             return Topic(asked.title, node.name, "node", None, rule, asked.resolves, account, trace)
         case None:
-            return Topic(asked.title, asked.title, "atom", None, None, (), None, trace)
+            title = plain(asked.title)
+            return Topic(title, title, "atom", None, None, (), None, trace)
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

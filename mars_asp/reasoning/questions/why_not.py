@@ -15,7 +15,7 @@ import clingo
 
 from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
-from mars_asp.asp.signature import Signature, signature_of
+from mars_asp.asp.signature import Signature, plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, pattern_in, shown_pattern
@@ -160,7 +160,7 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     # Something elsewhere may stand against every specification.
     if is_local and is_unresolvable(reasoner.analysis):
         found = _answer(reasoner, question, depth)
-    return replace(found, subject=subject)
+    return replace(found, subject=plain(subject), answer=plain(found.answer))
 
 
 def _near(reasoner: Reasoner, question: _Question) -> tuple[Reasoner, bool]:
