@@ -33,6 +33,11 @@ STATEMENTS: Mapping[str, Word] = {
         "@sources PATH, PATH ...",
         "Names annotated sources: files, folders or globs, relative to this file.",
     ),
+    "@Tag": Word("NAME @Tag TAG", "States of a module what a rule pack declares as a tag."),
+    "@Property": Word(
+        "NAME @Property PROPERTY VALUE",
+        "States of a module what a rule pack declares as a property.",
+    ),
     "@include": Word(
         "@include PATH [as NAME]",
         "Takes in the modules and relationships of another configuration; `Arm` becomes "
@@ -116,6 +121,10 @@ ANNOTATIONS: Mapping[str, Word] = {
     "Guard": Word(
         "@Guard",
         "A module through which every command to what it controls is meant to pass.",
+    ),
+    "Tag": Word("@Tag NAME", "States of the module what a rule pack declares as a tag."),
+    "Property": Word(
+        "@Property NAME VALUE", "States of the module what a rule pack declares as a property."
     ),
     "Output": Word(
         "@Output TYPE | NAME | none",

@@ -66,8 +66,7 @@ def test_a_robot_is_asked_about(folder: Path) -> None:
         uri = client.open(path)
         (found,) = await client.diagnostics(uri)
         assert found.message == (
-            "`Joystick` and `Planner` control `Wheels` with the same priority, 1, so none of them "
-            "outranks the others\n"
+            "`Joystick` and `Planner` control `Wheels` with the same priority, 1\n"
             "Among them, the latest message wins.\n"
             "help: give each controller a priority of its own"
         )

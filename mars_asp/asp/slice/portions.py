@@ -12,6 +12,7 @@ keep parts apart. Of the others no more is asked than what they promise of their
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
@@ -64,10 +65,33 @@ def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
     return made[key]
 
 
+def _live(statements: Sequence[Statement], known: Set[Signature]) -> tuple[Statement, ...]:
+    """Return statements without those that rest on what nothing derives, or on its absence.
+
+    What rule packs alone derive is nothing where there are none.
+    """
+    live = tuple(statements)
+    while True:
+        there = known | _derived(live)
+        kept = tuple(
+            each for each in live if all(one.signature in there for one in each.body.positive)
+        )
+        if len(kept) == len(live):
+            return tuple(replace(each, body=_without(each.body, there)) for each in kept)
+        live = kept
+
+
+def _without(scope: Scope, there: Set[Signature]) -> Scope:
+    others = tuple(each for each in scope.others if each.signature in there)
+    return scope if len(others) == len(scope.others) else scope._replace(others=others)
+
+
 def _apart(base: str, resolution: str, given: Positions) -> Apart | None:
     derivations, resolving = program_of(base), program_of(resolution)
     if derivations is None or resolving is None:
         return None
+    known = given.keys() | _derived(derivations.statements)
+    resolving = resolving._replace(statements=_live(resolving.statements, known))
     derived = _derived(resolving.statements)
     if derived & (given.keys() | _derived(derivations.statements)):
         return None
