@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from mars_asp import __version__
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
-from mars_asp.language.parse import read_text
+from mars_asp.language.parse import decode, read_bytes
 from mars_asp.model.declarations import NODE_NAMES, PackKind
 from mars_asp.spelling import nearest
 from mars_asp.toml_text import Places, read_tables
@@ -58,6 +58,9 @@ _NODE_KEYS: Mapping[str, tuple[str, ...]] = {
     "behaviour": ("needed", "none"),
 }
 _OURS = "mars-asp"
+_MOST_BYTES = 64 * 1024
+#: More packs or kinds of nodes than that no pack needs or has.
+_MOST_LISTED = 200
 
 
 class Need(NamedTuple):
@@ -195,7 +198,7 @@ def _stray(folder: Path) -> Iterator[Diagnostic]:
 def _manifest(path: Path, problems: list[Diagnostic]) -> Manifest | None:
     shown = str(path)
     try:
-        text = read_text(path)
+        text = decode(read_bytes(path, _MOST_BYTES), shown, _MOST_BYTES).replace("\r\n", "\n")
         tables = read_tables(text, shown, _CODE)
     except MarsError as error:
         problems += error.diagnostics
@@ -227,6 +230,9 @@ class _Reader:
         nodes = tables.get("node", [])
         if not isinstance(nodes, list) or not all(isinstance(each, dict) for each in nodes):
             self._wrong("`node` must be tables", "write `[[node]]`", "node")
+            nodes = []
+        if len(nodes) > _MOST_LISTED:
+            self._wrong(f"there are more than {_MOST_LISTED} kinds of nodes", None, "node")
             nodes = []
         kinds = tuple(self._kind(each, number) for number, each in enumerate(nodes))
         place = self._places.of("name")
@@ -262,6 +268,9 @@ class _Reader:
         )
 
     def _needs(self, needs: object) -> Iterator[Need | None]:
+        if isinstance(needs, list) and len(needs) > _MOST_LISTED:
+            self._wrong(f"`needs` lists more than {_MOST_LISTED} packs", None, "needs")
+            return
         if not isinstance(needs, list):
             self._wrong("`needs` must be a list", 'write `needs = ["mars-asp >= 0.1"]`', "needs")
             return

@@ -193,7 +193,9 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits, accounts
 #: and why something is absent.
 COMMON = {"consequence", "participant", "concerns", "violation", "resolves", "line", "edit", "part"}
-COMMON |= {"account", "absent", "cites", "change", "beside"}
+COMMON |= {"account", "absent", "cites", "change", "beside", "need"}
+#: Nodes of packs have lines as ours have.
+COMMON |= {"spec_node", "spec_uses_data_from", "spec_is_controlled_by", "written_at"}
 
 
 def test_a_predicate_is_derived_in_one_file_alone(rulebook: Rulebook) -> None:
