@@ -44,7 +44,8 @@ def test_whatever_a_trace_cites_can_be_shown(rulebook: Rulebook) -> None:
     # A constraint derives nothing that a trace could end in.
     assert {rule.id for rule in speaking if rule.because and rule.heads} <= found.keys()
     packs = sorted(path.parent for path in ROOT.glob("examples/packs/*/pack.toml"))
-    every = load_rulebook([ROOT / "examples" / "own-rules" / "rules", *packs], STAGES)
+    pages = [ROOT / "examples" / "own-rules" / "rules", ROOT / "docs" / "how-to" / "attributes"]
+    every = load_rulebook([*pages, *packs], STAGES)
     for name, path in found.items():
         assert shown(every, name).startswith(f"## {name}\n"), path
 

@@ -85,7 +85,7 @@ def test_a_specification_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
     why_not(reasoner, "DataSplitter(Sonar)")
     # What a change would give is looked for in another configuration.
     own = [call for call in analysed if call[0] == reasoner.facts]
-    assert len(own) == len([call for call in synthesised if call[0] is PROJECT]) == 1
+    assert len(own) == len([call for call in synthesised if call[0] is reasoner.project]) == 1
 
 
 def test_what_explained_consequences_is_grounded_anew_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,8 +16,16 @@ NAME = "rule-name"
 def shared_names(rulebook: Rulebook) -> Iterator[Found]:
     """Yield the predicates that share their name with an earlier one of other arity.
 
-    Who reads one of them takes it for the other, and a forgotten argument shows nowhere.
+    Who reads one of them takes it for the other, and a forgotten argument shows nowhere. Of the
+    rules that packs add to, what packs cannot read counts for nothing: it is in no name space of
+    theirs.
     """
+    hidden = frozenset(rulebook.built_in.paths) if rulebook.packs else frozenset()
+    open_to_packs = {
+        signature
+        for signature, each in rulebook.declarations.items()
+        if each.public or each.origin is not None
+    }
     first: dict[str, dict[int, tuple[Span, Rule | None]]] = {}
     by_path: dict[str, list[Rule]] = {}
     for rule in rulebook.rules:
@@ -26,7 +34,10 @@ def shared_names(rulebook: Rulebook) -> Iterator[Found]:
         for (name, arity, _), place in _declarations(path, text):
             first.setdefault(name, {}).setdefault(arity, (place, None))
         for rule in by_path.get(path, ()):
-            for (name, arity, _), place in _named(rule):
+            for signature, place in _named(rule):
+                if path in hidden and signature not in open_to_packs:
+                    continue
+                name, arity, _ = signature
                 first.setdefault(name, {}).setdefault(arity, (place, rule))
     for name, places in first.items():
         (arity, (earlier, _)), *others = places.items()

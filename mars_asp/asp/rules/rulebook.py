@@ -62,6 +62,8 @@ class Rulebook:
         return {
             path: (stage, outline(text, rules.get(path, ())))
             for path, (stage, text) in zip(self.paths, self.texts, strict=True)
+            # What a manifest states is no file of rules.
+            if not path.endswith(".toml")
         }
 
     @cached_property
