@@ -32,8 +32,9 @@ def legend_items(picture: Picture) -> list[Item]:
         items.append(Item("module", Box("", "", None)))
     nodes = {box_colours(box): box for box in picture.boxes if box.node is not None}
     for box in sorted(nodes.values(), key=lambda box: box.node or "", reverse=True):
-        about = box.carries
-        items.append(Item(f"introduced for {about}", box))
+        # What a pack colours is told by its kind.
+        kind = (box.node or "").replace("_", " ")
+        items.append(Item(kind if box.colour else f"introduced for {box.carries}", box))
     present = {line.kind for line in picture.lines}
     return items + [Item(MEANINGS[kind], kind) for kind in LINES if kind in present]
 
