@@ -19,7 +19,7 @@ A term may have a label, a message in quotes whose holes are filled as those of 
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.rules.computed import computations, leaves
@@ -115,6 +115,17 @@ def labels(rule: Rule, expansions: Expansions) -> Iterator[Label]:
                 if element.label is not None:
                     body = "; ".join(filter(None, (rule.written[1], element.condition)))
                     yield Label(element.term, element.label, body)
+
+
+def with_conditions(written: str, change: Callable[[str], str]) -> str:
+    """Return what stands behind a key with its conditions changed, term by term."""
+    found = []
+    for term, order, condition, label in _elements(written):
+        parts = [f"{term}@{order}" if order else term]
+        parts += [] if label is None else [f'"{label}"']
+        parts += [f": {change(condition)}"] if condition else []
+        found.append(" ".join(parts))
+    return "; ".join(found)
 
 
 def _rule(head: str, body: str) -> str:

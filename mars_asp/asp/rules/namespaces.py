@@ -10,11 +10,14 @@ from dataclasses import replace
 
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Docstring
+from mars_asp.asp.rules.expansions import with_conditions
 from mars_asp.asp.rules.read import NameSpace, RuleFile
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import renamed
 from mars_asp.asp.signature import SPACE, Signature
 
+#: What makes a condition a rule.
+_HEAD = "x :- "
 #: What is written before the name of a predicate that a comment declares.
 _HEADER = re.compile(r"(%\*!\s*-?)([a-z_]\w*'*)")
 
@@ -37,7 +40,11 @@ def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
 
 
 def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
-    return replace(rule, text=renamed(rule.text, names))
+    def condition(written: str) -> str:
+        return renamed(f"{_HEAD}{written}.", names).removeprefix(_HEAD).removesuffix(".")
+
+    lists = tuple((key, with_conditions(listed, condition)) for key, listed in rule.lists)
+    return replace(rule, text=renamed(rule.text, names), lists=lists)
 
 
 def _documented(docstring: Docstring, names: Mapping[Signature, str]) -> Docstring:
