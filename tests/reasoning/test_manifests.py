@@ -87,3 +87,15 @@ def test_a_pack_is_read_once(tmp_path: Path) -> None:
     (tmp_path / "vocabulary.lp").write_text("one(1).")
     found = find_packs([tmp_path, tmp_path / ".", tmp_path], [])
     assert [len(pack.files) for pack in found] == [1]
+
+
+def test_folders_of_one_name_are_apart(tmp_path: Path) -> None:
+    packs = [tmp_path / each / "rules" for each in "abc"]
+    for number, pack in enumerate(packs):
+        pack.mkdir(parents=True)
+        # Ours derives a predicate of this name for itself.
+        (pack / f"f{number}.lp").write_text(f"contested(M, {number}) :- module(M).\n")
+    rules = load_rulebook(packs).of_packs
+    names = {head.name for rule in rules for head in rule.heads}
+    assert len(names) == 3
+    assert "contested" not in names

@@ -7,6 +7,7 @@ behind two primes, `seen''rover`, which nothing shows: `plain` takes it away aga
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import count
 
 from mars_asp.asp.rules.checks import Seal
 from mars_asp.asp.rules.declarations import Docstring
@@ -69,7 +70,13 @@ def apart(
     shared = {each: name for each, name in common.items() if each.name != name}
     for space in spaces:
         own = {head for rule in space.rules for head in rule.heads} - sealed.reserved
-        names = {each: spaced(each, space.name) for each in own if each.name in taken}
-        taken |= {each.name for each in own}
+        names: dict[Signature, str] = {}
+        for each in sorted(own):
+            if each.name in taken:
+                # Folders of several packs can have one name.
+                name = spaced(each, space.name)
+                free = (f"{name}{number or ''}" for number in count())
+                names[each] = next(one for one in free if one not in taken)
+        taken |= {each.name for each in own} | set(names.values())
         yield space._replace(files=tuple(in_space(f, {**shared, **names}) for f in space.files))
         shared |= {each: name for each, name in names.items() if each in space.public}
