@@ -96,10 +96,11 @@ def ignores_of(path: str) -> Iterator[Ignore]:
         except OSError:
             return
     if re.search(_MARK, raw) is not None:
-        yield from ignores_in(path, plain_lines(_decoded(raw)))
+        yield from ignores_in(path, plain_lines(decoded(raw)))
 
 
-def _decoded(raw: bytes) -> str:
+def decoded(raw: bytes) -> str:
+    """Return the text of a file as editors show it, whatever its encoding."""
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         return raw.decode("utf-16", "replace")
     try:

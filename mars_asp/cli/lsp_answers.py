@@ -22,6 +22,7 @@ from mars_asp.cli import worker
 from mars_asp.cli.arguments import parser_of
 from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
+from mars_asp.cli.ignores import decoded
 from mars_asp.cli.limits import limit_memory, memory_limit
 from mars_asp.cli.lines import line_at, remember
 from mars_asp.cli.reason import load, rulebook_for
@@ -136,7 +137,7 @@ class _Files:
             raw = unsaved_bytes(Path(path))
             if raw is None and not Path(path).is_file():
                 return None
-            self.known[path] = Text(path, _decoded(Path(path).read_bytes() if raw is None else raw))
+            self.known[path] = Text(path, decoded(Path(path).read_bytes() if raw is None else raw))
         return self.known[path]
 
     def place(self, span: Span) -> Place | None:
@@ -161,16 +162,6 @@ class _Files:
             tuple((place, label) for place, label in placed if place is not None),
             title,
         )
-
-
-def _decoded(raw: bytes) -> str:
-    """Return the text of a file as editors show it."""
-    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return raw.decode("utf-16", "replace")
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
 
 
 def _built_in(path: str) -> str | None:
