@@ -27,6 +27,8 @@ WRITTEN: Mapping[str, Mapping[str, int]] = {
     "millionths": {"%": 10_000},
     "thousandths": {"%": 10},
 }
+#: A unit behind its number, from which no line break may part it.
+UNIT = r"(?:Hz|mm|ms|m|s|%)(?!\w)"
 #: The sorts of whole numbers.
 NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "cost"})
 

@@ -6,13 +6,15 @@ import unicodedata
 from collections.abc import Mapping
 from contextlib import suppress
 
+from mars_asp.asp.units import UNIT
+
 #: Where nobody says how wide a line may be.
 _COLUMNS = 80
 #: Text in fewer columns than this cannot be read anyway.
 _FEWEST = 20
 #: A word, what is written between backticks unless that is long, and a number with its unit. A
 #: backtick behind a letter or a full stop closes what is quoted, also where that holds backticks.
-_WORD = re.compile(r"(?:(?<![\w.`])`[^`]{0,40}`|\d (?=(?:Hz|mm|ms|s)\b)|\S)+")
+_WORD = re.compile(rf"(?:(?<![\w.`])`[^`]{{0,40}}`|\d (?={UNIT})|\S)+")
 #: The rule or code that a text ends with.
 _REFERENCE = re.compile("(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*")
 _STYLE = re.compile("\x1b\\[[0-9;]*m")

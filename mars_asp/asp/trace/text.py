@@ -23,12 +23,16 @@ from mars_asp.asp.trace.tree import (
     Unexplained,
     is_pseudo,
 )
+from mars_asp.asp.units import UNIT
 from mars_asp.diagnostic import Span
 
 #: Where nobody knows how wide the lines can be.
 WIDTH = 80
 #: What `textwrap` counts as white space.
 _SPACE = re.compile(r"[\t\n\x0b\x0c\r]")
+#: A number before the end of a line, whose unit comes after it.
+_NUMBER = re.compile(r" [(-]?[\d.]+$")
+_ITS_UNIT = re.compile(f" {UNIT}")
 #: Among so many steps below a premise it is looked for what need not be said beside it.
 NEAR = 200
 #: How far a level is indented, and how far what continues a line.
@@ -440,6 +444,8 @@ def wrapped(text: str, level: int, width: int = WIDTH, end: str = "") -> Sequenc
         return lines
     last = lines.pop() if lines else indent
     begin, space, word = last.rpartition(" ")
+    if _ITS_UNIT.match(f" {word}") and (number := _NUMBER.search(begin)):
+        begin, word = begin[: number.start()], last[number.start() + 1 :]
     if len(last) + len(end) > width and space and begin.strip(" "):
         lines.append(begin.rstrip(" "))
         last = further + word
@@ -457,6 +463,8 @@ def _lines(text: str, indent: str, further: str, width: int) -> Iterator[str]:
         end = len(text)
         if len(indent) + end > width:
             end = text.rfind(" ", 0, width - len(indent) + 1)
+            if _ITS_UNIT.match(text, max(end, 0)) and (number := _NUMBER.search(text[:end])):
+                end = number.start()
             if end < 0:
                 # A word that is longer than a line has one of its own.
                 end = len(text.partition(" ")[0])
