@@ -21,7 +21,8 @@ _CASE = ast.Variable(_LOCATION, "CASE_")
 _MOST = 50
 #: Above all that the rules of MARS minimise.
 _LEVEL = 1_000
-_IN = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
+#: Any of the cases has an answer, or all that can where costs count.
+ANY = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
 #: What stays outside: what is said of predicates, not by them.
 _LEFT_OUT = {
     _TYPE.Program,
@@ -57,7 +58,7 @@ def answered(program: Iterable[str], wanted: Sequence[str]) -> set[clingo.Symbol
     """Return the atoms of some predicates in a best answer set of any case."""
     options = ["--opt-mode=optN", "--opt-strategy=usc", "--enum-mode=brave", "--models=0"]
     control = clingo.Control([*options, "--warn=none"])
-    control.add("base", [], "\n".join([*program, _IN]))
+    control.add("base", [], "\n".join([*program, ANY]))
     control.ground()
     found: list[clingo.Symbol] = []
 
