@@ -16,7 +16,11 @@ from mars_asp.asp.rules.statements import shown as shown_in
 from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
-from tests.support.side_by_side import ANY, answered, apart, batched, together
+from tests.support.cases_at_once import CHOOSING
+from tests.support.side_by_side import ANY, answered, apart, together
+
+#: Cases in one program: more of those that choose take longer together than apart.
+_MOST, _MOST_ANY = 50, 300
 
 
 def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
@@ -85,8 +89,9 @@ def _parts(cases: Iterable[Path]) -> Iterator[tuple[tuple[str, ...], Sequence[Pa
     for path in cases:
         groups.setdefault(("base", *stages_of(path)), []).append(path)
     for stages, paths in groups.items():
-        for part in batched(paths):
-            yield stages, part
+        most = _MOST_ANY if CHOOSING.isdisjoint(stages) else _MOST
+        for begin in range(0, len(paths), most):
+            yield stages, paths[begin : begin + most]
 
 
 def _facts(part: Sequence[Path]) -> Iterator[str]:

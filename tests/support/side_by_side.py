@@ -7,18 +7,13 @@ case, and costs least where each of these does. A case without any is left out.
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from typing import TypeVar
 
 import clingo
 from clingo import ast
 
-T = TypeVar("T")
-
 _TYPE = ast.ASTType
 _LOCATION = ast.Location(ast.Position("side by side", 1, 1), ast.Position("side by side", 1, 1))
 _CASE = ast.Variable(_LOCATION, "CASE_")
-#: Cases in one program: more of those that choose take longer together than apart.
-_MOST = 50
 #: Above all that the rules of MARS minimise.
 _LEVEL = 1_000
 #: Any of the cases has an answer, or all that can where costs count.
@@ -46,12 +41,6 @@ def apart(number: int, facts: str) -> str:
     """Return what a case says, as that of each case `C` where `of_(C, number)`."""
     of = _call("of_", _CASE, ast.SymbolicTerm(_LOCATION, clingo.Number(number)))
     return "\n".join(_written(facts, of))
-
-
-def batched(cases: Sequence[T]) -> Iterator[Sequence[T]]:
-    """Yield cases, as many at once as are quick to solve where they choose."""
-    for begin in range(0, len(cases), _MOST):
-        yield cases[begin : begin + _MOST]
 
 
 def answered(program: Iterable[str], wanted: Sequence[str]) -> set[clingo.Symbol]:
