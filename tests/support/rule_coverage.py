@@ -1,14 +1,14 @@
 """Which of our own rules the cases fire, measured for many cases in one program."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import clingo
 
 from mars_asp.asp.cases import coverage
-from mars_asp.asp.cases.coverage import Case, Coverage
-from mars_asp.asp.cases.probes import fired
+from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
+from mars_asp.asp.cases.probes import FIRED, NEAR, fired
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -16,12 +16,16 @@ from mars_asp.asp.rules.statements import shown as shown_in
 from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
-from tests.support.side_by_side import answered, apart, batched, together
+from tests.support.cases_at_once import CHOOSING
+from tests.support.side_by_side import ANY, answered, apart, together
+
+#: Cases in one program: more of those that choose take longer together than apart.
+_MOST, _MOST_ANY = 50, 300
 
 
 def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
-    return coverage.covered(rulebook.rules, rulebook, list(map(tried, cases)), _together)
+    return coverage.covered(rulebook.rules, rulebook, list(map(tried, cases)), _TOGETHER)
 
 
 def _together(
@@ -29,6 +33,29 @@ def _together(
 ) -> set[tuple[str, int]]:
     paths = [case.path for case in cases]
     return {(name, number) for _, name, number in _held(rulebook, told, paths)}
+
+
+def _refusing(
+    constraints: Mapping[int, Rule], rulebook: Rulebook, cases: Sequence[Case]
+) -> set[int]:
+    found = set[int]()
+    own = {rule.stage for rule in constraints.values()}
+    paths = [case.path for case in cases if own.intersection(case.stages)]
+    for stages, part in _parts(paths):
+        rest = {
+            n: rule for n, rule in constraints.items() if n not in found and rule.stage in stages
+        }
+        rules = [together(watched(rulebook.text(stage), rest)) for stage in stages]
+        for n in rest:
+            rules.append(
+                f"#external {LEFT_OUT}({n}). :- {FIRED}(C, {n}), in_(C), not {LEFT_OUT}({n})."
+            )
+            rules.append(f"refused_({n}) :- {FIRED}(C, {n}), in_(C).")
+        found.update(refusals("\n".join([*rules, *_facts(part), ANY]), rest, "refused_"))
+    return found
+
+
+_TOGETHER = Measure(_together, _refusing)
 
 
 def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[list[Path]]:
@@ -46,20 +73,32 @@ def _held(
     rulebook: Rulebook, probes: Mapping[str, Iterable[str]], cases: Iterable[Path]
 ) -> set[tuple[Path, str, int]]:
     """Return each case with the probes, by stage, that hold in one of its answers."""
+    found = set[tuple[Path, str, int]]()
+    for stages, part in _parts(cases):
+        rules = [together(rulebook.text(stage)) for stage in stages]
+        rules += [together("\n".join(probes.get(stage, ()))) for stage in stages]
+        for atom in answered([*rules, *_facts(part)], (FIRED, NEAR)):
+            case, number = (argument.number for argument in atom.arguments)
+            found.add((part[case], atom.name, number))
+    return found
+
+
+def _parts(cases: Iterable[Path]) -> Iterator[tuple[tuple[str, ...], Sequence[Path]]]:
+    """Yield cases that are run in one program, with their stages."""
     groups: dict[tuple[str, ...], list[Path]] = {}
     for path in cases:
         groups.setdefault(("base", *stages_of(path)), []).append(path)
-    found = set[tuple[Path, str, int]]()
     for stages, paths in groups.items():
-        rules = [together(rulebook.text(stage)) for stage in stages]
-        rules += [together("\n".join(probes.get(stage, ()))) for stage in stages]
-        for part in batched(paths):
-            facts = [apart(number, read_case(path)[0]) for number, path in enumerate(part)]
-            facts += [f"of_({number}, {number})." for number in range(len(part))]
-            for atom in answered([*rules, *facts], ("_fired", "_near")):
-                case, number = (argument.number for argument in atom.arguments)
-                found.add((part[case], atom.name, number))
-    return found
+        most = _MOST_ANY if CHOOSING.isdisjoint(stages) else _MOST
+        for begin in range(0, len(paths), most):
+            yield stages, paths[begin : begin + most]
+
+
+def _facts(part: Sequence[Path]) -> Iterator[str]:
+    """Yield the facts of cases, and which copies there are of them: one of each."""
+    for number, path in enumerate(part):
+        yield apart(number, read_case(path)[0])
+        yield f"of_({number}, {number})."
 
 
 def unnoticed(lists: Sequence[Rule], rulebook: Rulebook, cases: Sequence[Path]) -> list[Rule]:

@@ -7,21 +7,17 @@ case, and costs least where each of these does. A case without any is left out.
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from typing import TypeVar
 
 import clingo
 from clingo import ast
 
-T = TypeVar("T")
-
 _TYPE = ast.ASTType
 _LOCATION = ast.Location(ast.Position("side by side", 1, 1), ast.Position("side by side", 1, 1))
 _CASE = ast.Variable(_LOCATION, "CASE_")
-#: Cases in one program: more of those that choose take longer together than apart.
-_MOST = 50
 #: Above all that the rules of MARS minimise.
 _LEVEL = 1_000
-_IN = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
+#: Any of the cases has an answer, or all that can where costs count.
+ANY = f"case_(C) :- of_(C, _). {{ in_(C) }} :- case_(C). #minimize {{ -1@{_LEVEL}, C : in_(C) }}."
 #: What stays outside: what is said of predicates, not by them.
 _LEFT_OUT = {
     _TYPE.Program,
@@ -47,17 +43,11 @@ def apart(number: int, facts: str) -> str:
     return "\n".join(_written(facts, of))
 
 
-def batched(cases: Sequence[T]) -> Iterator[Sequence[T]]:
-    """Yield cases, as many at once as are quick to solve where they choose."""
-    for begin in range(0, len(cases), _MOST):
-        yield cases[begin : begin + _MOST]
-
-
 def answered(program: Iterable[str], wanted: Sequence[str]) -> set[clingo.Symbol]:
     """Return the atoms of some predicates in a best answer set of any case."""
     options = ["--opt-mode=optN", "--opt-strategy=usc", "--enum-mode=brave", "--models=0"]
     control = clingo.Control([*options, "--warn=none"])
-    control.add("base", [], "\n".join([*program, _IN]))
+    control.add("base", [], "\n".join([*program, ANY]))
     control.ground()
     found: list[clingo.Symbol] = []
 

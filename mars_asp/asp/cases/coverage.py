@@ -4,10 +4,10 @@ A rule *fires* in a case where its body holds in a wanted answer set; it *just d
 body holds but for one premise. A constraint fires where leaving it out gives another answer.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import clingo
 
@@ -15,10 +15,8 @@ from mars_asp.asp.cases.probes import FIRED, NEAR, fired, probes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 
-#: Answers which probes, of each stage, hold in the cases: the name and the number of each.
-Measure: TypeAlias = Callable[
-    [Mapping[str, Sequence[str]], Rulebook, Sequence["Case"]], set[tuple[str, int]]
-]
+#: Of the number of a constraint, whether it refuses nothing.
+LEFT_OUT = "_left_out"
 #: Answer sets of a case that are looked at.
 _MOST_ANSWERS = 100
 
@@ -30,6 +28,17 @@ class Case(NamedTuple):
     texts: tuple[str, ...]
     stages: tuple[str, ...]
     passes: Callable[[Rulebook], bool]
+
+
+class Measure(NamedTuple):
+    """How cases are run: which probes hold in them, and which constraints refuse a candidate.
+
+    Probes are texts by stage, and answered by the name and the number of each; constraints have
+    numbers.
+    """
+
+    held: Callable[[Mapping[str, Sequence[str]], Rulebook, Sequence[Case]], set[tuple[str, int]]]
+    refusing: Callable[[Mapping[int, Rule], Rulebook, Sequence[Case]], set[int]]
 
 
 @dataclass(frozen=True)
@@ -51,20 +60,22 @@ def covered(
     measure: Measure | None = None,
 ) -> Coverage:
     """Run every case with probes beside the rules of its stages, as `measure` does it."""
+    measure = measure or Measure(_one_by_one, _refusing)
     looked_at = [rule for rule in rules if rule.ast.body]
     probed = {number: tuple(probes(number, rule)) for number, rule in enumerate(looked_at)}
     told: dict[str, list[str]] = {}
     for number, rule in enumerate(looked_at):
         told.setdefault(rule.stage, []).extend(text for _, text in probed[number])
-    held = (measure or _one_by_one)(told, rulebook, cases)
-    numbered = tuple(enumerate(looked_at))
-    silent = (rule for number, rule in numbered if (FIRED, number) not in held)
+    held = measure.held(told, rulebook, cases)
+    silent = {n: rule for n, rule in enumerate(looked_at) if (FIRED, n) not in held}
+    constraints = {n: rule for n, rule in silent.items() if is_constraint(rule)}
+    refusing = measure.refusing(constraints, rulebook, cases)
     return Coverage(
         tuple(looked_at),
-        tuple(r for r in silent if not (is_constraint(r) and refuses(r, rulebook, cases))),
+        tuple(rule for number, rule in silent.items() if number not in refusing),
         tuple(
             rule
-            for number, rule in numbered
+            for number, rule in enumerate(looked_at)
             # What metadata lists has the body of its rule, where each premise is tried.
             if rule.listed is None
             and (NEAR, number) not in held
@@ -78,20 +89,45 @@ def is_constraint(rule: Rule) -> bool:
     return str(rule.ast.head) == "#false"
 
 
-def refuses(rule: Rule, rulebook: Rulebook, cases: Sequence[Case]) -> bool:
-    """Whether a constraint refuses a candidate in some case."""
-    instead = f"{fired(0, rule)} :- not {FIRED}(_)."
+def watched(rules: str, constraints: Mapping[int, Rule]) -> str:
+    """Return rules in which `_fired` holds, of its number, instead of each of some constraints."""
+    for number, rule in constraints.items():
+        rules = rules.replace(rule.text, fired(number, rule))
+    return rules
+
+
+def _refusing(
+    constraints: Mapping[int, Rule], rulebook: Rulebook, cases: Sequence[Case]
+) -> set[int]:
+    """Return which constraints alone refuse a candidate in some case."""
+    rest = dict(constraints)
     for case in cases:
-        if rule.stage not in case.stages:
+        mine = {number: rule for number, rule in rest.items() if rule.stage in case.stages}
+        if not mine:
             continue
-        rules = "\n".join(map(rulebook.text, case.stages))
+        rules = [watched(rulebook.text(stage), mine) for stage in case.stages]
+        rules += (f"#external {LEFT_OUT}({n}). :- {FIRED}({n}), not {LEFT_OUT}({n})." for n in mine)
         for facts in case.texts:
-            control = clingo.Control(["--opt-mode=ignore", "--warn=none"])
-            control.add("base", [], "\n".join([facts, rules.replace(rule.text, instead)]))
-            control.ground()
-            if control.solve().satisfiable:
-                return True
-    return False
+            for number in refusals("\n".join([facts, *rules]), mine, FIRED):
+                rest.pop(number, None)
+    return set(constraints) - set(rest)
+
+
+def refusals(program: str, numbers: Iterable[int], name: str) -> Iterator[int]:
+    """Yield the numbers of which the atom `name` can hold where they alone are left out.
+
+    The program holds an external atom for each of them, `_left_out`.
+    """
+    control = clingo.Control(["--opt-mode=ignore", "--warn=none"])
+    control.add("base", [], program)
+    control.ground()
+    for number in numbers:
+        arguments = [clingo.Number(number)]
+        left_out = clingo.Function(LEFT_OUT, arguments)
+        control.assign_external(left_out, True)
+        if control.solve([(clingo.Function(name, arguments), True)]).satisfiable:
+            yield number
+        control.assign_external(left_out, False)
 
 
 def _one_by_one(

@@ -147,9 +147,10 @@ def test_verification_agrees_with_each_need(path: str) -> None:
     """`rules/verify` know nothing of needs: without the node it is that clause that breaks."""
     reasoner, answer = told_of(path)
     assert all(each.bound == each.cost for each in answer.levels.values())
+    judging = Reasoner(reasoner.project, RULEBOOK)
     for need in answer.needs:
         (name,), reason = need.names, need.reasons[0]
-        broken = without(name, Reasoner(reasoner.project, RULEBOOK))
+        broken = without(name, judging)
         assert broken is not None
         found = [each for each in broken if each.violation.clause == reason.clause]
         lines = {line.span for each in found for line in each.relationships}

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from mars_asp.cli import run_here
 from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.diff import Difference, diff
+from mars_asp.reasoning.questions.diff import diff
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT, run
@@ -29,14 +29,14 @@ def test_cases(folder: Path, update_golden: bool) -> None:
     assert found == (folder / "expected.txt").read_text()
 
 
-def _diff(old: Configuration, new: Configuration) -> Difference:
-    return diff(Reasoner(Project(old, {}, ()), RULEBOOK), Reasoner(Project(new, {}, ()), RULEBOOK))
+def _reasoner(configuration: Configuration) -> Reasoner:
+    return Reasoner(Project(configuration, {}, ()), RULEBOOK)
 
 
 @settings(few, max_examples=8)
 @given(configurations)
 def test_nothing_differs_from_itself(configuration: Configuration) -> None:
-    found = _diff(configuration, configuration)
+    found = diff(_reasoner(configuration), _reasoner(configuration))
     assert found.is_empty
     assert (found.added, found.removed) == ((), ())
 
@@ -44,7 +44,8 @@ def test_nothing_differs_from_itself(configuration: Configuration) -> None:
 @settings(few, max_examples=8)
 @given(configurations, configurations)
 def test_what_appears_one_way_vanishes_the_other(old: Configuration, new: Configuration) -> None:
-    forth, back = _diff(old, new), _diff(new, old)
+    one, other = _reasoner(old), _reasoner(new)
+    forth, back = diff(one, other), diff(other, one)
     mirror = {"appeared": "vanished", "vanished": "appeared", "changed": "changed"}
     assert sorted((mirror[c.how], c.item.kind, c.item.subject) for c in forth.consequences) == (
         sorted((c.how, c.item.kind, c.item.subject) for c in back.consequences)

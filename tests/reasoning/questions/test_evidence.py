@@ -248,11 +248,15 @@ def test_packs_that_have_one_answer_are_sliced(tmp_path: Path) -> None:
     fewer = 0
     for path in CONFIGURATIONS:
         project = load_project(str(path))
+        count = len(project_facts(project))
         whole = explain(Reasoner(project, rulebook))
-        for topic in whole.topics[: len(whole.analysis.consequences)]:
+        told = whole.topics[: len(whole.analysis.consequences)]
+        # The pack adds to these; of the others, which it says nothing of, one in four.
+        own = [topic for topic in told if topic.title.startswith(("many(", "data_divergence("))]
+        for topic in dict.fromkeys([*own, *told[::4]]):
             part = sliced(project, topic.title, rulebook)
             assert part is not None
-            fewer += len(part.facts) < len(project_facts(project)) / 2
+            fewer += len(part.facts) < count / 2
             found = explain(Reasoner(project, rulebook), topic.title)
             assert found.synthesis is None
             traces = [trace_json(t.trace) for t in found.topics if t.title == topic.title]
