@@ -53,7 +53,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
     from mars_asp.reasoning.facts.vocabulary import given_in
     from mars_asp.reasoning.questions.explain import explain
     from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
-    from mars_asp.reasoning.sample import samples
+    from mars_asp.reasoning.sample import sampled, samples
     from mars_asp.reasoning.session import Reasoner
 
     cache.forget(BESIDE / "none")
@@ -62,6 +62,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
     for make in (statements_of, outlines_of, constants_of, computations):
         make(texts)
     seal()
+    tuple(sampled())
     for stage in ("base", *STAGES):
         given_in(whole, stage)
     rulebook = load_rulebook(stages=("resolve", "account"))

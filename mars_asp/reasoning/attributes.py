@@ -117,7 +117,7 @@ def wrong_kinds(
     for space in spaces:
         declared = (each for file in space.files for each in file.documented.declarations)
         own = {each.name for each in declared if each.attribution is not None}
-        for rule in space.rules:
+        for rule in space.rules if own else ():
             for head in sorted({head.name for head in rule.heads} & own):
                 message = f"`{head}` is stated by annotations, and nothing derives it"
                 advice = "derive a predicate of your own from it"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,9 +18,8 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import FORMS, THINGS, unbounded
 from mars_asp.reasoning.findings import CONSEQUENCE
-from mars_asp.reasoning.project import project_facts
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
-from mars_asp.reasoning.sample import samples
+from mars_asp.reasoning.sample import sampled
 
 #: Packs of more rules are tried on one sample: to ground them takes most of the time.
 _MOST_RULES = 2_000
@@ -48,7 +48,8 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     rulebook = load_rulebook(packs, STAGES, strict=not packs, noted=errors)
     others: list[Diagnostic] = []
     misread: list[Diagnostic] = []
-    for file in rulebook.documented:
+    own = rulebook.documented[-rulebook.packs :] if rulebook.packs else rulebook.documented
+    for file in own:
         tuple(declarations(file.docstrings, file.path, misread))
     misread += wrong_references(rulebook.declarations.values())
     others += (replace(each, severity="warning") for each in misread)
@@ -74,10 +75,10 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
 def _tried(rulebook: Rulebook) -> list[Diagnostic]:
     """Return what fails when the rules are grounded over sample robots."""
     found: dict[tuple[str, Span], Diagnostic] = {}
-    tried = samples()[:1] if rulebook.pack_rules > _MOST_RULES else samples()
-    for project in tried:
+    most = 1 if rulebook.pack_rules > _MOST_RULES else None
+    for facts, span in islice(sampled(), most):
         try:
-            analyse(project_facts(project), rulebook, project.configuration.span)
+            analyse(facts, rulebook, span)
         except MarsError as error:
             for each in map(_of_sample, error.diagnostics):
                 found.setdefault((each.code, each.span), each)

@@ -113,9 +113,8 @@ def load_rulebook(
 
     The stage that follows one of them is read, too. The holes of the built-in messages are checked
     only when `strict`: the tests have done so. Packs that are `trusted` may rank what they minimise
-    above nodes, conversions and lines.
-    only when `strict`: the tests have done so. Where `noted` is given, it gets what is wrong, and
-    what can be read is returned.
+    above nodes, conversions and lines. Where `noted` is given, it gets what is wrong, and what can
+    be read is returned.
 
     Raises:
         MarsError: files that cannot be read, that the gate refuses, or whose metadata is wrong, and

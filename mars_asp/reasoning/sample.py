@@ -1,9 +1,19 @@
-"""Robots that hold something of all that rules can be given, for rule packs to be tried on."""
+"""Robots that hold something of all that rules can be given, for rule packs to be tried on.
 
+Their facts are made when the package is built: to read the robots takes as long as to read a pack.
+"""
+
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
 
+from mars_asp.asp.cache import made_of
+from mars_asp.asp.solve.atoms import Fact
+from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Muxed
-from mars_asp.reasoning.project import Project, load_project
+from mars_asp.reasoning.project import Project, load_project, project_facts
 
 _RANKED = """\
 @configuration hierarchical
@@ -118,3 +128,34 @@ def samples() -> tuple[Project, ...]:
     read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")
     muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)
+
+
+class Sampled(NamedTuple):
+    """The facts of a robot, and where its configuration is."""
+
+    facts: tuple[Fact, ...]
+    span: Span
+
+
+def sampled() -> Iterator[Sampled]:
+    """Yield the facts of each robot, one robot after the other."""
+    for number in range(_COUNT):
+        yield made_of("samples", _makers(), [number], _sampled)[number]
+
+
+#: How many robots there are.
+_COUNT = 3
+
+
+def _sampled(number: int) -> Sampled:
+    project = samples()[number]
+    return Sampled(project_facts(project), project.configuration.span)
+
+
+@cache
+def _makers() -> tuple[Path, ...]:
+    """Return the files of what reads configurations and makes facts of them."""
+    package = Path(__file__).parents[1]
+    folders = ("annotations", "kinematics", "language", "model", "reasoning/facts")
+    found = [path for folder in folders for path in (package / folder).rglob("*.py")]
+    return tuple(sorted((*found, *Path(__file__).parent.glob("*.py"))))

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of, names_in, text_of
+from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of, text_of
 from mars_asp.asp.lint.found import Found, found
-from mars_asp.asp.rules.trees import Kind, below
+from mars_asp.asp.rules.trees import Kind, below, names_in
 
 AGGREGATE = "rule-aggregate"
 _SUMS = ("sum", "sum+")

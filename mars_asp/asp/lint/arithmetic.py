@@ -5,7 +5,13 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from mars_asp.asp.lint.clauses import placed
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import Operand, Operation, Statement, operands, statements_of
+from mars_asp.asp.rules.statements import (
+    Operand,
+    Operation,
+    Statement,
+    rule_operands,
+    statements_of,
+)
 from mars_asp.asp.signature import Signature
 
 ARITHMETIC = "rule-arithmetic"
@@ -25,7 +31,7 @@ def risks(rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]) -
         if rule.fits is not None or rule.listed is not None:
             continue
         large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
-        for operation in _risky(operands(rule.text), large):
+        for operation in _risky(rule_operands(rule.text), large):
             names = sorted(large & _variables(operation))
             message = f"`{operation.text}` may not fit into 32 bits"
             if names:
@@ -67,16 +73,21 @@ def _stated(
 ) -> Mapping[Signature, Set[int]]:
     """Return the positions of numbers that users state, handed on from rule to rule."""
     found = {signature: set(places) for signature, places in unbounded.items()}
-    rules, before = tuple(rules), -1
-    while before != sum(map(len, found.values())):
-        before = sum(map(len, found.values()))
-        for statement in rules:
+    reading: dict[Signature, list[Statement]] = {}
+    for statement in rules:
+        for signature in statement.reads:
+            reading.setdefault(signature, []).append(statement)
+    waiting = list(found)
+    while waiting:
+        for statement in reading.get(waiting.pop(), ()):
             large = _large(statement, found)
             for head in statement.heads if large else ():
                 literal = head.literal
                 places = {at for at, term in enumerate(literal.terms) if term.variables & large}
-                if places:
-                    found.setdefault(literal.signature, set()).update(places)
+                known = found.setdefault(literal.signature, set())
+                if not places <= known:
+                    known |= places
+                    waiting.append(literal.signature)
     return found
 
 

@@ -1,8 +1,17 @@
 """Bodies that never hold, and literals that change nothing."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 
-from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, Scope, text_of
+from mars_asp.asp.lint.clauses import (
+    Aggregate,
+    Atom,
+    Clause,
+    Comparison,
+    Scope,
+    kind_of,
+    text_of,
+)
 from mars_asp.asp.lint.found import Fix, Found, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
 from mars_asp.asp.rules.trees import Kind, Node, below
@@ -75,7 +84,7 @@ def _contradiction(
 
 def _exclude(one: Atom, other: Atom) -> bool:
     """Whether the first, which is not negated, and another are never true together."""
-    if one.signature.unsigned != other.signature.unsigned or one is other:
+    if one.signature[:2] != other.signature[:2] or one is other:
         return False
     if one.signature.positive != other.signature.positive:
         return one.sign == other.sign == 0 and one.text[1:] == other.text and "_" not in one.text
@@ -163,8 +172,11 @@ def _repeated(clause: Clause) -> Iterator[Found]:
         *(element.node.condition for each in clause.aggregates for element in each.elements),
     ):
         seen: dict[str, Node] = {}
+        kinds = Counter(map(kind_of, literals))
         for literal in literals:
-            if literal.ast_type.name == "Literal" and literal.atom.ast_type.name == "Comparison":
+            if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.Comparison:
+                continue
+            if kinds[kind_of(literal)] == 1:
                 continue
             first = seen.setdefault(str(literal), literal)
             if first is not literal:
@@ -192,7 +204,11 @@ def _circular(clause: Clause) -> Iterator[Found]:
         return
     head = clause.heads[0][0]
     for atom in clause.body.positive:
-        if atom.text == head.text and "_" not in _bare(atom.node):
+        if (
+            atom.signature == head.signature
+            and atom.text == head.text
+            and "_" not in _bare(atom.node)
+        ):
             message = f"`{head.text}` is derived where it holds already"
             place = clause.place(atom.node)
             yield found(

@@ -9,7 +9,7 @@ from clingo import SymbolType
 
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import places, sign_and_function, variants
-from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.rules.trees import Kind, Node, names_in
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span, point
 
@@ -26,12 +26,16 @@ Sort: TypeAlias = Literal["rule", "choice", "disjunction", "constraint", "other"
 
 
 class Atom(NamedTuple):
-    """A literal of a predicate; `sign` is how often it is negated by `not`, 0 to 2."""
+    """A literal of a predicate; `sign` is how often it is negated by `not`, 0 to 2.
+
+    `named` are those of its arguments that are variables: positions from 0, and names.
+    """
 
     signature: Signature
     terms: tuple[Node, ...]
     sign: int
     node: Node
+    named: tuple[tuple[int, str], ...]
 
     @property
     def text(self) -> str:
@@ -123,7 +127,7 @@ class Clause:
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
         """Return of what its body is: predicates with their signs, and what else there is."""
-        return frozenset(map(_kind, self.node.body))
+        return frozenset(map(kind_of, self.node.body))
 
     @property
     def scopes(self) -> Iterator[Scope]:
@@ -208,16 +212,6 @@ def name_of(term: Node) -> str | None:
     return None
 
 
-def names_in(node: Node) -> frozenset[str]:
-    """Return the names of the variables in a tree, but for `_`."""
-    if node.names is None:
-        if node.ast_type is Kind.Variable:
-            node.names = frozenset() if node.name == "_" else frozenset((node.name,))
-        else:
-            node.names = frozenset[str]().union(*map(names_in, node.children))
-    return node.names
-
-
 def is_constant(term: Node) -> bool:
     """Whether a term is one value."""
     kind = term.ast_type
@@ -243,16 +237,16 @@ def operation_of(term: Node) -> str | None:
     return _OPERATIONS[term.operator_type] if kind is Kind.BinaryOperation else None
 
 
-# ---- Reading -------------------------------------------------------------------------------------
-
-
-def _kind(literal: Node) -> tuple[object, ...]:
+def kind_of(literal: Node) -> tuple[object, ...]:
     """Return what two literals must have in common to match."""
     if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.SymbolicAtom:
         symbol = literal.atom.symbol
         if symbol.ast_type is Kind.Function:
             return literal.sign, symbol.name, len(symbol.arguments)
     return (literal.ast_type,)
+
+
+# ---- Reading -------------------------------------------------------------------------------------
 
 
 def _clause(rule: Rule, node: Node) -> Clause:
@@ -330,7 +324,9 @@ def _scope(literals: Iterable[Node]) -> Scope:
 def _atom(literal: Node) -> Atom:
     minus, symbol = sign_and_function(literal.atom.symbol)
     signature = Signature(symbol.name, len(symbol.arguments), not minus)
-    return Atom(signature, symbol.arguments, literal.sign, literal)
+    named = ((at, name_of(term)) for at, term in enumerate(symbol.arguments))
+    known = tuple((at, name) for at, name in named if name is not None)
+    return Atom(signature, symbol.arguments, literal.sign, literal, known)
 
 
 def _comparisons(literal: Node) -> Iterator[Comparison]:

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, names_in
+from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison
 from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.trees import names_in
 
 JOIN = "rule-join"
 
@@ -26,6 +27,8 @@ def _apart(
     aggregates: Sequence[Aggregate],
     is_large: Callable[[Atom], bool],
 ) -> Iterator[Found]:
+    if len(atoms) < 2:
+        return
     group: dict[str, str] = {}
 
     def root(name: str) -> str:

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from mars_asp.asp.lint.clauses import Atom, Clause, names_in
+from mars_asp.asp.lint.clauses import Atom, Clause
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.values import Known, Value
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rule import HOLE, Rule
+from mars_asp.asp.rules.trees import names_in
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS
 
@@ -108,17 +109,16 @@ class Functions:
 def wrong_holes(clause: Clause, known: Known) -> Iterator[Found]:
     """Yield the holes that are to be written in the unit of another sort than they have."""
     rule = clause.rule
-    environment = known.environment(clause, clause.body)
-    for text in filter(None, (rule.because, rule.effect, rule.help)):
-        for name, sort in HOLE.findall(text):
-            values = environment.get(name)
-            if sort in UNITS and values:
-                wanted = frozenset({Value("number", sort)})
-                if not known.meet(values, wanted):
-                    own = " or ".join(sorted({each.sort or each.text for each in values}))
-                    message = f"`{{{name}:{sort}}}` writes what is {own} as {sort}"
-                    advice = f"write `{{{name}:{own}}}`" if own in UNITS else f"write `{{{name}}}`"
-                    yield found(HOLES, message, rule.span, rule, advice)
+    texts = filter(None, (rule.because, rule.effect, rule.help))
+    holes = [hole for text in texts for hole in HOLE.findall(text) if hole[1] in UNITS]
+    environment = known.environment(clause, clause.body) if holes else {}
+    for name, sort in holes:
+        values = environment.get(name)
+        if values and not known.meet(values, frozenset({Value("number", sort)})):
+            own = " or ".join(sorted({each.sort or each.text for each in values}))
+            message = f"`{{{name}:{sort}}}` writes what is {own} as {sort}"
+            advice = f"write `{{{name}:{own}}}`" if own in UNITS else f"write `{{{name}}}`"
+            yield found(HOLES, message, rule.span, rule, advice)
 
 
 def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Found]:

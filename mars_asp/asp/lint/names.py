@@ -1,6 +1,7 @@
 """Predicates of rules that share their name with another."""
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from mars_asp.asp.lint.clauses import placed
 from mars_asp.asp.lint.found import Found, found
@@ -26,19 +27,36 @@ def shared_names(rulebook: Rulebook) -> Iterator[Found]:
         for signature, each in rulebook.declarations.items()
         if each.public or each.origin is not None
     }
-    first: dict[str, dict[int, tuple[Span, Rule | None]]] = {}
+
+    def is_hidden(path: str, signature: Signature) -> bool:
+        return path in hidden and signature not in open_to_packs
+
+    declared = [
+        (path, tuple(_declarations(path, text)))
+        for path, (_, text) in zip(rulebook.paths, rulebook.texts, strict=True)
+    ]
+    # To find the places in rules takes long, and hardly any name is shared.
+    arities: dict[str, set[int]] = {}
+    for signature, _ in chain.from_iterable(found_in for _, found_in in declared):
+        arities.setdefault(signature.name, set()).add(signature.arity)
+    for rule in rulebook.rules:
+        for signature in rule.heads | rule.reads:
+            if not is_hidden(rule.span.path, signature):
+                arities.setdefault(signature.name, set()).add(signature.arity)
+    shared = {name for name, found_ in arities.items() if len(found_) > 1}
     by_path: dict[str, list[Rule]] = {}
     for rule in rulebook.rules:
-        by_path.setdefault(rule.span.path, []).append(rule)
-    for path, (_, text) in zip(rulebook.paths, rulebook.texts, strict=True):
-        for (name, arity, _), place in _declarations(path, text):
+        if any(signature.name in shared for signature in rule.heads | rule.reads):
+            by_path.setdefault(rule.span.path, []).append(rule)
+    first: dict[str, dict[int, tuple[Span, Rule | None]]] = {}
+    for path, found_in in declared:
+        for (name, arity, _), place in found_in:
             first.setdefault(name, {}).setdefault(arity, (place, None))
         for rule in by_path.get(path, ()):
             for signature, place in _named(rule):
-                if path in hidden and signature not in open_to_packs:
-                    continue
-                name, arity, _ = signature
-                first.setdefault(name, {}).setdefault(arity, (place, rule))
+                if not is_hidden(path, signature):
+                    name, arity, _ = signature
+                    first.setdefault(name, {}).setdefault(arity, (place, rule))
     for name, places in first.items():
         (arity, (earlier, _)), *others = places.items()
         for other, (place, owner) in others:

@@ -7,14 +7,13 @@ from mars_asp.asp.lint.clauses import (
     Clause,
     is_constant,
     name_of,
-    names_in,
     number_of,
     operation_of,
     text_of,
 )
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.orders import parted
-from mars_asp.asp.rules.trees import Kind, Node
+from mars_asp.asp.rules.trees import Kind, Node, names_in
 from mars_asp.asp.signature import Signature
 
 RECURSION, NEGATION = "rule-recursion", "rule-negation"

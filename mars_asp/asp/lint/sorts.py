@@ -30,9 +30,11 @@ def wrong_values(
     clause: Clause, known: Known, names: Mapping[Signature, Declaration]
 ) -> Iterator[Found]:
     """Yield the variables of a rule that stand for two things, and values that never are."""
-    for atom in (*(head for head, _ in clause.heads), *clause.read):
-        is_head = any(atom is head for head, _ in clause.heads)
-        yield from _wrong_constants(clause, atom, is_head, known, names)
+    for head, _ in clause.heads:
+        yield from _wrong_constants(clause, head, True, known, names)
+    for atom in clause.read:
+        if len(atom.named) < len(atom.terms):
+            yield from _wrong_constants(clause, atom, False, known, names)
     environments = []
     for scope in clause.scopes:
         environment = known.environment(clause, scope)

@@ -4,6 +4,7 @@ Both are handed on from rule to rule. A name, or what identifies a thing, is of 
 that a variable of two never has a value.
 """
 
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -178,10 +179,11 @@ class Known:
 
     def _named(self, scope: Scope) -> Iterator[tuple[str, Values]]:
         """Yield the variables of the atoms of a scope with what these say of them."""
-        for atom in scope.positive:
-            for term, values in zip(atom.terms, self.arguments(atom.signature), strict=False):
-                name = name_of(term)
-                if name is not None and values is not None:
+        for atom in scope.atoms:
+            known = self.arguments(atom.signature) if atom.sign == 0 else ()
+            for at, name in atom.named if known else ():
+                values = known[at]
+                if values is not None:
                     yield name, values
 
     def of(self, term: Node, environment: Environment) -> Values:
@@ -252,12 +254,15 @@ class Known:
             for signature in {atom.signature.unsigned for atom in clause.read}:
                 reading.setdefault(signature, []).append(number)
         # Once each in the order in which they were asked for, so that long chains take no longer.
-        waiting = dict.fromkeys(range(len(clauses)))
+        waiting = deque(range(len(clauses)))
+        asked = set(waiting)
         while waiting:
-            number = next(iter(waiting))
-            del waiting[number]
+            number = waiting.popleft()
+            asked.remove(number)
             for signature in self._handed_on(clauses[number]):
-                waiting.update(dict.fromkeys(reading.get(signature, ())))
+                more = [each for each in reading.get(signature, ()) if each not in asked]
+                waiting += more
+                asked.update(more)
 
     def _handed_on(self, clause: Clause) -> Iterator[Signature]:
         """Note what a rule gives to its heads, and yield the predicates of which more is known."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from mars_asp.asp.lint.clauses import Clause, names_in
+from mars_asp.asp.lint.clauses import Clause
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.rule import HOLE
-from mars_asp.asp.rules.trees import Kind, Node, below
+from mars_asp.asp.rules.trees import Kind, Node, below, names_in
 
 SINGLETON = "rule-singleton"
 

@@ -20,13 +20,15 @@ from mars_asp.asp.rules.statements import (
     Operation,
     Place,
     masked,
-    operands,
-    tree,
+    rule_operands,
+    sign_and_function,
     variables,
+    variants,
 )
-from mars_asp.asp.rules.trees import plain
+from mars_asp.asp.rules.trees import Node, below, plain
 
 _TYPE = ast.ASTType
+_NAME = re.compile(r"_*[A-Z]\w*'*")
 _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
 #: What never leaves 32 bits where its operands do not.
 _FITS = frozenset({"&", "?", "^", "~", "/", "\\", ""})
@@ -59,16 +61,16 @@ class Summed(NamedTuple):
 class _Site(NamedTuple):
     """A tree, the literals that hold beside it, and the one that it is part of, if it can bind."""
 
-    node: ast.AST
-    beside: tuple[ast.AST, ...]
-    own: tuple[ast.AST, ...] = ()
+    node: Node
+    beside: tuple[Node, ...]
+    own: tuple[Node, ...] = ()
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
     """Return what each of some rules computes that could leave 32 bits."""
     files = map(Path, (__file__, statements.__file__, ast.__file__))
     # Most rules compute nothing.
-    asked = (text for text in texts if "#sum" in text or any(map(_is_open, operands(text))))
+    asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
     return made_of("computations", files, asked, _computations)
 
 
@@ -94,9 +96,9 @@ def leaves(operand: Operand) -> tuple[str, ...]:
 def _computations(text: str) -> tuple[Computed | Summed, ...]:
     found: dict[Computed | Summed, None] = {}
     reader = ArithmeticReader(text)
-    for rule in tree(text).unpool():
+    for rule in variants(text):
         for site in _sites(rule):
-            for operation in reader.outermost(plain(site.node)):
+            for operation in reader.outermost(site.node):
                 if isinstance(operation, Operation) and _is_open(operation):
                     told = leaves(operation)
                     body = _body(told, site)
@@ -106,7 +108,7 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
     return tuple(found)
 
 
-def _sites(rule: ast.AST) -> Iterator[_Site]:
+def _sites(rule: Node) -> Iterator[_Site]:
     """Yield the parts of a rule that hold apart from others, each where these do."""
     body = tuple(rule.body)
     beside = _beside(rule)
@@ -122,21 +124,24 @@ def _sites(rule: ast.AST) -> Iterator[_Site]:
             yield _Site(literal, rest, (literal,))
 
 
-def _beside(rule: ast.AST) -> tuple[ast.AST, ...]:
+def _beside(rule: Node) -> tuple[Node, ...]:
     """Return the body of a rule with other names for what its elements have for themselves.
 
     So they can stand beside an element that has taken its place among them.
     """
     known = variables(rule)
+    body: tuple[Node, ...] = rule.body
     shared = frozenset[str]().union(*map(_shared, (rule.head, *rule.body)))
+    if known == shared:
+        return body
     suffix = "_"
     while any(f"{name}{suffix}" in known for name in known):
         suffix += "_"
     apart = _Renaming({name: f"{name}{suffix}" for name in known - shared})
-    return tuple(map(apart, rule.body))
+    return tuple(plain(apart(literal.tree)) for literal in body)
 
 
-def _shared(literal: ast.AST) -> frozenset[str]:
+def _shared(literal: Node) -> frozenset[str]:
     """Return the variables of a literal, or head, outside of its elements."""
     atom = literal.atom if literal.ast_type == _TYPE.Literal else literal
     if atom.ast_type in _AGGREGATES:
@@ -158,7 +163,7 @@ class _Renaming(ast.Transformer):
         return node if name is None else node.update(name=name)
 
 
-def _head_sites(head: ast.AST, body: tuple[ast.AST, ...]) -> Iterator[_Site]:
+def _head_sites(head: Node, body: tuple[Node, ...]) -> Iterator[_Site]:
     match head.ast_type:
         case _TYPE.Aggregate | _TYPE.HeadAggregate:
             yield from _aggregate_sites(head, body)
@@ -169,7 +174,7 @@ def _head_sites(head: ast.AST, body: tuple[ast.AST, ...]) -> Iterator[_Site]:
             yield _Site(head, body)
 
 
-def _aggregate_sites(aggregate: ast.AST, rest: tuple[ast.AST, ...]) -> Iterator[_Site]:
+def _aggregate_sites(aggregate: Node, rest: tuple[Node, ...]) -> Iterator[_Site]:
     for guard in (aggregate.left_guard, aggregate.right_guard):
         if guard is not None:
             yield _Site(guard, rest)
@@ -185,7 +190,7 @@ def _aggregate_sites(aggregate: ast.AST, rest: tuple[ast.AST, ...]) -> Iterator[
 
 
 def _element_sites(
-    told: Iterable[ast.AST], condition: Sequence[ast.AST], rest: tuple[ast.AST, ...]
+    told: Iterable[Node], condition: Sequence[Node], rest: tuple[Node, ...]
 ) -> Iterator[_Site]:
     condition = tuple(condition)
     for node in told:
@@ -195,7 +200,7 @@ def _element_sites(
         yield _Site(literal, (*rest, *others), (literal,))
 
 
-def _sums(rule: ast.AST, reader: ArithmeticReader) -> Iterator[Summed]:
+def _sums(rule: Node, reader: ArithmeticReader) -> Iterator[Summed]:
     beside = _beside(rule)
     aggregates = [(rule.head, beside)]
     for number, literal in enumerate(rule.body):
@@ -206,7 +211,7 @@ def _sums(rule: ast.AST, reader: ArithmeticReader) -> Iterator[Summed]:
             continue
         if aggregate.function not in _SUMS:
             continue
-        names = sorted(variables(aggregate))
+        names, texts = sorted(variables(aggregate)), set(map(str, rest))
         # An element without a term weighs nothing.
         for element in filter(lambda each: each.terms, aggregate.elements):
             condition = element.condition
@@ -215,13 +220,13 @@ def _sums(rule: ast.AST, reader: ArithmeticReader) -> Iterator[Summed]:
             terms = tuple(map(str, element.terms))
             kept = _body(terms, _Site(aggregate, (*rest, *condition)))
             if kept is not None:
-                outside = tuple(literal for literal in kept if literal in rest)
+                outside = tuple(literal for literal in kept if str(literal) in texts)
                 shared = tuple(name for name in names if name not in _unbound((name,), outside))
                 negative = aggregate.function == ast.AggregateFunction.Sum
                 yield Summed(reader.place(aggregate), negative, terms, shared, _text(kept))
 
 
-def _body(values: Sequence[str], site: _Site) -> tuple[ast.AST, ...] | None:
+def _body(values: Sequence[str], site: _Site) -> tuple[Node, ...] | None:
     """Return literals beside a tree that bind all values; `None` where none do.
 
     Left out are those with a variable that nothing else binds than what is computed.
@@ -239,8 +244,11 @@ def _body(values: Sequence[str], site: _Site) -> tuple[ast.AST, ...] | None:
     return None if _unbound(values, whole) else whole
 
 
-def _unbound(values: Sequence[str], literals: Iterable[ast.AST]) -> frozenset[str]:
+def _unbound(values: Sequence[str], literals: Iterable[Node]) -> frozenset[str]:
     """Return the variables that clingo would say nothing binds."""
+    literals = tuple(literals)
+    if _are_plain(literals) and {*_named_in(values), *_used(literals)} <= _bound(literals):
+        return frozenset()
     said: list[str] = []
     control = clingo.Control(["--warn=none"], lambda _, note: said.append(note))
     try:
@@ -253,5 +261,46 @@ def _unbound(values: Sequence[str], literals: Iterable[ast.AST]) -> frozenset[st
     return frozenset()
 
 
-def _text(literals: Iterable[ast.AST]) -> str:
+def _are_plain(literals: Iterable[Node]) -> bool:
+    """Whether literals are such of which it shows which variables they bind."""
+    for literal in literals:
+        if literal.ast_type is not _TYPE.Literal:
+            return False
+        kind = literal.atom.ast_type
+        if kind is _TYPE.Comparison and any(_is_anonymous(each) for each in below(literal)):
+            return False
+        if kind not in (_TYPE.SymbolicAtom, _TYPE.Comparison):
+            return False
+    return True
+
+
+def _is_anonymous(node: Node) -> bool:
+    return node.ast_type is _TYPE.Variable and node.name == "_"
+
+
+def _named_in(values: Iterable[str]) -> Iterator[str]:
+    """Yield the variables among values; of one that is more than a name, what nothing binds."""
+    return (value if _NAME.fullmatch(value) else "" for value in values)
+
+
+def _used(literals: Iterable[Node]) -> frozenset[str]:
+    return frozenset[str]().union(*map(variables, literals))
+
+
+def _bound(literals: Iterable[Node]) -> frozenset[str]:
+    """Return the variables that positive atoms bind by arguments that only take values apart."""
+    found: set[str] = set()
+    for literal in literals:
+        if literal.atom.ast_type is _TYPE.SymbolicAtom and literal.sign == ast.Sign.NoSign:
+            rest = list(sign_and_function(literal.atom.symbol)[1].arguments)
+            while rest:
+                term = rest.pop()
+                if term.ast_type is _TYPE.Function and not term.external:
+                    rest += term.arguments
+                elif term.ast_type is _TYPE.Variable:
+                    found.add(term.name)
+    return frozenset(found)
+
+
+def _text(literals: Iterable[Node]) -> str:
     return "; ".join(map(str, literals)) or "#true"

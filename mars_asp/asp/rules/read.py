@@ -212,6 +212,8 @@ def wrong_packs(
 ) -> Iterator[Diagnostic]:
     """Yield all that packs may not do, and what would make nothing of their rules."""
     files = [file for space in spaces for file in space.files]
+    # All at once, which takes less than one by one.
+    statements_of(rule.text for file in files for rule in file.rules)
     for file in files:
         yield from misplaced_statements(file.written, file.stage, sealed, contract, file.shown)
         overflowing = tuple(overflows(file.text, file.shown))

@@ -7,8 +7,9 @@ it, so that of our own rules is made when the package is built.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Literal as Choice
 from typing import NamedTuple, Protocol, TypeAlias, TypeVar
@@ -17,7 +18,7 @@ from clingo import SymbolType, ast
 
 from mars_asp.asp.cache import made_of
 from mars_asp.asp.rules import trees
-from mars_asp.asp.rules.trees import Node, below, extent_of, plain
+from mars_asp.asp.rules.trees import Node, below, extent_of, names_in, plain
 from mars_asp.asp.signature import Signature
 
 #: A line and a column in the text of a rule, both from 1; columns count characters.
@@ -282,7 +283,8 @@ class Program(NamedTuple):
 
 def statements(text: str) -> tuple[Statement, ...]:
     """Return a rule, without its pools."""
-    return statements_of([text])[text]
+    found = _read.get(text)
+    return statements_of([text])[text] if found is None else found
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
@@ -301,6 +303,7 @@ def _remember(found: Mapping[str, tuple[Statement, ...]]) -> None:
     _read.update(found)
 
 
+@cache
 def _makers() -> tuple[Path, ...]:
     return tuple(map(Path, (__file__, trees.__file__, ast.__file__)))
 
@@ -376,39 +379,36 @@ def pieces(text: str) -> Iterator[Piece]:
     Raises:
         RuleSyntaxError: clingo cannot parse it, or a rule apart from the others says another thing.
     """
-    notes: list[str] = []
     try:
-        nodes = parsed(masked(text), notes.append)
+        nodes = _file(masked(text))
     except RuntimeError:
+        notes: list[str] = []
+        with suppress(RuntimeError):
+            parsed(masked(text), notes.append)
         raise RuleSyntaxError(notes) from None
     # Clingo ends lines at LF alone; other ends may stand in comments and strings.
     lines = text.split("\n")
     for node in nodes:
-        begin, end = node.location.begin, node.location.end
-        written = lines[begin.line - 1 : end.line]
-        written[-1] = written[-1][: end.column - 1]
-        written[0] = written[0][begin.column - 1 :]
+        line, column, end_line, end = extent_of(node)
+        written = lines[line - 1 : end_line]
+        written[-1] = written[-1][: end - 1]
+        written[0] = written[0][column - 1 :]
         piece = "\n".join(written)
-        if node.ast_type == _TYPE.Rule and not _says(piece, node):
-            place = f"<string>:{begin.line}:{begin.column}"
+        sort = _SORTS.get(node.ast_type, "other")
+        if sort == "rule" and not _says(piece, node):
+            place = f"<string>:{line}:{column}"
             raise RuleSyntaxError(
                 [f"{place}: error: this rule cannot be separated from its neighbours"]
             )
-        yield Piece(
-            _SORTS.get(node.ast_type, "other"),
-            piece,
-            (begin.line, begin.column),
-            (end.line, end.column),
-        )
+        yield Piece(sort, piece, (line, column), (end_line, end))
 
 
 def _says(piece: str, node: ast.AST) -> bool:
     """Whether a text by itself is the rule, whose characters are ASCII, and nothing else."""
     try:
-        found = [each for each in parsed(masked(piece)) if each.ast_type != _TYPE.Comment]
-    except RuntimeError:
+        return bool(tree(masked(piece)) == node)
+    except (RuntimeError, ValueError):
         return False
-    return len(found) == 2 and found[1] == node
 
 
 def defined(text: str) -> set[Signature]:
@@ -429,7 +429,7 @@ def shown(text: str) -> tuple[Signature, ...]:
     """Return the predicates that a text shows."""
     if "#show" not in text:
         return ()
-    nodes = (node for node in parsed(text) if node.ast_type == _TYPE.ShowSignature)
+    nodes = (node for node in _file(text) if node.ast_type == _TYPE.ShowSignature)
     return tuple(Signature(node.name, node.arity, bool(node.positive)) for node in nodes)
 
 
@@ -507,20 +507,29 @@ def costs(text: str) -> tuple[Statement, ...]:
     return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
 
 
+@lru_cache(maxsize=_MOST)
+def rule_operands(text: str) -> tuple[Operand, ...]:
+    """Return what `operands` does of a rule, which is asked for in turns for several things."""
+    return operands(text)
+
+
 def operands(text: str) -> tuple[Operand, ...]:
     """Return the numbers and operations of a text that stand in no other operation.
 
     Of one without any operation, small numbers are left out.
     """
-    if _COMPUTING.search(text.replace(":-", "")) is None:
+    if not _may_compute(text):
         return ()
     reader = ArithmeticReader(text)
-    nodes = (node for node in parsed(text) if reader.may_compute(node))
+    read = (node for node in _file(text) if node.ast_type not in _SILENT)
+    nodes = (node for node in read if reader.may_compute(node))
     return tuple(operand for node in nodes for operand in reader.outermost(plain(node)))
 
 
 def definitions(text: str) -> dict[str, Operand]:
     """Return what each constant stands for that a text replaces, by `#const`."""
+    if "#const" not in text:
+        return {}
     reader = ArithmeticReader(text)
     nodes = (node for node in parsed(text) if node.ast_type == _TYPE.Definition)
     return {str(node.name): reader.operand(plain(node.value), []) for node in nodes}
@@ -566,18 +575,33 @@ def parsed(text: str, note: Callable[[str], None] | None = None) -> list[ast.AST
     return found
 
 
+@lru_cache(maxsize=1)
+def _file(text: str) -> tuple[ast.AST, ...]:
+    """Return clingo's trees of a file, which is asked for in turns for several things."""
+    return tuple(parsed(text))
+
+
+@lru_cache(maxsize=_MOST)
 def tree(text: str) -> ast.AST:
-    """Return clingo's tree of the text of a rule."""
-    return next(node for node in parsed(text) if node.ast_type == _TYPE.Rule)
+    """Return clingo's tree of the text of a rule, beside which comments may stand.
+
+    Raises:
+        RuntimeError: clingo cannot parse it.
+        ValueError: it is more, or less, than a rule.
+    """
+    # First is where a file would begin.
+    _, *found = parsed(text)
+    (rule,) = found if len(found) == 1 else (n for n in found if n.ast_type != _TYPE.Comment)
+    return rule
 
 
-@lru_cache(maxsize=8192)
+@lru_cache(maxsize=_MOST)
 def written(text: str) -> Node:
     """Return the tree of the text of a rule as it is written, with its pools."""
     return plain(tree(text))
 
 
-@lru_cache(maxsize=8192)
+@lru_cache(maxsize=_MOST)
 def variants(text: str) -> tuple[Node, ...]:
     """Return the trees of the text of a rule without its pools, one for each way to read it."""
     node = written(text)
@@ -615,6 +639,10 @@ def places(text: str) -> Placing:
         return line, len(lines[line - 1][: column - 1].decode(errors="ignore")) + 1
 
     return place
+
+
+def _may_compute(text: str) -> bool:
+    return _COMPUTING.search(text.replace(":-", "")) is not None
 
 
 def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
@@ -702,10 +730,11 @@ class _Reader:
             else:
                 elements = literal.atom.elements
                 self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
+        elif _is_symbolic(literal):
+            found = self.literal(literal)
+            (self.positive if found.binds else self.others).append(found)
         else:
-            scope = self._scope((literal,))
-            self.positive += scope.positive
-            self.others += scope.others
+            self.known &= _is_plain(literal)
 
     def _read_aggregate(self, literal: Node) -> None:
         elements = []
@@ -751,10 +780,7 @@ def _is_symbolic(literal: Node) -> bool:
 def _term(term: Node) -> Pattern:
     kind = term.ast_type
     if kind == _TYPE.Variable:
-        text = term.name
-        if text == "_":
-            return Pattern(text, True, False, False, _NONE, None)
-        return Pattern(text, True, True, False, frozenset((text,)), text)
+        return _variable(term.name)
     if kind == _TYPE.SymbolicTerm:
         return Pattern(str(term.symbol), True, False, True, _NONE, None)
     if kind != _TYPE.Function or term.external:
@@ -771,11 +797,16 @@ def _term(term: Node) -> Pattern:
     return Pattern(text, is_plain, False, is_constant, variables, structure if inside else None)
 
 
+@lru_cache(maxsize=1024)
+def _variable(name: str) -> Pattern:
+    if name == "_":
+        return Pattern(name, True, False, False, _NONE, None)
+    return Pattern(name, True, True, False, frozenset((name,)), name)
+
+
 def variables(node: Node | ast.AST) -> frozenset[str]:
     """Return the names of the variables in a tree, but for anonymous ones."""
-    read = node if isinstance(node, Node) else plain(node)
-    names = (each.name for each in below(read) if each.ast_type == _TYPE.Variable)
-    return frozenset(name for name in names if name != "_")
+    return names_in(node if isinstance(node, Node) else plain(node))
 
 
 class ArithmeticReader:
@@ -789,8 +820,7 @@ class ArithmeticReader:
     def may_compute(self, node: ast.AST) -> bool:
         """Whether something in the lines of a tree may be computed."""
         line, _, end, _ = extent_of(node)
-        lines = b"\n".join(self._lines[line - 1 : end]).replace(b":-", b"")
-        return _COMPUTING.search(lines.decode(errors="replace")) is not None
+        return _may_compute(b"\n".join(self._lines[line - 1 : end]).decode(errors="replace"))
 
     def outermost(self, node: Node) -> Iterator[Number | Operation]:
         """Yield the numbers and operations in a tree that stand in no other operation."""

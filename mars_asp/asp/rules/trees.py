@@ -5,8 +5,8 @@ time that it takes to read rules.
 """
 
 import importlib
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from clingo import Symbol, ast
 
@@ -15,6 +15,7 @@ Kind = ast.ASTType
 _LISTS = (ast.ASTSequence, ast.StrSequence)
 
 
+_NONE: frozenset[str] = frozenset()
 #: Where a node begins and where it ends: lines from 1, and columns from 1 that count bytes.
 Extent: TypeAlias = tuple[int, int, int, int]
 #: Reads an attribute, by its number, of a node of clingo's.
@@ -25,27 +26,55 @@ class Node:
     """A node of a syntax tree: the attributes that clingo's has, lists of nodes as tuples.
 
     `children` are the nodes directly below it in their order, `extent` is where it stands, if it
-    has a place.
+    has a place. Clingo's own is that of `tree`, or `inside` it, which keeps it alive.
     """
 
-    __slots__ = ("__dict__", "_tree", "ast_type", "children", "extent", "names")
+    __slots__ = (
+        "__dict__",
+        "_below",
+        "_inside",
+        "_text",
+        "_tree",
+        "ast_type",
+        "children",
+        "extent",
+        "names",
+    )
 
     ast_type: ast.ASTType
     children: "list[Node]"
     extent: Extent
     #: The variables in it, but for `_`; known when they have been asked for.
     names: frozenset[str] | None
+    _text: str | None
+    _below: "list[Node] | None"
 
-    def __init__(self, tree: ast.AST) -> None:
-        self._tree = tree
-        self.names = None
+    def __init__(self, tree: ast.AST, inside: Any = None) -> None:
+        self._tree, self._inside = tree, inside
+        self.names = self._text = self._below = None
 
     def __getattr__(self, name: str) -> Any:
         """Refuse an attribute that the node does not have; for checkers of types, it has any."""
         raise AttributeError(name)
 
+    @property
+    def tree(self) -> ast.AST:
+        """Return clingo's node."""
+        return self._tree if self._inside is None else _wrap(self._inside)
+
     def __str__(self) -> str:
-        return str(self._tree)
+        if self._text is None:
+            self._text = str(self.tree)
+        return self._text
+
+
+class Reader(NamedTuple):
+    """Reads one of clingo's nodes with all below it, or only where it begins and ends."""
+
+    read: Callable[[ast.AST], Node]
+    place: Callable[[ast.AST], Extent]
+    #: Returns clingo's node for what its library knows it by.
+    wrap: Callable[[Any], ast.AST]
 
 
 def plain(tree: ast.AST) -> Node:
@@ -55,27 +84,37 @@ def plain(tree: ast.AST) -> Node:
 
 def extent_of(node: Node | ast.AST) -> Extent:
     """Return where a node begins and ends."""
-    if isinstance(node, Node):
-        return node.extent
-    begin, end = node.location.begin, node.location.end
-    return begin.line, begin.column, end.line, end.column
+    return node.extent if isinstance(node, Node) else _place(node)
 
 
-def below(node: Node) -> list[Node]:
+def names_in(node: Node) -> frozenset[str]:
+    """Return the names of the variables in a tree, but for `_`."""
+    if node.names is None:
+        if node.ast_type is Kind.Variable:
+            node.names = frozenset() if node.name == "_" else frozenset((node.name,))
+        else:
+            node.names = _NONE.union(*map(names_in, node.children))
+    return node.names
+
+
+def below(node: Node) -> Sequence[Node]:
     """Return a node and all below it, in their order."""
-    found: list[Node] = []
-    _gather(node, found)
-    return found
+    if node._below is None:
+        node._below = found = []
+        rest = [node]
+        while rest:
+            each = rest.pop()
+            found.append(each)
+            rest += each.children[::-1]
+    return node._below
 
 
-def _gather(node: Node, found: list[Node]) -> None:
-    found.append(node)
-    for child in node.children:
-        _gather(child, found)
-
-
-def public_reader() -> Callable[[ast.AST], Node]:
+def public_reader() -> Reader:
     """Return a reader by what clingo documents."""
+
+    def place(tree: ast.AST) -> Extent:
+        begin, end = tree.location.begin, tree.location.end
+        return begin.line, begin.column, end.line, end.column
 
     def read(tree: ast.AST) -> Node:
         node = Node(tree)
@@ -83,8 +122,7 @@ def public_reader() -> Callable[[ast.AST], Node]:
         for name in tree.keys():  # noqa: SIM118 -- a node is no mapping
             value: Any = getattr(tree, name)
             if name == "location":
-                begin, end = value.begin, value.end
-                node.extent = (begin.line, begin.column, end.line, end.column)
+                node.extent = place(tree)
             elif isinstance(value, ast.AST):
                 node.__dict__[name] = read(value)
                 node.children.append(node.__dict__[name])
@@ -96,39 +134,47 @@ def public_reader() -> Callable[[ast.AST], Node]:
                 node.__dict__[name] = value
         return node
 
-    return read
+    return Reader(read, place, lambda tree: tree)
 
 
-def raw_reader() -> Callable[[ast.AST], Node] | None:
+def raw_reader() -> Reader | None:
     """Return a reader that asks clingo's library itself; `None` where it cannot be had."""
     try:
         internal: Any = importlib.import_module("clingo._internal")
-        read = _raw_reader(internal._ffi, internal._lib, internal._handle_error)
+        ffi, lib, check = internal._ffi, internal._lib, internal._handle_error
+        leaves = _leaves(ffi, lib, check)
+        read = _raw_reader(ffi, lib, check, leaves)
+        reader = Reader(read, _placer(lib, leaves), _wrapper(lib))
         probe: list[ast.AST] = []
         ast.parse_string("p(X).", probe.append)
-        read(probe[-1])
+        reader.place(reader.wrap(reader.read(probe[-1])._inside))
     except (ImportError, AttributeError, TypeError, RuntimeError):
         return None
-    return read
+    return reader
 
 
-def _raw_reader(ffi: Any, lib: Any, check: Any) -> Callable[[Any], Node]:
-    forms = _forms(ffi, lib, _leaves(ffi, lib, check))
+def _raw_reader(
+    ffi: Any, lib: Any, check: Any, leaves: Mapping[int, _Leaf]
+) -> Callable[[Any], Node]:
+    forms = _forms(ffi, lib, leaves)
     kinds = {kind.value: kind for kind in ast.ASTType}
     get_type, get_node = lib.clingo_ast_get_type, lib.clingo_ast_attribute_get_ast
     get_other = lib.clingo_ast_attribute_get_optional_ast
     get_size = lib.clingo_ast_attribute_size_ast_array
     get_at = lib.clingo_ast_attribute_get_ast_at
+    release = lib.clingo_ast_release
     # What the library writes its answers to.
     kind_at, size = ffi.new("clingo_ast_type_t*"), ffi.new("size_t*")
     inside = ffi.new("clingo_ast_t**")
-    make: Any = ast.AST
     one, other = lib.clingo_ast_attribute_type_ast, lib.clingo_ast_attribute_type_optional_ast
     many = lib.clingo_ast_attribute_type_ast_array
 
     def read(tree: Any) -> Node:
-        rep = tree._rep
-        node = Node(tree)
+        return inner(tree, tree._rep)
+
+    def inner(tree: Any, rep: Any) -> Node:
+        # The whole keeps its parts, so that none of them needs a value of Python's.
+        node = Node(tree, rep)
         own = node.__dict__
         node.children = children = []
         get_type(rep, kind_at) or check(False)
@@ -143,27 +189,52 @@ def _raw_reader(ffi: Any, lib: Any, check: Any) -> Callable[[Any], Node]:
                     own[name] = value
             elif form == one:
                 get_node(rep, attribute, inside) or check(False)
-                own[name] = child = read(make(inside[0]))
+                own[name] = child = inner(tree, inside[0])
                 children.append(child)
+                release(child._inside)
             elif form == many:
                 get_size(rep, attribute, size) or check(False)
                 found = []
                 for at in range(size[0]):
                     get_at(rep, attribute, at, inside) or check(False)
-                    found.append(read(make(inside[0])))
+                    found.append(inner(tree, inside[0]))
+                    release(found[-1]._inside)
                 own[name] = tuple(found)
                 children += found
             elif form == other:
                 get_other(rep, attribute, inside) or check(False)
                 own[name] = None
                 if inside[0] != ffi.NULL:
-                    own[name] = child = read(make(inside[0]))
+                    own[name] = child = inner(tree, inside[0])
                     children.append(child)
+                    release(child._inside)
             else:
-                own[name] = tuple(getattr(tree, name))
+                own[name] = tuple(getattr(node.tree, name))
         return node
 
     return read
+
+
+def _placer(lib: Any, leaves: Mapping[int, _Leaf]) -> Callable[[Any], Extent]:
+    extent = leaves[lib.clingo_ast_attribute_type_location]
+    location = lib.clingo_ast_attribute_location
+
+    def place(tree: Any) -> Extent:
+        found: Extent = extent(tree._rep, location)
+        return found
+
+    return place
+
+
+def _wrapper(lib: Any) -> Callable[[Any], ast.AST]:
+    make: Any = ast.AST
+
+    def wrap(rep: Any) -> ast.AST:
+        lib.clingo_ast_acquire(rep)
+        found: ast.AST = make(rep)
+        return found
+
+    return wrap
 
 
 def _leaves(ffi: Any, lib: Any, check: Any) -> dict[int, _Leaf]:
@@ -208,7 +279,7 @@ def _leaves(ffi: Any, lib: Any, check: Any) -> dict[int, _Leaf]:
 
 
 def _forms(
-    ffi: Any, lib: Any, leaves: dict[int, _Leaf]
+    ffi: Any, lib: Any, leaves: Mapping[int, _Leaf]
 ) -> dict[int, list[tuple[str, int, int, _Leaf | None]]]:
     """Return the attributes of each kind of node: names, numbers, forms, and what reads leaves."""
     made, names = lib.g_clingo_ast_constructors, lib.g_clingo_ast_attribute_names.names
@@ -227,4 +298,4 @@ def _forms(
     }
 
 
-_read = raw_reader() or public_reader()
+_read, _place, _wrap = raw_reader() or public_reader()

@@ -2,7 +2,7 @@
 
 from clingo import ast
 
-from mars_asp.asp.rules.trees import Node, below, plain, public_reader, raw_reader
+from mars_asp.asp.rules.trees import Node, below, extent_of, plain, public_reader, raw_reader
 
 PROGRAM = """\
 p(X+1, "a\\"b", f(_), (1,), (), 1..3; -2) :- not -q(X), X < Y <= 3, not not r(@g(X), |Y|).
@@ -28,5 +28,6 @@ def test_both_readers_read_the_same() -> None:
     ast.parse_string(PROGRAM, found.append)
     assert len(found) == 12
     for tree in found:
-        assert shape(raw(tree)) == shape(public(tree)) == shape(plain(tree))
+        assert shape(raw.read(tree)) == shape(public.read(tree)) == shape(plain(tree))
+        assert raw.place(tree) == public.place(tree) == extent_of(tree)
         assert all(str(each) for each in below(plain(tree)) if each.children)
