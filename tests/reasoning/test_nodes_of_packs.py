@@ -25,7 +25,7 @@ from tests.support.documents import ROOT, run
 
 HERE = ROOT / "tests" / "node_kinds"
 CASES = sorted(path for path in HERE.glob("*.mars") if ".expected" not in path.suffixes)
-PLACES = {"witness": HERE / "packs", "filters": HERE / "packs"}
+PLACES = {path.name: path.parent for path in (HERE / "packs").iterdir()}
 
 every_case = pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 
