@@ -234,11 +234,11 @@ class _Reader:
         if len(nodes) > _MOST_LISTED:
             self._wrong(f"there are more than {_MOST_LISTED} kinds of nodes", None, "node")
             nodes = []
-        kinds = tuple(self._kind(each, number) for number, each in enumerate(nodes))
+        kinds = tuple(self._kind(each, number, name) for number, each in enumerate(nodes))
         place = self._places.of("name")
         return Manifest(name, version, needs, kinds, place, str(summary))
 
-    def _kind(self, table: Mapping[str, Any], number: int) -> PackKind:
+    def _kind(self, table: Mapping[str, Any], number: int, pack: str) -> PackKind:
         at = ("node", number)
         self._unknown(table, tuple(_NODE_KEYS), "a kind of node", at)
         kind = self._text(table, "kind", _KIND, "small letters, digits and `_`", at)
@@ -265,6 +265,7 @@ class _Reader:
             None if colour is None else str(colour),
             said["behaviour"] != "none",
             self._places.of(*at),
+            pack,
         )
 
     def _needs(self, needs: object) -> Iterator[Need | None]:
