@@ -169,3 +169,37 @@ def test_an_inheritance_node_leads_through_nodes_of_packs(
         scenario.write_text(scenario.read_text().replace(bound, ""))
         assert run_here(["run", str(specification), "--scenario", str(scenario), *options]) == 2
         assert "`Watchdog1` is not bound" in " ".join(capsys.readouterr().err.split())
+
+
+REPAIRED = """@specification
+@modules Sonar, Map, Screen, Fan1, Merger1
+Fan1 uses_data_from Sonar
+Merger1 uses_data_from Fan1
+Map uses_data_from Merger1
+Merger1 uses_data_from Map
+Screen uses_data_from Fan1
+Screen uses_data_from Merger2
+"""
+
+
+@pytest.mark.parametrize(
+    ("finding", "edits"),
+    [
+        # To drop the other line would leave Merger1 without a receiver.
+        ("data_cycle", ["drop the line that relates `Merger1` to `Map`"]),
+        # Merger1 is another node, not one that is spelt nearly so.
+        (
+            "undeclared_module",
+            ["add `Merger2` to `@modules`", "drop every line that names `Merger2`"],
+        ),
+    ],
+)
+def test_repairs_leave_nodes_of_packs_what_they_take_and_give(
+    finding: str, edits: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    specification = str(written(tmp_path, REPAIRED))
+    options = ["--repair", "--rules", str(SHAPES), "--format", "json"]
+    run_here(["explain", specification, finding, *options])
+    found = json.loads(capsys.readouterr().out)
+    mends = [each for one in found["repairs"] for each in one["repairs"]]
+    assert [edit["message"] for each in mends for edit in each["edits"]] == edits
