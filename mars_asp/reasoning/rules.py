@@ -56,6 +56,8 @@ SEES: Mapping[str, frozenset[str]] = {
     "run": frozenset({"run"}),
     "repair": frozenset({"base", "repair"}),
 }
+#: Facts of the configuration that rules on a run are given, too, besides attributes of modules.
+GIVEN_TO_RUNS = (Signature("class", 2), Signature("guard", 1))
 #: The stages in which packs derive what a file of a stage lets them derive, too.
 EXTENDED_IN: Mapping[str, tuple[str, ...]] = {
     "base": ("base", "run"),
@@ -113,8 +115,7 @@ def load_rulebook(
 
     The stage that follows one of them is read, too. The holes of the built-in messages are checked
     only when `strict`: the tests have done so. Packs that are `trusted` may rank what they minimise
-    above nodes, conversions and lines.
-    only when `strict`: the tests have done so. Where `noted` is given, it gets what is wrong, and
+    above nodes, conversions and lines. Where `noted` is given, it gets what is wrong, and
     what can be read is returned.
 
     Raises:
@@ -248,6 +249,8 @@ def seal() -> Seal:
                 public.add(one.signature)
             if one.extensible:
                 extensible.setdefault(one.signature, set()).update(EXTENDED_IN[file.stage])
+    for signature in GIVEN_TO_RUNS:
+        given[signature].add("run")
     return Seal(
         _frozen(derived),
         _frozen(given),
