@@ -24,7 +24,7 @@ LAYERS = (
 )
 #: The files and folders of each package: each imports from those before it alone.
 FILES = {
-    "asp": "cache fragments signature units solve rules lint messages cases slice trace program",
+    "asp": "cache signature fragments units solve rules lint messages cases slice trace program",
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (

@@ -4,9 +4,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Diagnostic, Span, point
 
 _UNDEFINED = "operation undefined: "
+#: A string, which may hold anything, or what is between strings.
+_TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
 _NOTE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", re.DOTALL)
 
 
@@ -61,6 +64,6 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
 
 
 def _column(fragment: Fragment, line: int, column: int) -> int:
-    """Return the column in characters of one that clingo counts in bytes."""
-    written = fragment.text.split("\n")[line - 1].encode()[: column - 1]
-    return len(written.decode(errors="ignore")) + 1
+    """Return the column in characters of one that clingo counts in bytes, and with name spaces."""
+    before = fragment.text.split("\n")[line - 1].encode()[: column - 1].decode(errors="ignore")
+    return sum(len(text if text[0] == '"' else plain(text)) for text in _TEXT.findall(before)) + 1

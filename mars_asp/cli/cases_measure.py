@@ -36,7 +36,7 @@ def measured(
     mutation: list[dict[str, object]] = []
     status = 0
     for pack, rulebook in books.items():
-        cases = [tried(each.path) for each in found if each.pack == pack]
+        cases = [tried(each.path, rulebook) for each in found if each.pack == pack]
         of = "the given rules" if pack is None else visible(str(pack))
         if arguments.coverage:
             told, entry, is_bad = _coverage(of, _rules(pack, rulebook), rulebook, cases)

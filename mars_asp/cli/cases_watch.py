@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.cases.places import pack_of
+from mars_asp.reasoning.cases.places import pack_of_case
 from mars_asp.reasoning.packs import MANIFEST
 
 #: Seconds between two looks at the files.
@@ -44,7 +44,7 @@ def _stamps(arguments: argparse.Namespace) -> Mapping[Path, tuple[int, int]]:
 
 def _files(arguments: argparse.Namespace) -> Iterator[Path]:
     for path in map(Path, (*arguments.paths, *arguments.rules)):
-        pack = pack_of(path) or pack_of(path / "any.lp")
+        pack = pack_of_case(path) or pack_of_case(path / "any.lp")
         for folder in (path, *((pack,) if pack else ())):
             if folder.is_dir():
                 for pattern in _PATTERNS:

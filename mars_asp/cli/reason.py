@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -16,6 +15,7 @@ from mars_asp.exchange.foreign import File, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text
+from mars_asp.model.declarations import PackKind
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.packs import find_packs, kinds_of
@@ -25,6 +25,7 @@ from mars_asp.reasoning.project import (
     has_attributes,
     project_facts,
     with_brought,
+    with_kinds,
 )
 from mars_asp.reasoning.rules import brought_by, load_rulebook
 
@@ -95,12 +96,26 @@ def read_project(arguments: argparse.Namespace, path: str | None = None) -> Proj
 
 
 def _with_kinds(parsed: Parsed, arguments: argparse.Namespace) -> Parsed:
-    """Return what was parsed, with the kinds of nodes that packs bring; their faults come later."""
+    """Return what was parsed, with the kinds of nodes that packs bring.
+
+    Raises:
+        MarsError: it names nodes of packs that are not given.
+    """
+    brought = _brought(arguments, bool(parsed.configuration.pack_nodes))
+    kinds = tuple(each for each in brought if isinstance(each, PackKind))
+    return parsed._replace(configuration=with_kinds(parsed.configuration, kinds))
+
+
+def _brought(arguments: argparse.Namespace, is_asked: bool) -> tuple[object, ...]:
+    """Return what packs bring besides rules: kinds of nodes, and attributes where it `is_asked`.
+
+    Otherwise no rules are read here, and the faults of packs come later.
+
+    Raises:
+        MarsError: what is wrong with packs, where it is asked.
+    """
     packs = packs_of(arguments)
-    if not packs:
-        return parsed
-    kinds = kinds_of(find_packs(packs, []))
-    return parsed._replace(configuration=replace(parsed.configuration, kinds=kinds))
+    return brought_by(packs) if is_asked else kinds_of(find_packs(packs, []))
 
 
 def _parse(
@@ -185,10 +200,8 @@ def load(
     with stage(arguments, f"reading {visible(path)}"):
         parsed, text, foreign = _parse(arguments, path, text, further)
         project = described(parsed, text, arguments.sources, foreign)
-        packs = [Path(each) for each in arguments.rules]
-        # Without attributes no rules are read here, and the faults of packs come later.
-        brought = brought_by(packs) if has_attributes(project) else kinds_of(find_packs(packs, []))
-        return with_brought(project, brought)
+        is_asked = has_attributes(project) or bool(project.configuration.pack_nodes)
+        return with_brought(project, _brought(arguments, is_asked))
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:

@@ -12,6 +12,7 @@ from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
 from mars_asp.cli.report import report
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language import print_configuration
 from mars_asp.language.relocate import sources_seen_from
 from mars_asp.model.declarations import (
@@ -29,7 +30,7 @@ from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.synthesis.synthesise import Synthesis, synthesise
-from mars_asp.reasoning.verification import verify
+from mars_asp.reasoning.verification import Violation, verify
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -67,9 +68,10 @@ def run(arguments: argparse.Namespace) -> int:
     with stage(arguments, "verifying"):
         violations = verify(printed, project, rulebook, analysis.grounding)
     if violations:
-        print(
-            f"mars-asp: a fault of ours, please report it: {violations[0].message}", file=sys.stderr
-        )
+        first = violations[0]
+        if first.rule in rulebook.of_packs:
+            raise MarsError((_at_odds(first),))
+        print(f"mars-asp: a fault of ours, please report it: {first.message}", file=sys.stderr)
         return 2
     if arguments.format == "json":
         text = json.dumps(synthesis_json(project, found)) + "\n"
@@ -86,6 +88,13 @@ def run(arguments: argparse.Namespace) -> int:
         )
         return 3
     return int(selected.has_errors)
+
+
+def _at_odds(violation: Violation) -> Diagnostic:
+    """Return the error that rules of packs refuse what rules of packs made."""
+    message = f"the rule refuses the specification that was found: {violation.message}"
+    advice = "let the rules of packs in `resolve` give what their rules in `verify` ask for"
+    return Diagnostic(violation.rule.id, "error", message, violation.rule.span, help=advice)
 
 
 def _text(printed: Configuration, project: Project, arguments: argparse.Namespace) -> str:

@@ -8,7 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
+from mars_asp.asp.rules.declarations import declarations
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.asp.trace import Explainer, Trace
 from mars_asp.asp.trace.given import GivenFacts
@@ -25,8 +27,10 @@ from mars_asp.execution.trial import Trial
 from mars_asp.model.declarations import GRASP
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import Analysis, Consequence, analyse
+from mars_asp.reasoning.attributes import AttributeKind
 from mars_asp.reasoning.findings import consequence_kinds
-from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.project import Project, project_facts, with_brought
+from mars_asp.reasoning.rules import GIVEN_TO_RUNS, load_rulebook
 
 #: Requirement and the kind of consequence that says it was violated.
 ALWAYS = {
@@ -113,17 +117,45 @@ def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
         MarsError: what is wrong with packs.
     """
     every = load_rulebook(packs, stages=("run",))
+    stated = _stated_in(every)
     rules = tuple(replace(rule, stage="base") for rule in every.rules if rule.stage == "run")
     texts = tuple(("base", text) for stage, text in every.texts if stage == "run")
-    documented = (file._replace(stage="base") for file in every.documented if file.stage == "run")
-    return Rulebook(rules, texts, documented=tuple(documented))
+    texts += (("base", "".join(f"#defined {each}.\n" for each in sorted(stated))),)
+    documented = tuple(
+        file._replace(
+            stage="base",
+            docstrings=tuple(
+                each
+                for each in file.docstrings
+                if file.stage == "run"
+                or any(one.signature in stated for one in declarations((each,), file.path, []))
+            ),
+        )
+        for file in every.documented
+        if file.stage in ("base", "run")
+    )
+    return Rulebook(rules, texts, documented=documented, brought=every.brought)
+
+
+def _stated_in(rulebook: Rulebook) -> frozenset[Signature]:
+    """Return what rules on a run are given of the configuration."""
+    kinds = (each for each in rulebook.brought if isinstance(each, AttributeKind))
+    own = (each.declaration.signature._replace(name=each.predicate) for each in kinds)
+    return frozenset((*GIVEN_TO_RUNS, *own))
+
+
+def _stated(trial: Trial, rulebook: Rulebook) -> tuple[Fact, ...]:
+    """Return the facts of the configuration that rules on a run are given."""
+    plan = trial.executor.plan
+    project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
+    return project_facts(project, wanted=frozenset(each.name for each in _stated_in(rulebook)))
 
 
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
     """Return every requirement with its verdict."""
-    return judge_facts(
-        run_facts(trial), tuple(_asked(trial)), rulebook or run_rulebook(), trial.scenario.span
-    )
+    rulebook = rulebook or run_rulebook()
+    facts = (*run_facts(trial), *_stated(trial, rulebook))
+    return judge_facts(facts, tuple(_asked(trial)), rulebook, trial.scenario.span)
 
 
 def judge_facts(

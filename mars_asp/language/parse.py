@@ -12,7 +12,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.lines import Read, read_lines
 from mars_asp.language.statements import Builder, Raw, begin_of
-from mars_asp.model.declarations import Configuration, Conversion, StandIn, ends_of
+from mars_asp.model.declarations import Configuration, Conversion, PackNode, StandIn, ends_of
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.spelling import nearest
 from mars_asp.unsaved import unsaved_bytes
@@ -30,6 +30,13 @@ _CONVERSION = re.compile(
 _STAND_IN = re.compile(
     rf"(?://|#)[ \t]*(?P<node>InheritanceNode[0-9]+):"
     rf"[ \t]*(?P<module>{BARE}|{QUOTED})[ \t]*(?= -- |$)",
+    re.MULTILINE,
+)
+#: Behind the name of a node in a comment, before that of its rule pack.
+OF_PACK = "node of the pack"
+_PACK_NODE = re.compile(
+    rf"(?://|#)[ \t]*(?P<node>{BARE}|{QUOTED}):[ \t]*{OF_PACK}[ \t]+(?P<pack>[a-z][a-z0-9_-]*)"
+    r"[ \t]*(?= -- |$)",
     re.MULTILINE,
 )
 
@@ -123,15 +130,21 @@ def parse_text(text: str, path: str) -> Parsed:
         builder.add(base, raw)
     configuration = builder.configuration(complete=not problems)
     stand_ins: tuple[StandIn, ...] = ()
+    pack_nodes: tuple[PackNode, ...] = ()
     if configuration.kind == "specification":
         stand_ins = tuple(_stand_ins(layout, blocks))
+        pack_nodes = tuple(_pack_nodes(layout, blocks))
     problems += (*builder.problems, *_contrary(stand_ins))
     if problems:
         raise MarsError(problems)
     said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
     warnings += tuple(_about_nobody(configuration, stand_ins))
     configuration = replace(
-        configuration, declared=blocks.modules, conversions=said, stand_ins=stand_ins
+        configuration,
+        declared=blocks.modules,
+        conversions=said,
+        stand_ins=stand_ins,
+        pack_nodes=pack_nodes,
     )
     lines = text.split("\n")
     written = tuple("\n".join(lines[first - 1 : last]) for first, last in blocks.lines)
@@ -198,7 +211,6 @@ def _given_up(layout: Layout, base: int) -> Diagnostic:
 
 def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
     """Return what comments of transformers say; those in module blocks are about something else."""
-    inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
     return tuple(
         Conversion(
             match["node"],
@@ -207,18 +219,32 @@ def _conversions(layout: Layout, blocks: Blocks) -> tuple[Conversion, ...]:
             match["target"],
             layout.span(match.start("node"), match.end("target")),
         )
-        for match in _CONVERSION.finditer(layout.text)
-        if layout.position(match.start())[0] not in inside
+        for match in _outside(_CONVERSION, layout, blocks)
     )
 
 
 def _stand_ins(layout: Layout, blocks: Blocks) -> Iterator[StandIn]:
     """Yield what comments of InheritanceNodes say, outside of module blocks."""
+    for match in _outside(_STAND_IN, layout, blocks):
+        span = layout.span(match.start("node"), match.end("module"))
+        yield StandIn(match["node"], plain(match["module"]), span)
+
+
+def _pack_nodes(layout: Layout, blocks: Blocks) -> Iterator[PackNode]:
+    """Yield the nodes of rule packs that comments name."""
+    for match in _outside(_PACK_NODE, layout, blocks):
+        span = layout.span(match.start("node"), match.end("pack"))
+        yield PackNode(plain(match["node"]), match["pack"], span)
+
+
+def _outside(
+    pattern: re.Pattern[str], layout: Layout, blocks: Blocks
+) -> Iterator[re.Match[str]]:
+    """Yield the matches of a comment that are not in module blocks."""
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
-    for match in _STAND_IN.finditer(layout.text):
+    for match in pattern.finditer(layout.text):
         if layout.position(match.start())[0] not in inside:
-            span = layout.span(match.start("node"), match.end("module"))
-            yield StandIn(match["node"], plain(match["module"]), span)
+            yield match
 
 
 def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:

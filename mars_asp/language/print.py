@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from decimal import Decimal
 
-from mars_asp.language.parse import ABSTRACT
+from mars_asp.language.parse import ABSTRACT, OF_PACK
 from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
     Configuration,
@@ -18,6 +18,7 @@ from mars_asp.model.declarations import (
     Service,
     Transformation,
     Vertex,
+    ends_of,
 )
 from mars_asp.model.names import end, quoted, written
 from mars_asp.model.ports import parameter_names
@@ -131,7 +132,11 @@ def _lines(configuration: Configuration) -> Iterator[str]:
         yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
     conversions = {c.transformer: c for c in configuration.conversions}
     modules = {each.node: each.module for each in configuration.stand_ins if not each.evident}
+    brought = _packs(configuration)
     for relationship in configuration.relationships:
+        fed = ends_of(relationship)[0]
+        if not isinstance(relationship, Mount) and fed in brought:
+            yield f"// {written(fed)}: {OF_PACK} {brought.pop(fed)}"
         if isinstance(relationship, Data) and relationship.client in conversions:
             yield _conversion(conversions[relationship.client])
         if isinstance(relationship, Control) and relationship.controlled in modules:
@@ -143,6 +148,14 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     for module in configuration.declared:
         yield ""
         yield print_module(module)
+
+
+def _packs(configuration: Configuration) -> dict[str, str]:
+    """Return the packs of the nodes of a specification that rule packs bring."""
+    if configuration.kind != "specification":
+        return {}
+    kinds = {name.text: configuration.pack_kind(name.text) for name in configuration.modules}
+    return {name: kind.pack for name, kind in kinds.items() if kind is not None}
 
 
 def _conversion(conversion: Conversion) -> str:

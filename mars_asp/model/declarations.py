@@ -264,7 +264,7 @@ class StandIn:
 class PackKind:
     """A kind of node that a rule pack brings, and how its nodes are named and drawn.
 
-    Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
+    `pack` is the name of the pack. Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
     what they do.
     """
 
@@ -275,6 +275,16 @@ class PackKind:
     gives_several: bool
     colour: str | None
     behaves: bool
+    span: Span
+    pack: str
+
+
+@dataclass(frozen=True, slots=True)
+class PackNode:
+    """A node of a specification that is of a rule pack, as its comment says."""
+
+    node: str
+    pack: str
     span: Span
 
 
@@ -304,6 +314,7 @@ class Configuration:
     declared: tuple[Module, ...] = ()
     conversions: tuple[Conversion, ...] = ()
     stand_ins: tuple[StandIn, ...] = ()
+    pack_nodes: tuple[PackNode, ...] = ()
     muxes: tuple[Muxed, ...] = ()
     relays: tuple[Span, ...] = ()
     opaque: tuple[Name, ...] = ()
@@ -314,7 +325,16 @@ class Configuration:
 
     def node_kind(self, name: str) -> str | None:
         """Return the kind of node that a name stands for in a specification, if any."""
-        return node_kind(name) or pack_kind(name, self.kinds)
+        brought = self.pack_kind(name)
+        return node_kind(name) or (None if brought is None else brought.kind)
+
+    def pack_kind(self, name: str) -> PackKind | None:
+        """Return the kind, of those that packs bring, of which a node has a name, if any has."""
+        stem = name.rstrip("0123456789")
+        number = name.removeprefix(stem)
+        if not number or number.startswith("0"):
+            return None
+        return next((each for each in self.kinds if each.name == stem), None)
 
 
 NodeKind: TypeAlias = Literal[
@@ -347,12 +367,3 @@ def node_names(kinds: Iterable[PackKind]) -> Mapping[str, str]:
     """Return how nodes are named, by their kinds, those of packs among them."""
     names: dict[str, str] = dict(NODE_NAMES.items())
     return names | {each.kind: each.name for each in kinds}
-
-
-def pack_kind(name: str, kinds: Iterable[PackKind]) -> str | None:
-    """Return the kind, of those that packs bring, of which a node has a name, if any has."""
-    stem = name.rstrip("0123456789")
-    number = name.removeprefix(stem)
-    if not number or number.startswith("0"):
-        return None
-    return next((each.kind for each in kinds if each.name == stem), None)

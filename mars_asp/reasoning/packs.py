@@ -16,7 +16,7 @@ after stages; without one, its `.lp` files find consequences.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -108,7 +108,7 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
     packs: list[Pack] = []
     loose: dict[Path, list[PackFile]] = {}
     for path in given:
-        if path.is_dir() and (path / MANIFEST).is_file():
+        if path.is_dir() and is_pack(path):
             if (key := path.resolve()) not in seen:
                 seen.add(key)
                 packs += _with_manifest(path, problems)
@@ -135,13 +135,33 @@ def find_packs(given: Iterable[Path], problems: list[Diagnostic]) -> tuple[Pack,
     return tuple(packs)
 
 
-def pack_of(file: Path) -> Path | None:
-    """Return the folder of the pack with a manifest that a file of rules belongs to, if any."""
-    folder = file.parent
-    if (folder / MANIFEST).is_file():
-        return folder
-    above = folder.parent
-    return above if folder.name in FOLDERS and (above / MANIFEST).is_file() else None
+def pack_of(file: Path, folders: Collection[str] = ("", *FOLDERS)) -> Path | None:
+    """Return the pack with a manifest in one of whose `folders` a file lies, if it lies in one.
+
+    They are those of rules unless others are named; an empty name is the folder of the pack itself.
+    """
+    found = folders_around(file.parent)
+    return next((outer for inner, outer in found if inner in folders and is_pack(outer)), None)
+
+
+def is_pack(folder: Path) -> bool:
+    """Whether a folder has a manifest."""
+    return (folder / MANIFEST).is_file()
+
+
+def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield a folder with the name of what it lies in below, from the inside to the outside."""
+    name = ""
+    for outer in (folder, *folder.parents):
+        yield name, outer
+        name = outer.name
+    if not folder.is_absolute():
+        here = Path.cwd()
+        # A path may begin within a pack.
+        name = name or here.name
+        for outer in (here, *here.parents) if folder.parts[:1] != ("..",) else ():
+            yield name, outer
+            name = outer.name
 
 
 def kinds_of(packs: Iterable[Pack]) -> tuple[PackKind, ...]:
@@ -234,11 +254,11 @@ class _Reader:
         if len(nodes) > _MOST_LISTED:
             self._wrong(f"there are more than {_MOST_LISTED} kinds of nodes", None, "node")
             nodes = []
-        kinds = tuple(self._kind(each, number) for number, each in enumerate(nodes))
+        kinds = tuple(self._kind(each, number, name) for number, each in enumerate(nodes))
         place = self._places.of("name")
         return Manifest(name, version, needs, kinds, place, str(summary))
 
-    def _kind(self, table: Mapping[str, Any], number: int) -> PackKind:
+    def _kind(self, table: Mapping[str, Any], number: int, pack: str) -> PackKind:
         at = ("node", number)
         self._unknown(table, tuple(_NODE_KEYS), "a kind of node", at)
         kind = self._text(table, "kind", _KIND, "small letters, digits and `_`", at)
@@ -265,6 +285,7 @@ class _Reader:
             None if colour is None else str(colour),
             said["behaviour"] != "none",
             self._places.of(*at),
+            pack,
         )
 
     def _needs(self, needs: object) -> Iterator[Need | None]:

@@ -12,7 +12,15 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import plain_lines, read_text
-from mars_asp.model.declarations import Configuration, Module, Mount, Name, PackKind, ends_of
+from mars_asp.model.declarations import (
+    Configuration,
+    Module,
+    Mount,
+    Name,
+    PackKind,
+    PackNode,
+    ends_of,
+)
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
@@ -132,12 +140,11 @@ def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
     """Return a project that knows what rule packs bring: kinds of nodes, and attributes.
 
     Raises:
-        MarsError: attributes that no pack declares, and values that are none of theirs.
+        MarsError: attributes that no pack declares, values that are none of theirs, and nodes of
+            packs that are not given.
     """
     kinds = tuple(each for each in brought if isinstance(each, PackKind))
-    configuration = project.configuration
-    if kinds != configuration.kinds:
-        configuration = replace(configuration, kinds=kinds)
+    configuration = with_kinds(project.configuration, kinds)
     found: tuple[Fact, ...] = ()
     if has_attributes(project):
         from mars_asp.reasoning.attributes import AttributeKind, attribute_facts  # noqa: PLC0415
@@ -145,6 +152,38 @@ def with_brought(project: Project, brought: tuple[object, ...]) -> Project:
         declared = [each for each in brought if isinstance(each, AttributeKind)]
         found = attribute_facts(configuration, project.modules, declared)
     return replace(project, configuration=configuration, brought=brought, attributes=found)
+
+
+def with_kinds(configuration: Configuration, kinds: tuple[PackKind, ...]) -> Configuration:
+    """Return a configuration that knows which kinds of nodes rule packs bring.
+
+    Raises:
+        MarsError: comments name nodes that none of these packs bring.
+    """
+    if kinds != configuration.kinds:
+        configuration = replace(configuration, kinds=kinds)
+    named = {name.text for name in configuration.modules}
+    strangers = [
+        each
+        for each in configuration.pack_nodes
+        if each.node in named
+        and ((kind := configuration.pack_kind(each.node)) is None or kind.pack != each.pack)
+    ]
+    if strangers:
+        given = {kind.pack for kind in kinds}
+        raise MarsError(_not_brought(each, each.pack in given) for each in strangers)
+    return configuration
+
+
+def _not_brought(node: PackNode, is_given: bool) -> Diagnostic:
+    """Return the error that nothing tells what a node does."""
+    if is_given:
+        message = f"the pack `{node.pack}` has no nodes named as `{node.node}` is"
+        advice = f"give the version of `{node.pack}` that this specification was made with"
+    else:
+        message = f"`{node.node}` is a node of the pack `{node.pack}`, which is not given"
+        advice = "give the folder of the pack with `--rules`"
+    return Diagnostic("pack", "error", message, node.span, help=advice)
 
 
 def has_attributes(project: Project) -> bool:

@@ -56,6 +56,8 @@ SEES: Mapping[str, frozenset[str]] = {
     "run": frozenset({"run"}),
     "repair": frozenset({"base", "repair"}),
 }
+#: Facts of the configuration that rules on a run are given, too, besides attributes of modules.
+GIVEN_TO_RUNS = (Signature("class", 2), Signature("guard", 1))
 #: The stages in which packs derive what a file of a stage lets them derive, too.
 EXTENDED_IN: Mapping[str, tuple[str, ...]] = {
     "base": ("base", "run"),
@@ -247,6 +249,8 @@ def seal() -> Seal:
                 public.add(one.signature)
             if one.extensible:
                 extensible.setdefault(one.signature, set()).update(EXTENDED_IN[file.stage])
+    for signature in GIVEN_TO_RUNS:
+        given[signature].add("run")
     return Seal(
         _frozen(derived),
         _frozen(given),

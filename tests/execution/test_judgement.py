@@ -5,7 +5,14 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.trace import Derived, Given
-from mars_asp.execution.judgement import ALWAYS, ON_REQUEST, UNDECIDED, in_words, judge
+from mars_asp.execution.judgement import (
+    ALWAYS,
+    ON_REQUEST,
+    UNDECIDED,
+    in_words,
+    judge,
+    run_rulebook,
+)
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.trials import BASE, DRIVE, HAND, WALL, trial, verdicts
 
@@ -193,3 +200,31 @@ def test_a_screen_that_fails_fails_the_run_though_nothing_follows_it(tmp_path: P
     made = trial(text, screen, tmp_path)
     assert verdicts(made)["no module failed"] is False
     assert made.executor.failures["A"].count == 31
+
+
+def test_rules_of_packs_on_a_run_read_what_is_stated_of_modules(tmp_path: Path) -> None:
+    (tmp_path / "consequences").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "pack.toml").write_text('name = "mine"\nversion = "1"\n')
+    # Ours derives a predicate called `level` for itself.
+    (tmp_path / "consequences" / "vocabulary.lp").write_text(
+        "%*! critical(M: module)\nM is critical.\nfrom: tag\n*%\n#defined critical/1.\n"
+        "%*! level(M: module, N: count)\nM is at level N.\nfrom: property\n*%\n#defined level/2.\n"
+    )
+    (tmp_path / "run" / "mine.lp").write_text(
+        "consequence(loose, error, E, C) :- critical(E), commanded_by(E, C), not guard(C).\n"
+        "consequence(of_class, error, E, K) :- level(E, 3), class(E, K).\n"
+    )
+    rulebook = run_rulebook([tmp_path])
+    blocks = "@module_start\n@module_name P\n{}@Trans_Z\nvoid go(T t);\n@module_end\n"
+    guard = "@module_start\n@module_name C\n@Guard\n@ControlOut\nT say();\n@module_end\n"
+
+    def violated(tags: str, others: str = "") -> set[str]:
+        made = trial(BASE + HAND, DRIVE + blocks.format(tags) + others)
+        found = judge(made, rulebook).requirements
+        return {each.name for each in found if not each.holds}
+
+    assert violated("") == set()
+    assert violated("@Tag critical\n") == {"loose"}
+    assert violated("@Tag critical\n@Property level 3\n") == {"loose", "of_class"}
+    assert violated("@Tag critical\n", guard) == set()

@@ -38,7 +38,7 @@ def judge_rules(
     stronger: bool = True,
 ) -> Iterator[Verdict]:
     """Yield what notices each mutant of the files, in no order."""
-    found = [tried(each.path) for each in cases_of([cases])]
+    found = [tried(each.path, _built_in()) for each in cases_of([cases])]
     check = _killing_check if stronger else None
     bench = Bench(_built_in(), found, DETERMINISTIC, EXPANSIONS, check)
     return judge(files, mutants, bench, jobs)

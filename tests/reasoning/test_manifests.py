@@ -7,8 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.cases.coverage import covered
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from mars_asp.language import parse_text
+from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.cases.run import run_case, tried
+from mars_asp.reasoning.facts.compile import configuration_facts
 from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
@@ -95,7 +100,42 @@ def test_folders_of_one_name_are_apart(tmp_path: Path) -> None:
         pack.mkdir(parents=True)
         # Ours derives a predicate of this name for itself.
         (pack / f"f{number}.lp").write_text(f"contested(M, {number}) :- module(M).\n")
+        (pack / "same.lp").write_text("%! id: same/one\n%! because: same\nsame(M) :- module(M).\n")
     rules = load_rulebook(packs).of_packs
+    ids = [rule.id for rule in rules if rule.id.endswith("same/one")]
+    assert ids == ["same/one", "rules/same/one", "rules2/same/one"]
     names = {head.name for rule in rules for head in rule.heads}
-    assert len(names) == 3
+    assert len(names) == 6
     assert "contested" not in names
+
+
+def test_places_after_names_of_a_space_are_those_of_the_file(tmp_path: Path) -> None:
+    # Ours derives a predicate of this name for itself; the string is not one.
+    line = (
+        """a(X) :- M != "it''s", contested(M, N), X = M + 1. """
+        "b(X) :- contested(M, N), X = 1 / N. c(X) :- a(X). c(X) :- b(X)."
+    )
+    rules = tmp_path / "sums.lp"
+    rules.write_text(f"contested(M, 0) :- module(M).\n{line}\n")
+    configuration = parse_text("@configuration\n@modules A, B\n", "a.mars").configuration
+    with pytest.raises(MarsError) as caught:
+        analyse(configuration_facts(configuration), load_rulebook([rules]), configuration.span)
+    expected = [(2, 1 + line.index("M + 1")), (2, 1 + line.index("1 / N"))]
+    assert [each.span[1:3] for each in caught.value.diagnostics] == expected
+
+
+def test_cases_give_facts_of_a_predicate_that_ours_is_called_like(tmp_path: Path) -> None:
+    (tmp_path / "rules.lp").write_text(
+        "consequence(high, note, M, N) :- contested(M, N).\ncontested(M, 1) :- guard(M).\n"
+    )
+    case = tmp_path / "cases" / "one.lp"
+    case.parent.mkdir()
+    case.write_text(
+        'guard("A"). contested("B",2).\n#show contested/2.\n#show consequence/4.\n'
+        '%= contested("A",1) contested("B",2)\n'
+        '%+ consequence(high,note,"A",1) consequence(high,note,"B",2)\n'
+    )
+    rulebook = load_rulebook([tmp_path / "rules.lp"])
+    assert run_case(case, rulebook).passed
+    measured = covered(rulebook.of_packs, rulebook, [tried(case, rulebook)])
+    assert not measured.silent

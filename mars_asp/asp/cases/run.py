@@ -121,7 +121,7 @@ def _answers(
     speakers = [rule for rule in rulebook.rules if messages and _speaks(rule, stages)]
     if exact:
         speakers = [rule for rule in speakers if rule.heads.intersection(wanted)]
-    program = [Fragment(block.text, block.span.path)]
+    program = [Fragment(rulebook.as_named(block.text), block.span.path)]
     program += [fragment for stage in stages for fragment in rulebook.fragments(stage)]
     program += saying(_STAGE, speakers)
     asked = rulebook.asked

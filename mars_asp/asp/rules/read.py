@@ -1,9 +1,10 @@
 """Files of rules and of cases, read with everything that is wrong with them."""
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -179,6 +180,10 @@ def _refused(rule: Rule) -> tuple[Diagnostic, ...]:
     return found or tuple(refused_rules(rule.text, rule.span.path))
 
 
+#: Folders of one name that are told apart.
+_MOST_SPACES = 1000
+
+
 class NameSpace(NamedTuple):
     """The files of one pack. `needs` are the packs that it names, `None` where it has no manifest.
 
@@ -199,6 +204,12 @@ class NameSpace(NamedTuple):
         found = (rule.heads for rule in self.rules if rule.stage in stages)
         facts = (defined(file.text) for file in self.files if file.stage in stages)
         return frozenset().union(*found, *facts)
+
+    @property
+    def attributes(self) -> frozenset[Signature]:
+        """Return the attributes of modules that its files declare, which rules of any stage read."""
+        declared = (each for file in self.files for each in file.documented.declarations)
+        return frozenset(each.signature for each in declared if each.attribution is not None)
 
     @property
     def public(self) -> frozenset[Signature]:
@@ -239,7 +250,7 @@ def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: S
         is_needed = space.needs is None or other.name in space.needs
         known |= derived & public if is_needed else frozenset()
         hidden.update((each, other.name) for each in derived)
-    return Reader(stage, known | space.derived(seen), hidden)
+    return Reader(stage, known | space.derived(seen) | space.attributes, hidden)
 
 
 def _wrong_rules(
@@ -301,16 +312,23 @@ def told_apart(spaces: Iterable[NameSpace], taken: Iterable[str] = ()) -> Iterat
             names.add(file.name)
             files.append(file._replace(rules=rules))
         found = space._replace(files=tuple(files))
-        if space.needs is None and not ids.isdisjoint(rule.id for rule in found.rules):
-            found = _named_by_space(found)
+        if space.needs is None:
+            # Many folders can have one name.
+            called = (f"{space.name}{number}" for number in ("", *range(2, _MOST_SPACES)))
+            named = chain((found,), (_named_by_space(found, name) for name in called))
+            found = next((each for each in named if _is_apart(each, ids)), found)
         ids |= {rule.id for rule in found.rules}
         yield found
 
 
-def _named_by_space(space: NameSpace) -> NameSpace:
+def _is_apart(space: NameSpace, ids: Set[str]) -> bool:
+    return ids.isdisjoint(rule.id for rule in space.rules)
+
+
+def _named_by_space(space: NameSpace, name: str) -> NameSpace:
     return space._replace(
         files=tuple(
-            file._replace(rules=tuple(_of_space(rule, space.name, file) for rule in file.rules))
+            file._replace(rules=tuple(_of_space(rule, name, file) for rule in file.rules))
             for file in space.files
         )
     )

@@ -12,8 +12,8 @@ from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.declarations import Declaration, Documented
 from mars_asp.asp.rules.outline import Outline, outline
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import replaced
-from mars_asp.asp.signature import Signature
+from mars_asp.asp.rules.statements import renamed, replaced
+from mars_asp.asp.signature import SPACE, Signature, plain
 
 #: The stage of what follows from the facts alone.
 BASE = "base"
@@ -103,6 +103,19 @@ class Rulebook:
         """Return what the texts of one stage declare of predicates."""
         files = (file for file in self.documented if file.stage == stage)
         return tuple(each for file in files for each in file.declarations)
+
+    def as_named(self, facts: str) -> str:
+        """Return facts that name predicates as packs do under the names of the program."""
+        return renamed(facts, self._spaced) if self._spaced else facts
+
+    @cached_property
+    def _spaced(self) -> Mapping[Signature, str]:
+        """Return the predicates of packs that have a name space, by what packs call them."""
+        heads = [head for rule in self.of_packs for head in rule.heads]
+        documented = self.documented[len(self.documented) - self.packs :]
+        declared = [each.signature for file in documented for each in file.declarations]
+        spaced = (each.unsigned for each in (*declared, *heads) if SPACE in each.name)
+        return {each._replace(name=plain(each.name)): each.name for each in spaced}
 
     @cached_property
     def asked(self) -> tuple[Asked, ...]:

@@ -19,7 +19,6 @@ from mars_asp.model.declarations import (
     Module,
     Mount,
     Service,
-    node_kind,
 )
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
@@ -90,7 +89,14 @@ class Plan:
 
     def kind(self, name: str) -> str:
         """Return the kind of a node, or what a module is to the executor."""
-        node = None if name in self.modules else node_kind(name)
+        brought = None if name in self.modules else self.configuration.pack_kind(name)
+        if brought is not None:
+            carries_data = brought.carries == "data"
+            if brought.behaves or name in self.behaviours:
+                return "data_out" if carries_data else "control_out"
+            # It hands on what it takes.
+            return "data_splitter" if carries_data else "control_splitter"
+        node = None if name in self.modules else self.configuration.node_kind(name)
         if node is not None:
             return node
         kinds = {service.kind for service in self.services(name)}
@@ -178,7 +184,7 @@ class Plan:
         """Return how long (ns) a message over a link into an arbiter stays in force."""
         if link.hold is not None:
             return link.hold
-        # Splitters copy and InheritanceNodes map: how often is a matter of who speaks through them.
+        # Nodes copy, and InheritanceNodes map: how often is a matter of who speaks through them.
         commanders = self._commanders(link.source)
         hz = self.rate(commanders[0]) if len(commanders) == 1 else None
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
@@ -197,10 +203,7 @@ class Plan:
             return False
         return any(
             self.kind(link.client) != "arbitration_node"
-            and (
-                self.kind(link.client) not in ("control_splitter", "inheritance_node")
-                or self.reaches_effector(link.client, seen | {name})
-            )
+            and (not self._leads_on(link.client) or self.reaches_effector(link.client, seen | {name}))
             for link in self.control_out[name]
         )
 
@@ -262,11 +265,15 @@ class Plan:
             for effector in self.inheriting.reached(link.client)
         }
 
+    def _leads_on(self, name: str) -> bool:
+        """Whether commands come to a name from others and leave it for others."""
+        return self.inheriting.hands_on(name) or self.kind(name) == "inheritance_node"
+
     def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:
         """Return the modules whose commands come to a node, through whatever nodes."""
         if name in seen:
             return []
-        if self.kind(name) not in ("arbitration_node", "control_splitter", "inheritance_node"):
+        if not self._leads_on(name):
             return [name]
         return [
             commander

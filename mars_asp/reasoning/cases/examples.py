@@ -45,7 +45,7 @@ def example_trace(rule: Rule, rulebook: Rulebook) -> tuple[str, Trace] | None:
     path = example_of(rule)
     if path is None or rule.stage != "base":
         return None
-    for text, facts in _examples(path):
+    for text, facts in _examples(path, rulebook):
         program = [*rulebook.fragments("base"), Fragment(text, str(path))]
         grounding = Grounding(program)
         atoms = [
@@ -68,13 +68,13 @@ def _can_derive(rule: Rule, symbol: clingo.Symbol) -> bool:
     return not firsts or not symbol.arguments or str(symbol.arguments[0]) in firsts
 
 
-def _examples(path: Path) -> Iterator[tuple[str, Sequence[Fact]]]:
+def _examples(path: Path, rulebook: Rulebook) -> Iterator[tuple[str, Sequence[Fact]]]:
     """Yield the facts of each case of a file, as a text and with their places."""
     if path.suffix == SUFFIX:
         facts = project_facts(load_project(str(path)))
         yield facts_text(facts), facts
         return
-    for text in case_texts(path):
+    for text in map(rulebook.as_named, case_texts(path)):
         problems: list[Diagnostic] = []
         read = read_rules(text, str(path), "base", problems)
         if read is None:

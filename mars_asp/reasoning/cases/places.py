@@ -1,13 +1,12 @@
 """Where cases are, and whose: those of a pack lie in its folders `cases` and `tests`."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.asp.cases import find_cases
 from mars_asp.reasoning.cases.configurations import SUFFIX, is_case
-from mars_asp.reasoning.packs import MANIFEST, find_packs
+from mars_asp.reasoning.packs import find_packs, folders_around, is_pack, pack_of
 
 #: The folders of a pack that hold its cases.
 FOLDERS = ("cases", "tests")
@@ -29,19 +28,13 @@ def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[Found, 
     found: dict[Path, Found] = {}
     for path in paths:
         for each in _of_folder(path, rules) if path.is_dir() else (path,):
-            found.setdefault(each, Found(each, pack_of(each)))
+            found.setdefault(each, Found(each, pack_of_case(each)))
     return tuple(found.values())
 
 
-def pack_of(case: Path) -> Path | None:
+def pack_of_case(case: Path) -> Path | None:
     """Return the folder of the pack that a file of cases is of, if it is of one."""
-    if case.suffix not in _SUFFIXES:
-        return None
-    folder = case.parent
-    for inner, outer in _pairs(folder):
-        if inner in FOLDERS and _is_pack(outer):
-            return outer
-    return None
+    return pack_of(case, FOLDERS) if case.suffix in _SUFFIXES else None
 
 
 def with_companions(pack: Path) -> tuple[Path, ...]:
@@ -56,7 +49,7 @@ def with_companions(pack: Path) -> tuple[Path, ...]:
         for read in find_packs([each], []):
             needs = () if read.manifest is None else read.manifest.needs
             beside = (each.parent / need.name for need in needs)
-            waiting += (other for other in beside if _is_pack(other))
+            waiting += (other for other in beside if is_pack(other))
     return tuple(reversed(found))
 
 
@@ -69,26 +62,7 @@ def _of_folder(folder: Path, rules: Sequence[Path]) -> Iterator[Path]:
 
 def _is_rule(path: Path, given: Path) -> bool:
     """Whether a file that was found in a folder is of a pack there, but none of its cases."""
-    if pack_of(path) is not None:
+    if pack_of_case(path) is not None:
         return False
-    return any(_is_pack(outer) for _, outer in _pairs(path.parent) if outer.is_relative_to(given))
-
-
-def _pairs(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield a folder with the name of what it lies in below, from the inside to the outside."""
-    name = ""
-    for outer in (folder, *folder.parents):
-        yield name, outer
-        name = outer.name
-    if not folder.is_absolute():
-        here = Path.cwd()
-        # A path may begin within a pack.
-        name = name or here.name
-        for outer in (here, *here.parents) if folder.parts[:1] != ("..",) else ():
-            yield name, outer
-            name = outer.name
-
-
-@lru_cache(maxsize=10_000)
-def _is_pack(folder: Path) -> bool:
-    return (folder / MANIFEST).is_file()
+    around = folders_around(path.parent)
+    return any(is_pack(outer) for _, outer in around if outer.is_relative_to(given))

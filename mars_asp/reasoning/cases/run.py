@@ -39,8 +39,8 @@ def stages_of(path: Path) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*named, *(FOLLOWING[s] for s in named if s in FOLLOWING))))
 
 
-def tried(path: Path) -> Case:
-    """Return the cases of a file as facts and stages, and what runs them.
+def tried(path: Path, rulebook: Rulebook) -> Case:
+    """Return the cases of a file as facts for some rules, with their stages, and what runs them.
 
     Raises:
         MarsError: it may not be given to clingo, or what it expects cannot be read.
@@ -48,7 +48,7 @@ def tried(path: Path) -> Case:
     if path.suffix == SUFFIX:
         texts: tuple[str, ...] = (facts_text(project_facts(load_project(str(path)))),)
     else:
-        texts = cases.case_texts(path)
+        texts = tuple(map(rulebook.as_named, cases.case_texts(path)))
     return Case(path, texts, ("base", *stages_of(path)), _passes(path))
 
 

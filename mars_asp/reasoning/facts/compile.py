@@ -395,10 +395,10 @@ class Compiler:
         """Add which known name a name that nothing declares is spelt like."""
         declared = {name.text for name in self.configuration.modules}
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
-        pools = [(ends - declared, sorted(declared | set(self.known)))]
+        # `DataSplitter2` is not `DataSplitter1` misspelt.
+        pools = [(self._not_nodes(ends - declared), sorted(declared | set(self.known)))]
         if self.known:
-            node_kind = self.configuration.node_kind
-            unknown = {name for name in declared - set(self.known) if node_kind(name) is None}
+            unknown = self._not_nodes(declared - set(self.known))
             pools.append((unknown, sorted(set(self.known) - declared)))
         places = {name.text: name.span for name in self.configuration.modules}
         for written, known in unknown_ports(self.described, self.ends).items():
@@ -409,6 +409,9 @@ class Compiler:
             for stranger, near in resemblances(sorted(strangers), candidates, 0.75):
                 span = places.get(stranger, self.configuration.span)
                 self.add(span, "resembles", stranger, near)
+
+    def _not_nodes(self, names: Set[str]) -> set[str]:
+        return {name for name in names if self.configuration.node_kind(name) is None}
 
     def knots(self) -> None:
         """Add what relationships of one kind lead back to itself, and the shortest way round."""

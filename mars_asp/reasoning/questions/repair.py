@@ -187,7 +187,7 @@ def _check_subject(subject: str, project: Project, rulebook: Rulebook) -> None:
 def _proposals(
     analysis: Analysis, rulebook: Rulebook
 ) -> dict[tuple[clingo.Symbol, ...], list[Edit]]:
-    """Return the edits that the rules propose for each finding, least first."""
+    """Return the edits that the rules propose for each finding and do not withhold, least first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     grounding = analysis.grounding
     grounding.derive(f"{rulebook.text('repair')}\n{joined(saying(_STAGE, speakers))}")
@@ -196,9 +196,12 @@ def _proposals(
     for symbol in sorted(grounding.symbols("part", 2)):
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
+    spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}
     told = said(grounding.control, _STAGE, speakers)
     for each in sorted(told, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
         *key, term, weight = as_symbol(each.head).arguments
+        if term in spoiling:
+            continue
         consists = tuple(parts.get(term, (term,)))
         edit = Edit(term, consists, each.message or str(term), weight.number, each.rule)
         found.setdefault(tuple(key), {}).setdefault(term, edit)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.model.declarations import Configuration, Data, Module, node_kind
+from mars_asp.model.declarations import Configuration, Data, Module, ends_of
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.ends import ends_in
@@ -34,11 +34,12 @@ def state_modes(
     }
     if not any(line.mode is None and ends.source(line) in offered for line in lines):
         return specification
+    nodes = _nodes(specification, known)
     apart = replace(
         specification,
         kind="configuration",
-        modules=tuple(n for n in specification.modules if not _is_node(n.text, known)),
-        relationships=tuple(_end_to_end(lines, known)),
+        modules=tuple(n for n in specification.modules if n.text not in nodes),
+        relationships=tuple(_end_to_end(lines, nodes)),
     )
     project = with_brought(Project(apart, modules, ()), rulebook.brought)
     analysis = analyse(project_facts(project), rulebook, apart.span)
@@ -61,21 +62,45 @@ def state_modes(
     )
 
 
-def _is_node(name: str, known: Mapping[str, Module]) -> bool:
-    return name not in known and node_kind(name) in _NODES
+def _nodes(specification: Configuration, known: Mapping[str, Module]) -> frozenset[str]:
+    """Return the nodes that hand on data, those of rule packs among them."""
+
+    def hands_on(name: str) -> bool:
+        brought = specification.pack_kind(name)
+        if brought is not None:
+            return brought.carries == "data"
+        return specification.node_kind(name) in _NODES
+
+    ends = {name.text for name in specification.modules}.union(
+        *(ends_of(line) for line in specification.relationships)
+    )
+    return frozenset(name for name in ends - known.keys() if hands_on(name))
 
 
-def _end_to_end(lines: list[Data], known: Mapping[str, Module]) -> Iterator[Data]:
+def _end_to_end(lines: list[Data], nodes: frozenset[str]) -> Iterator[Data]:
     """Yield what modules use from modules, the nodes between them left out."""
-    feeds = {line.client: line for line in lines if _is_node(line.client, known)}
+    feeds: dict[str, list[Data]] = {}
     for line in lines:
-        if _is_node(line.client, known):
+        if line.client in nodes:
+            feeds.setdefault(line.client, []).append(line)
+    for line in lines:
+        if line.client not in nodes:
+            yield from _from_sources(line, feeds)
+
+
+def _from_sources(line: Data, feeds: Mapping[str, list[Data]]) -> Iterator[Data]:
+    """Yield a line of a module for each way from a source; no more of those that state the same."""
+    waiting, seen = [line], set()
+    while waiting:
+        each = waiting.pop()
+        if (key := (each.source, each.source_port, each.mode, each.hz)) in seen:
             continue
-        first, seen = line, set()
-        while first.source in feeds and first.source not in seen:
-            seen.add(first.source)
-            above = feeds[first.source]
-            states = above if first.mode is None else first
+        seen.add(key)
+        if each.source not in feeds:
+            yield each
+        for above in feeds.get(each.source, ()):
+            states = above if each.mode is None else each
             source, port = above.source, above.source_port
-            first = replace(first, source=source, source_port=port, mode=states.mode, hz=states.hz)
-        yield first
+            waiting.append(
+                replace(each, source=source, source_port=port, mode=states.mode, hz=states.hz)
+            )

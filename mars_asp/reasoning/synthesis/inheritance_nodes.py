@@ -18,9 +18,7 @@ from mars_asp.model.declarations import (
     Function,
     Module,
     Mount,
-    NodeKind,
     Service,
-    node_kind,
 )
 
 if TYPE_CHECKING:
@@ -50,9 +48,14 @@ class InheritanceNodes:
         self._given: dict[tuple[str, str, Allocation | None], frozenset[str]] = {}
         self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
 
-    def kind(self, name: str) -> NodeKind | None:
-        """Return the kind of a node; a module that is described is none."""
-        return None if name in self.modules else node_kind(name)
+    def hands_on(self, name: str) -> bool:
+        """Whether a name is of a node that hands commands on as they are."""
+        if name in self.modules:
+            return False
+        brought = self.configuration.pack_kind(name)
+        if brought is not None:
+            return brought.carries == "control"
+        return self.configuration.node_kind(name) in _COPYING
 
     def chain(self, name: str) -> list[str]:
         """Return what a module is mounted on, itself first."""
@@ -62,11 +65,11 @@ class InheritanceNodes:
         return chain
 
     def reached(self, name: str) -> list[str]:
-        """Return the modules that commands to a name end in, behind arbiters and splitters."""
+        """Return the modules that commands to a name end in, behind nodes."""
         return self._past_copies(name, lambda n: [line.controlled for line in self._out_of[n]])
 
     def commanders(self, node: str) -> list[str]:
-        """Return who commands a module or node, before arbiters and splitters."""
+        """Return who commands a module or node, before nodes."""
 
         def heard(name: str) -> list[str]:
             return [line.controller for line in self._into[name]]
@@ -76,10 +79,10 @@ class InheritanceNodes:
     def _past_copies(
         self, name: str, onward: Callable[[str], list[str]], seen: frozenset[str] = frozenset()
     ) -> list[str]:
-        """Return where one comes from a name by a step, through arbiters and splitters."""
+        """Return where one comes from a name by a step, through nodes that hand commands on."""
         if name in seen:
             return []
-        if self.kind(name) not in _COPYING:
+        if not self.hands_on(name):
             return [name]
         seen |= {name}
         return [end for each in onward(name) for end in self._past_copies(each, onward, seen)]
