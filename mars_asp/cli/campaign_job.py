@@ -7,17 +7,18 @@ from pathlib import Path
 from mars_asp.cli.campaign_runner import Job
 from mars_asp.cli.limits import memory_limit
 from mars_asp.cli.reason import packs_of
-from mars_asp.diagnostic import refusal
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.execution.campaign.code import hash_of, imported_code
 from mars_asp.execution.campaign.grid import Grid
+from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.judgement import run_rulebook
+from mars_asp.execution.parts import in_parts
+from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.functions import bound_functions
 from mars_asp.execution.scenario.read import read_scenario
-from mars_asp.execution.scenario.vary import CHANGED, switched_off
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.project import Project
-from mars_asp.spelling import nearest
 
 
 def code_of(
@@ -30,21 +31,20 @@ def code_of(
     """Return the Python files that runs import, by their absolute paths.
 
     Raises:
-        MarsError: a file is missing, or what is switched off is not there to be.
+        MarsError: a file is missing, or the specification has no place for what is stated.
     """
     names = [name.text for name in specification.modules]
+    plan = Plan(*in_parts(specification, modules), {})
     files: dict[Path, None] = {}
+    problems: dict[Diagnostic, None] = {}
     for cell in grid.cells():
         scenario = read_scenario(text, path, cell)
+        found = (each for each in disagreements(plan, scenario) if each.severity == "error")
+        problems |= dict.fromkeys(found)
         bound = dict(bound_functions(modules, scenario, names))
         files |= dict.fromkeys(file for file, _ in bound.values())
-        able = {*bound, *scenario.devices} - {robot.module for robot in scenario.robots}
-        for name in switched_off(cell):
-            if name not in able:
-                near = nearest(name, able)
-                hint = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(able))}"
-                message = f"`{name}` is not run by a Python function or a sensing device"
-                raise refusal("campaign", message, CHANGED.path, hint)
+    if problems:
+        raise MarsError(problems)
     missing = [file for file in files if not file.is_file()]
     if missing:
         told = "this file, which runs import, is not there"

@@ -17,6 +17,7 @@ from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.execution.parts import in_parts
 from mars_asp.execution.scenario.agreement import disagreements
+from mars_asp.execution.scenario.contradictions import SCATTERED
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions
 from mars_asp.execution.scenario.read import Robot, Scenario
@@ -33,6 +34,9 @@ from mars_asp.execution.simulator import (
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.execution.simulator.motion import Point
 from mars_asp.model.declarations import GRASP, Configuration, Function, Module
+
+#: So many places are tried for a circle.
+_TRIES = 10_000
 
 
 @dataclass(frozen=True)
@@ -206,18 +210,6 @@ def stage_trial(
     Raises:
         MarsError: what is unbound or cannot be used, all at once.
     """
-    try:
-        return _stage(specification, modules, scenario, observe)
-    except ValueError as error:  # the world has no room for what is to be scattered in it
-        raise MarsError([Diagnostic("scenario", "error", str(error), scenario.span)]) from None
-
-
-def _stage(
-    specification: Configuration,
-    modules: Mapping[str, Module],
-    scenario: Scenario,
-    observe: Observer | None,
-) -> Trial:
     specification, every = in_parts(specification, modules)
     limits = _limits(every, scenario)
     world = make_world(scenario)
@@ -282,7 +274,11 @@ def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
 
 
 def make_world(scenario: Scenario) -> World:
-    """Build the world; scattered circles are drawn from the seed."""
+    """Build the world; scattered circles are drawn from the seed.
+
+    Raises:
+        MarsError: it has no room for them.
+    """
     world = scenario.world
     circles = [Circle((x, y), float(r)) for x, y, r in world.get("circles", ())]
     for moving in world.get("moving", ()):
@@ -304,20 +300,27 @@ def _point(at: Any) -> tuple[float, float]:
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
-    """Yield circles that leave `free` mm around each start, the last `moving` of them moving."""
+    """Yield circles that leave `free` mm around each start, the last `moving` of them moving.
+
+    Raises:
+        MarsError: there is no room for as many.
+    """
     random = Random(f"{scenario.seed}/world")
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
-    count, low_high = scatter.get("count", 10), scatter.get("radius", (100.0, 300.0))
+    count, low_high = scatter.get("count", SCATTERED), scatter.get("radius", (100.0, 300.0))
     made = tries = 0
     while made < count:
         tries += 1
-        if tries > 1000 * (count + 1):
-            raise ValueError(f"`scatter` finds no room for {count} circles: lower `free`")
+        if tries > _TRIES:
+            message = f"`scatter` finds no room for {count} circles"
+            help_text = "lower `free` or `radius`, or raise `within`"
+            place = scenario.places["scatter"]
+            raise MarsError([Diagnostic("scenario", "error", message, place, (), help_text)])
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
         if any(dist(at, robot.start[:2]) - radius < free for robot in scenario.robots):
             continue
-        made += 1
+        made, tries = made + 1, 0
         if made > count - scatter.get("moving", 0):
             way = radians(random.uniform(0, 360))
             target = at[0] + 2000 * cos(way), at[1] + 2000 * sin(way)

@@ -194,6 +194,7 @@ def test_another_campaign_is_refused(
         (["--seeds", "1", "--vary", "robot.raduis=1"], "unknown key `raduis`"),
         (["--seeds", "1", "--vary", "modules.D=off"], "`D` is not run by a Python function"),
         (["--seeds", "1", "--vary", "modules.P=off"], "`P` is not run by a Python function"),
+        (["--seeds", "1", "--vary", "bindings.CC.period=9"], "did you mean `C`?"),
         (["--seeds", "1", "--plot", "x.svg"], "there is no key with several values"),
         (["--seeds", "1", "--fresh"], "there is no file to begin anew"),
         (["--seeds", "1", "--workers", "2", "--cluster", "tcp://x:1"], "workers of its own"),

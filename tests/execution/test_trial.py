@@ -15,8 +15,10 @@ def test_a_joystick_drives_a_platform() -> None:
 
 
 def test_a_world_without_room_for_its_circles_is_reported() -> None:
-    with pytest.raises(MarsError, match="finds no room for 3 circles"):
-        trial(f"{BASE}{HAND}[world]\nscatter = {{ count = 3, within = 10, free = 900 }}\n")
+    with pytest.raises(MarsError, match="finds no room for 100000 circles") as raised:
+        trial(f"{BASE}{HAND}[world]\nscatter = {{ count = 100_000, within = 10, free = 900 }}\n")
+    (found,) = raised.value.diagnostics
+    assert (found.span.line, found.help) == (8, "lower `free` or `radius`, or raise `within`")
 
 
 def test_unbound_modules_are_reported_together_before_the_run() -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from mars_asp.diagnostic import MarsError, refusal
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run, run_name
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED, PASS
 
@@ -74,7 +74,8 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
     for number, line in enumerate(lines[1:], 2):
         found = _object(line)
         if found is None or not ("runs" in found or _is_run(found)):
-            raise _refused(path, number, "this line is not a run")
+            told = "remove the line, and its run is carried out again; or begin anew with --fresh"
+            raise _refused(path, number, "this line is not a run", told)
         if "runs" in found:
             if number < len(lines):
                 raise _refused(path, number, "a summary is the last line")
@@ -159,6 +160,9 @@ def _line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value).encode() + b"\n"
 
 
-def _refused(path: str, line: int, message: str) -> MarsError:
-    place = f"{path}:{line}" if line > 1 else path
-    return refusal("campaign", message, place, "--fresh begins the file anew")
+def _refused(
+    path: str, line: int, message: str, help_text: str = "--fresh begins the file anew"
+) -> MarsError:
+    span = point(path, line, 1)
+    # The line is too long to be shown.
+    return MarsError([Diagnostic("campaign", "error", message, span, help=help_text, excerpt="")])

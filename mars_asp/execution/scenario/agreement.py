@@ -6,6 +6,7 @@ from mars_asp.diagnostic import Diagnostic
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.scenario.functions import bound_functions, converting
 from mars_asp.execution.scenario.read import Robot, Scenario
+from mars_asp.execution.scenario.vary import CHANGED
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
 from mars_asp.spelling import nearest
 
@@ -56,8 +57,13 @@ def _unknown(
     if parts := sorted(each for each in modules if each.startswith(f"{name}.")):
         help_text = f"it runs in parts: {', '.join(parts)}"
         return Diagnostic("scenario", "error", message, place, (), help_text)
-    if near := nearest(name, left):
+    # What is varied is meant for this specification: a slip would vary nothing.
+    varied = place == CHANGED
+    if near := nearest(name, modules if varied else left):
         return Diagnostic("scenario", "error", message, place, (), f"did you mean `{near}`?")
+    if varied:
+        help_text = f"one of {', '.join(sorted(modules))}"
+        return Diagnostic("scenario", "error", message, place, (), help_text)
     return Diagnostic("scenario", "warning", message, place, (), "remove it, or add the module")
 
 

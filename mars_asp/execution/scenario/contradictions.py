@@ -14,6 +14,8 @@ _ORDERED: Mapping[str, Sequence[tuple[str, str]]] = {
 }
 #: How many different points make a wall, and a polygon.
 _POINTS = {"walls": 2, "polygons": 3}
+#: How many circles `scatter` makes where it does not state it.
+SCATTERED = 10
 #: So often a second at most an obstacle turns: each turn costs time wherever a robot is near.
 _MOST_TURNS = 1000
 
@@ -35,6 +37,10 @@ def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Itera
         for number, entry_message, help_text in _misplaced(device.get("script", ()), duration):
             yield Mistake(("devices", name, "script", number), entry_message, help_text)
     yield from _shapeless(sound.get("world", {}))
+    if scatter := sound.get("world", {}).get("scatter"):
+        # A count that is wrong by itself is none to compare with.
+        unknown = "count" in tables["world"]["scatter"]
+        yield from _scattered({"count": inf if unknown else SCATTERED} | scatter)
 
 
 def late_faults(faults: Mapping[str, Any], duration: float) -> Iterator[tuple[str, float]]:
@@ -62,9 +68,14 @@ def _disordered(sound: Mapping[str, Any]) -> Iterator[Mistake]:
         for module, table in sound.get(name, {}).items():
             for first, second in pairs:
                 low, high = table.get(first), table.get(second)
-                if low is not None and high is not None and low > high:
+                if low is None or high is None:
+                    continue
+                if low > high:
                     message = f"`{first}` is {low}, above `{second}`, which is {high}"
                     yield Mistake((name, module, first), message, "swap or change them")
+                elif low == high and name == "faults":
+                    message = f"the fault of `{module}` ends at {high:g} s, when it begins"
+                    yield Mistake((name, module, second), message, "let it end later")
 
 
 def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, str, str]]:
@@ -98,6 +109,18 @@ def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
             message = f"an obstacle of `moving` turns more than {_MOST_TURNS} times a second"
             help_text = "lower its `speed`, or let it go further"
             yield Mistake(("world", "moving", number), message, help_text)
+
+
+def _scattered(scatter: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield what `scatter` cannot do: move more than it makes, or draw a radius without bounds."""
+    count, moving = scatter["count"], scatter.get("moving", 0)
+    if moving > count:
+        message = f"`moving` is {moving}, and `scatter` makes {count} obstacles"
+        yield Mistake(("world", "scatter", "moving"), message, "raise `count`, or lower `moving`")
+    least, most = scatter.get("radius", (0, inf))
+    if None not in (least, most) and least > most:
+        message = f"the least `radius` is {least}, above the greatest, which is {most}"
+        yield Mistake(("world", "scatter", "radius"), message, "swap or change them")
 
 
 def _turns(way: Sequence[Sequence[float]], speed: float) -> float:

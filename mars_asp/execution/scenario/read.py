@@ -1,6 +1,6 @@
 """Scenario files: the world, the robot, its devices, what runs each module, and requirements."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -42,7 +42,7 @@ class Robot:
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times in s unless said.
 
-    `places` has those of requirements, devices, bindings and faults.
+    `places` has those of requirements, devices, bindings, faults and `scatter`.
     """
 
     path: Path
@@ -89,43 +89,59 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
     problems = [_problem(where.of(*each.path), each.message, each.help) for each in wrong]
     if problems:
         raise MarsError(problems)
-    tables = changed(tables, changes)
-    places = {key: where.of("requirements", key) for key in tables.get("requirements", ())}
+    written, tables = tables, changed(tables, changes)
+
+    def placed(*path: str | int) -> Span:
+        return where.of(*path) if _stands(written, path) else CHANGED
+
+    places = {key: placed("requirements", key) for key in tables.get("requirements", ())}
     for table in ("devices", "bindings", "faults"):
         named = tables.get(table, ())
-        places |= {f"{table}.{module}": where.of(table, module) for module in named}
-    stated, up = tables.pop("robot"), tables.get("up", "y")
+        places |= {f"{table}.{module}": placed(table, module) for module in named}
+    places["scatter"] = placed("world", "scatter")
+    stated, up = tables["robot"], tables.get("up", "y")
     reach = tables.get("requirements", {}).get("reach")
     robots = tuple(
-        _robot(table, "robot", reach, where, ("robot",))
+        _robot(table, "robot", reach, placed, ("robot",))
         if table is stated
-        else _robot(table, table["module"], None, where, ("robot", number))
+        else _robot(table, table["module"], None, placed, ("robot", number))
         for number, table in enumerate(stated if isinstance(stated, list) else [stated])
     )
     problems = [*_unclear(robots, reach is not None, places), *_unmoved(robots, up)]
     if problems:
         raise MarsError(problems)
     places |= {f"faults.{module}": CHANGED for module in switched_off(changes)}
-    return Scenario(path, point(str(path), 1, 1), **tables, robots=robots, places=places)
+    others = {key: value for key, value in tables.items() if key != "robot"}
+    return Scenario(path, point(str(path), 1, 1), **others, robots=robots, places=places)
+
+
+def _stands(written: Any, path: Iterable[str | int]) -> bool:
+    """Whether a path of keys and numbers leads to something in tables."""
+    try:
+        for part in path:
+            written = written[part]
+    except (LookupError, TypeError):
+        return False
+    return True
 
 
 def _robot(
     table: Mapping[str, Any],
     name: str,
     reach: Mapping[str, Any] | None,
-    where: Places,
+    placed: Callable[..., Span],
     path: tuple[str | int, ...],
 ) -> Robot:
     """Return a checked robot; `name` is that of one without a name of its own."""
     settings = {key: value for key, value in table.items() if key not in ("name", "start")}
     x, y, heading = map(float, table.get("start", (0, 0, 0)))
-    places = {key: where.of(*path, key) for key in table}
+    places = {key: placed(*path, key) for key in table}
     for key in ("limits", "acceleration", "deceleration"):
         stated = table.get(key, ())
-        places |= {f"{key}.{function}": where.of(*path, key, function) for function in stated}
+        places |= {f"{key}.{function}": placed(*path, key, function) for function in stated}
     return Robot(
         table.get("name", name),
-        span=where.of(*path),
+        span=placed(*path),
         start=(x, y, heading),
         places=places,
         **{"reach": reach, **settings},

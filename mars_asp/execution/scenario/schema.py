@@ -215,7 +215,8 @@ def _scenario(robot: _Schema) -> _Schema:
         "seed": _whole(-(2**63), 2**63 - 1),
         "duration": _number(0.001),
         "up": {"enum": ["y", "z"]},
-        "command_timeout": _POSITIVE,
+        # Without one no command would be obeyed that no arbiter holds.
+        "command_timeout": _number(0.001),
         "world": _WORLD,
         "robot": robot,
         "devices": _named(_DEVICE),

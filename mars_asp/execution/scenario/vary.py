@@ -94,9 +94,14 @@ def read_axis(text: str) -> Axis:
     if any(map(_is_endless, values)):
         raise _refused(f"`{text}` has a value without an end", "leave out `inf` and `nan`")
     for number, value in enumerate(values):
-        if any(type(value) is type(other) and value == other for other in values[:number]):
+        if any(_same(value, other) for other in values[:number]):
             raise _refused(f"`{key}` has the value {written_value(value)} twice", None)
     return Axis(key, tuple(values))
+
+
+def _same(value: Any, other: Any) -> bool:
+    """Whether two values mean the same: 100 and 100.0 do, true and 1 do not."""
+    return value == other and isinstance(value, bool) == isinstance(other, bool)
 
 
 def _is_endless(value: Any) -> bool:

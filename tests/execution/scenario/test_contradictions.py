@@ -45,6 +45,8 @@ radius = 1
 speed = 1140
 [world.scatter]
 ^speed = 2e7  # `20000000.0` is out of range for `speed`
+^moving = 11  # `moving` is 11, and `scatter` makes 10 obstacles
+^radius = [30, 20.5]  # the least `radius` is 30, above the greatest, which is 20.5
 [devices.Bump]
 kind = "bumper"
 ^beams = 3  # `beams` is not a key of the kind `bumper`
@@ -76,6 +78,9 @@ from = 9
 until = 11
 [faults.Silent]
 ^from = 10  # the fault of `Silent` begins at 10 s, and the run ends at 10 s
+[faults.Never]
+from = 3
+^until = 3  # the fault of `Never` ends at 3 s, when it begins
 [faults.Stuck]
 kind = "stuck"
 ^by = 3  # `by` is not a key of the kind `stuck`
@@ -112,6 +117,12 @@ def test_a_key_of_another_kind_names_the_kinds_that_have_it() -> None:
 
 def test_what_is_wrong_by_itself_contradicts_nothing() -> None:
     text = 'duration = "x"\nrobot.module = "P"\nfaults.C = { from = 3, until = "x" }\n'
+    text += 'world.scatter = { radius = [9, "x"], moving = 99, count = "x" }\n'
     with pytest.raises(MarsError) as raised:
         read_scenario(text, Path("s.toml"))
-    assert [d.message.split("`")[1] for d in raised.value.diagnostics] == ["duration", "until"]
+    assert [d.message.split("`")[1] for d in raised.value.diagnostics] == [
+        "duration",
+        "until",
+        "radius",
+        "count",
+    ]

@@ -114,6 +114,7 @@ def test_a_fault_ends_after_it_began() -> None:
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
+        ("command_timeout = 0", "`0` is out of range for `command_timeout`"),
         ("command_timeout = inf", "`inf` is out of range for `command_timeout`"),
         ("command_timeout = -1e308", "`-1e+308` is out of range for `command_timeout`"),
         (f"seed = {2**63}", f"`{2**63}` is out of range for `seed`"),

@@ -76,6 +76,7 @@ def test_a_key_has_another_value(stated: str, value: Any) -> None:
         ("seed=1", "the seed is not a key to vary", "use --seeds, or --seed for one run"),
         ("duration=1,2", "`duration` has 2 values", None),
         ("duration=1,2,1", "`duration` has the value 1 twice", None),
+        ("duration=1,2,1.0", "`duration` has the value 1.0 twice", None),
         ("robot.radius=inf", "`robot.radius=inf` has a value without an end", None),
         ("duration", "`duration` is not a key and its values", None),
         ("duration=", "`duration=` is not a key and its values", None),
