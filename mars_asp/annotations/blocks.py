@@ -26,19 +26,30 @@ def read_blocks(path: str, text: str) -> Blocks:
     if _START.search(text) is None:
         return Blocks((), (), ())
     # Only a file with blocks pays for the reading of declarations.
+    from mars_asp.annotations.alike import is_closed, read_alike  # noqa: PLC0415
     from mars_asp.annotations.modules import read_modules  # noqa: PLC0415
 
-    lines = block_lines(text)
-    modules, problems = read_modules(block_source(path, text, lines))
-    return Blocks(modules, problems, lines)
+    blocks = block_lines(text)
+    lines = text.split("\n")
+    read = read_alike(path, lines, blocks)
+    others = [block for block in blocks if block[0] not in read]
+    if not others:
+        return Blocks(tuple(read.values()), (), blocks)
+    if read and all(is_closed(lines, block) for block in others):
+        modules, problems = read_modules(block_source(path, text, others))
+        if all(problem.severity != "error" for problem in problems):
+            read |= {module.span.line: module for module in modules}
+            return Blocks(tuple(read[line] for line in sorted(read)), problems, blocks)
+    # What is wrong with a block may depend on what stands before it.
+    return Blocks(*read_modules(block_source(path, text, blocks)), blocks)
 
 
-def block_source(path: str, text: str, lines: Iterable[tuple[int, int]]) -> "Source":
-    """Return a `.mars` text as the source of its module blocks, which stand in `lines`."""
+def block_source(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> "Source":
+    """Return a `.mars` text as the source of module blocks, which stand in lines of it."""
     from mars_asp.annotations.sources import Source  # noqa: PLC0415 -- as above
 
     kept = text.split("\n")
-    inside = {number for first, last in lines for number in range(first, last + 1)}
+    inside = {number for first, last in blocks for number in range(first, last + 1)}
     for number, line in enumerate(kept, 1):
         if number not in inside:
             kept[number - 1] = " " * len(line)

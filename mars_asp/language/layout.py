@@ -3,6 +3,7 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterable
+from itertools import accumulate
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
@@ -14,6 +15,8 @@ QUOTED_OR_COMMENT = re.compile(f"(?P<quoted>{QUOTED})|{COMMENT.pattern}")
 #: A statement goes on behind a comma, before one, and before the tuple of a mount. The look-behind
 #: keeps this linear: of a run of blanks only the first is tried.
 _CONTINUED = re.compile(r"(?=\s)(?<=\S)(?:(?<=,)[^\S\n]*+\n\s*+|[^\S\n]*+\n\s*+(?=[,(]))")
+#: What a text needs for that. Each is looked for by its first letter, which takes hardly any time.
+_GOES_ON = (re.compile(r",[^\S\n]*+\n"), re.compile(r"\n[^\S\n]*+[,(]"))
 
 
 class Layout(NamedTuple):
@@ -48,14 +51,13 @@ def lay_out(path: str, text: str, blocks: Iterable[tuple[int, int]]) -> Layout:
 
     `text` has `\n` for every line end; `blocks` are (first, last) lines of module blocks.
     """
-    starts = [0]
-    for match in re.finditer("\n", text):
-        starts.append(match.end())
     lines = text.split("\n")
+    starts = accumulate([len(line) + 1 for line in lines[:-1]], initial=0)
     for first, last in blocks:
-        for number in range(first - 1, last):
-            lines[number] = " " * len(lines[number])
-    blanked = "\n".join(lines)
-    blanked = QUOTED_OR_COMMENT.sub(lambda match: match["quoted"] or " " * len(match[0]), blanked)
-    joined = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), blanked)
-    return Layout(path, text, joined + "\n", tuple(starts))
+        lines[first - 1 : last] = [" " * len(line) for line in lines[first - 1 : last]]
+    read = "\n".join(lines)
+    if any(sign in read for sign in ('"', "//", "#")):
+        read = QUOTED_OR_COMMENT.sub(lambda match: match["quoted"] or " " * len(match[0]), read)
+    if any(sign.search(read) for sign in _GOES_ON):
+        read = _CONTINUED.sub(lambda match: match[0].replace("\n", " "), read)
+    return Layout(path, text, read + "\n", tuple(starts))

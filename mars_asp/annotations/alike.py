@@ -1,0 +1,92 @@
+"""Module blocks that differ in their names alone, read once.
+
+Robots of one kind have modules of one kind, so a file of ten thousand modules repeats its blocks.
+What is read of a block in order is kept by its text without the name; a block of the same text is
+the same module at another place.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TypeAlias, TypeVar
+
+from mars_asp.annotations.directives import BOUNDARIES, MOST_CHARACTERS, WORDS
+from mars_asp.annotations.modules import read_modules
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Span
+from mars_asp.model.attributes import Attribute
+from mars_asp.model.declarations import Function, Module, Service, Vertex
+from mars_asp.model.names import BARE
+
+_Placed = TypeVar("_Placed", Attribute, Function, Service, Vertex)
+#: What stands before the name of a block, and behind it.
+_Around: TypeAlias = tuple[str, str]
+_HEAD = re.compile(rf"([ \t]*@module_start[ \t]*\n[ \t]*@module_name[ \t]+)({BARE})[ \t]*(?=\n)")
+_FIRST, _LAST = "@module_start", "@module_end"
+_WITHIN = "|".join(word for word in WORDS if word not in BOUNDARIES)
+#: What reading a block may have in common with reading others: words of nobody are counted.
+_STRANGE = re.compile(rf"@(?!(?:{_WITHIN})\b)")
+
+
+def read_alike(
+    path: str, lines: Sequence[str], blocks: Sequence[tuple[int, int]]
+) -> dict[int, Module]:
+    """Return the modules of blocks that are in order, by the lines where they begin.
+
+    `lines` are those of the file, `blocks` the first and last of each, from 1.
+    """
+    read: dict[int, Module] = {}
+    known: dict[_Around, Module | None] = {}
+    for first, last in blocks:
+        text = "\n".join(lines[first - 1 : last])
+        head = _HEAD.match(text)
+        if head is None:
+            continue
+        before, name = head.groups()
+        around = before, text[head.end() :]
+        if around not in known:
+            known[around] = _read(text, around)
+        module = known[around]
+        if module is not None and len(name) <= MOST_CHARACTERS:
+            read[first] = _placed(module, name, path, first - 1)
+    return read
+
+
+def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
+    """Whether a block neither leaves a module open nor is within one."""
+    first, last = block
+    return lines[first - 1].strip(" \t") == _FIRST and lines[last - 1].strip(" \t") == _LAST
+
+
+def _read(text: str, around: _Around) -> Module | None:
+    """Return the module of a block by itself; `None` where anything is to be noted about it."""
+    body, _, end = around[1].rpartition("\n")
+    if end.strip(" \t") != _LAST or _STRANGE.search(body):
+        return None
+    modules, problems = read_modules(Source("", "mars", text.encode("utf-8", "replace")))
+    return modules[0] if len(modules) == 1 and not problems else None
+
+
+def _placed(module: Module, name: str, path: str, below: int) -> Module:
+    """Return a module that begins so many lines below the first one of a file, by its name."""
+
+    def at(span: Span) -> Span:
+        _, line, column, end_line, end_column = span
+        return Span(path, line + below, column, end_line + below, end_column)
+
+    assert module.named is not None
+    _, line, column, _, _ = module.named
+    return Module(
+        name,
+        at(module.span),
+        _all_placed(module.services, at),
+        _all_placed(module.functions, at),
+        _all_placed(module.vertices, at),
+        Span(path, line + below, column, line + below, column + len(name)),
+        module.guard and at(module.guard),
+        _all_placed(module.attributes, at),
+    )
+
+
+def _all_placed(found: tuple[_Placed, ...], at: Callable[[Span], Span]) -> tuple[_Placed, ...]:
+    return tuple([replace(each, span=at(each.span)) for each in found]) if found else ()
