@@ -3,12 +3,10 @@
 from dataclasses import replace
 from pathlib import Path
 
-import clingo
 import pytest
 
 from mars_asp.asp import cache
 from mars_asp.asp.cases import find_cases
-from mars_asp.asp.messages import labelling
 from mars_asp.asp.rules.expansions import labels
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -20,7 +18,7 @@ from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.cases_at_once import outcomes, together_or_apart
 from tests.support.documents import ROOT
-from tests.support.rule_coverage import covered, places, unnoticed
+from tests.support.rule_coverage import covered, fired_in, labelled, places, unnoticed
 
 CASES = find_cases([ROOT / "tests" / "rules"])
 
@@ -154,16 +152,14 @@ def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
 
 def test_each_consequence_says_why_it_matters_and_fires_in_its_example(rulebook: Rulebook) -> None:
     finding = [r for r in rulebook.rules if r.stage == "base" and r.derives(CONSEQUENCE)]
-    silent = []
+    examples = []
     for rule in finding:
         assert rule.why and rule.why.endswith("."), rule.id
         assert rule.example is not None and ROOT / rule.example in CASES, rule.id
-        (facts, _), body = read_case(ROOT / rule.example), rule.written[1]
-        control = clingo.Control(["--warn=none"])
-        control.add("base", [], f"{facts}\n{rulebook.text('base')}\n_fires :- {body}.")
-        control.ground()
-        if control.symbolic_atoms[clingo.Function("_fires")] is None:
-            silent.append(rule.id)
+        examples.append(ROOT / rule.example)
+    fired = fired_in(finding, rulebook, sorted(set(examples)))
+    told = zip(finding, examples, fired, strict=True)
+    silent = [rule.id for rule, example, paths in told if example not in paths]
     assert len(finding) > 40
     assert silent == []
 
@@ -175,19 +171,10 @@ def test_each_finding_says_what_will_happen_and_its_labels_something(rulebook: R
     assert [r.id for r in grave if not (r.effect or "").endswith(".")] == []
     listed = [(r, label) for r in finding for label in labels(r, EXPANSIONS)]
     assert len(listed) > 25
-    silent = dict(enumerate(listed))
-    for case in sorted(CASES):
-        if case.parent.name not in {rule.id.split("/")[0] for rule, _ in silent.values()}:
-            continue
-        (facts, _) = read_case(case)
-        control = clingo.Control(["--warn=none"])
-        parts = [rulebook.text("base"), *(each.text for each in labelling("base", listed))]
-        control.add("base", [], "\n".join([facts, *parts]))
-        control.ground()
-        said = control.symbolic_atoms.by_signature("_label_base", 4)
-        for atom in said:
-            silent.pop(atom.symbol.arguments[0].number, None)
-    assert [(rule.id, label.text) for rule, label in silent.values()] == []
+    files = {rule.id.split("/")[0] for rule, _ in listed}
+    said = labelled(listed, rulebook, [case for case in CASES if case.parent.name in files])
+    silent = [pair for number, pair in enumerate(listed) if number not in said]
+    assert [(rule.id, label.text) for rule, label in silent] == []
 
 
 #: What several files add to: consequences and their places, verdicts, nodes, costs, edits, accounts

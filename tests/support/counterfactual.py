@@ -60,6 +60,9 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
     without: dict[int, list[tuple[str, frozenset[int]]]] = {}
     for sentence, cited in _said(text, path):
         for at in cited:
+            # A line that is stated twice is still stated.
+            if _is_stated_again(lines, at):
+                continue
             if at not in without:
                 rest = [*lines[:at], *lines[at + 1 :]]
                 numbers = [*range(at), *range(at + 1, len(lines))]
@@ -67,10 +70,8 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                     (said, frozenset(numbers[n] for n in others))
                     for said, others in _said("".join(rest), path)
                 ]
-            # A line that is stated twice is still stated, and elsewhere the same may be said.
-            if not _is_stated_again(lines, at) and any(
-                said == sentence and cited & others for said, others in without[at]
-            ):
+            # Elsewhere the same may be said.
+            if any(said == sentence and cited & others for said, others in without[at]):
                 yield f"{lines[at].strip()} for {sentence}"
 
 

@@ -9,6 +9,9 @@ import clingo
 from mars_asp.asp.cases import coverage
 from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
 from mars_asp.asp.cases.probes import FIRED, NEAR, fired
+from mars_asp.asp.fragments import joined
+from mars_asp.asp.messages import labelling
+from mars_asp.asp.rules.expansions import Label
 from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -80,6 +83,19 @@ def _held(
         for atom in answered([*rules, *_facts(part)], (FIRED, NEAR)):
             case, number = (argument.number for argument in atom.arguments)
             found.add((part[case], atom.name, number))
+    return found
+
+
+def labelled(
+    listed: Sequence[tuple[Rule, Label]], rulebook: Rulebook, cases: Iterable[Path]
+) -> set[int]:
+    """Return the numbers of the labels that say something of a place in a case of the base."""
+    rules = [together(rulebook.text("base")), together(joined(labelling("base", listed)))]
+    found = set[int]()
+    for stages, part in _parts(cases):
+        assert stages == ("base",)
+        for atom in answered([*rules, *_facts(part)], ("_label_base",)):
+            found.add(atom.arguments[1].number)
     return found
 
 
