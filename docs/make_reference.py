@@ -163,7 +163,7 @@ def _stage(stage: str) -> Iterator[str]:
 def _pack(pack: Path) -> Iterator[str]:
     shown = pack.relative_to(ROOT).as_posix()
     yield f"# Pack: {pack.name}\n"
-    yield f"`mars-asp rules doc {shown}` prints this page: {_summary(pack)}."
+    yield f"{_summary(pack)}. `mars-asp rules doc {shown}` prints this page."
     yield f"[How the pack is used](../../../{shown}/README.md) has examples.\n"
     with chdir(ROOT):
         rulebook = load_rulebook([Path(shown)], STAGES)
@@ -177,7 +177,9 @@ def _rules(rulebook: Rulebook, stages: Iterable[str], pack: str | None = None) -
 
 
 def _summary(pack: Path) -> str:
-    return str(tomllib.loads((pack / "pack.toml").read_text(encoding="utf-8"))["summary"]).rstrip(".")
+    return str(tomllib.loads((pack / "pack.toml").read_text(encoding="utf-8"))["summary"]).rstrip(
+        "."
+    )
 
 
 def _example(heading: str, case: Path) -> Iterator[str]:

@@ -76,6 +76,14 @@ def test_each_page_is_two_clicks_from_the_readme_and_no_link_is_dead() -> None:
     assert not [page for page in (*DOCUMENTS, TUTORIAL) if page.resolve() not in reached]
 
 
+def test_each_page_has_a_place_in_the_site() -> None:
+    """Else `make site` ends with a warning, and few run it."""
+    listed = set(re.findall(r": (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
+    pages_of_site = (path.relative_to(ROOT).as_posix() for path in (*DOCUMENTS, TUTORIAL))
+    assert not set(pages_of_site) - listed
+    assert not [path for path in listed if not (ROOT / path).is_file()]
+
+
 ANNOTATIONS = ROOT / "docs" / "annotations.md"
 SUFFIXES = {
     "c": "c", "cpp": "cpp", "python": "py", "java": "java", "rust": "rs", "go": "go", "matlab": "m"
