@@ -308,6 +308,7 @@ MENDED = """\
 first(R) :- road(R, paved, _).
 second(R) :- road(R, _, "😀"), road(R, paved, _).
 third(R) :- road(R, gravel, _).
+fourth(R) :- road(R, _, N), N = "main".
 """
 
 
@@ -317,7 +318,7 @@ def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
         # What is on the disk is not what is mended.
         path.write_text("")
         uri, text, taken = client.open(path, FAULTY), FAULTY, []
-        for version in range(2, 6):
+        for version in range(2, 7):
             for found in await client.diagnostics(uri, version - 1):
                 told = await client.text_document_code_action_async(
                     types.CodeActionParams(document(uri), found.range, types.CodeActionContext([]))
@@ -337,8 +338,9 @@ def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
             ("rule-value", "Write `paved`"),
             ("rule-form", "Write `paved`"),
             ("rule-redundant", "Leave it out"),
+            ("rule-form", 'Write `"main"`'),
         ]
-        assert text.splitlines()[4:7] == MENDED.splitlines()
+        assert text.splitlines()[4:8] == MENDED.splitlines()
         path.write_text(FAULTY)
         run_here(["rules", "lint", "--fix", str(path)])
         assert path.read_text() == text
