@@ -40,7 +40,8 @@ PAGES = (
         "rule-unit",
         "Numbers in the wrong unit",
         "Reports a comparison, an aggregate, a sum or a variable with numbers of two units, and a "
-        "number that is too small to be meant in its unit, such as `F < 25` where F is in millihertz.",
+        "number that is too small to be meant in its unit, such as `F < 25` where F is in "
+        "millihertz.",
         "Rules count in small units, so that all numbers are whole. clingo compares any two "
         "numbers and does not notice.",
         f"{_ROAD}{_LENGTH}{_BEAT}odd(R) :- lasts(R, T), beats(R, F), T < F.\n#show odd/1.\n",
