@@ -39,8 +39,8 @@ endif
 site: .venv-site/installed
 	@echo "== building the site"
 	@rm -rf build/pages && mkdir -p build/pages
-	@git ls-files -z '*.md' docs examples rules LICENSE | tar -c --null -T - | tar -x -C build/pages
-	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict --quiet
+	@git ls-files -z '*.md' docs examples rules LICENSE ':!tests' | tar -c --null -T - | tar -x -C build/pages
+	@NO_MKDOCS_2_WARNING=1 .venv-site/bin/mkdocs build --strict
 
 .venv-site/installed: pyproject.toml
 	@echo "== installing what builds the site (once)"

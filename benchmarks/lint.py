@@ -2,7 +2,8 @@
 
 `python benchmarks/lint.py [RULES]`: a pack of as many rules (4,000), made of our own rules of the
 base with their predicates renamed again and again, and the processor seconds of `rules lint` on it
-and on a pack of one rule, as whole processes, the least of some turns.
+and on a pack of one rule, as whole processes, the least of some turns. Besides them packs of as
+many rules in other shapes: what is linear takes about as long for each.
 """
 
 import re
@@ -37,16 +38,43 @@ def pack(count: int) -> str:
     return "\n".join(written)
 
 
+#: Rules of other shapes; `{0}` is the number of a rule, `{1}` that of the one before, `{2}` that of
+#: the last, which comes before the first in a circle.
+SHAPES = {
+    "facts": 'f{0}("m", {0}). #show f{0}/2.',
+    "a table": "f(k{0}, {0}). #show f/2.",
+    "a chain": "c{0}(M) :- c{1}(M), module(M). #show c{2}/1.",
+    "a circle": "c{0}(M) :- c{1}(M), module(M). #show c{2}/1.",
+    "one head": 'p(M) :- uses_data_from(_, M, "s{0}"). #show p/1.',
+    "aggregates": "p{0}(M) :- {0} < #count {{ S : uses_data_from(_, M, S) }}, guard(M). #show p{0}/1.",
+    "conditions": 'p{0}(M) :- guard(M); S != "s{0}" : uses_data_from(_, M, S). #show p{0}/1.',
+    "sums": "q{0}(R, T + {0}) :- hold(R, T), T < {0}. #show q{0}/2.",
+}
+
+
+def shaped(shape: str, count: int) -> str:
+    """Return so many rules of a shape."""
+    first = "c0(M) :- module(M)." if shape == "a chain" else ""
+    begin = 1 if first else 0
+    rules = (
+        SHAPES[shape].format(n, n - 1 if n else count - 1, count - 1) for n in range(begin, count)
+    )
+    return "\n".join([first, *rules])
+
+
 def main(count: int) -> None:
     """Print what packs take."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "pack.lp"
-        taken = []
-        for text in ("guarded_here(M) :- guard(M).\n#show guarded_here/1.\n", pack(count)):
+        packs = {
+            "one rule": "guarded_here(M) :- guard(M).\n#show guarded_here/1.\n",
+            f"{count} rules": pack(count),
+            **{f"{count} rules, {shape}": shaped(shape, count) for shape in SHAPES},
+        }
+        for name, text in packs.items():
             path.write_text(text)
-            taken.append(least(("rules", "lint", str(path))))
-        small, large = taken
-        print(f"one rule: {small.seconds:.2f} s; {count} rules: {large.seconds:.2f} s")
+            taken = least(("rules", "lint", str(path)))
+            print(f"{name}: {taken.seconds:.2f} s", flush=True)
 
 
 if __name__ == "__main__":

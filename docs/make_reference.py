@@ -2,29 +2,48 @@
 
 import argparse
 import re
-from collections.abc import Iterator
-from contextlib import suppress
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import chdir, suppress
+from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
 from mars_asp.asp.lint.catalogue import PAGES
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
+from mars_asp.cli.rules_document import PURPOSES, documents, safe
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 ROOT = Path(__file__).parents[1]
 MADE = "<!-- Made by `python -m docs.make_reference`; edit the parsers and the rules instead. -->\n"
 #: A consequence at the head of a rule: its kind and its severity.
 HEAD = re.compile(r"^consequence\((\w+), *(\w+),")
+#: The place of a rule, or the path of a file, in a line of its own.
+PLACE = re.compile(r"(?m)^(([\w./-]+\.lp)(?::\d+)?)$")
+#: The heading of a rule.
+NAME = re.compile(r"(?m)^(###) (\S+)$")
+PACKS = tuple(sorted(path.parent for path in ROOT.glob("examples/packs/*/pack.toml")))
 FACT = re.compile(r"(?m)^(?![%#]).+\.$")
 
 
-def pages() -> Iterator[tuple[str, str]]:
-    """Yield the name of each page and its text."""
-    yield "verbs.md", MADE + "\n".join(_verbs())
-    yield "findings.md", MADE + "\n".join(_findings())
-    yield "lints.md", MADE + "\n".join(_lints())
+def pages() -> Mapping[str, Callable[[], str]]:
+    """Return by the name of each page what makes its text."""
+    made: dict[str, Callable[[], Iterator[str]]] = {
+        "verbs.md": _verbs,
+        "findings.md": _findings,
+        "lints.md": _lints,
+        "rules/README.md": _contents,
+        **{f"rules/{stage}.md": partial(_stage, stage) for stage in PURPOSES},
+        **{f"rules/pack-{pack.name}.md": partial(_pack, pack) for pack in PACKS},
+    }
+    return {name: partial(_text, yields) for name, yields in made.items()}
+
+
+def _text(yields: Callable[[], Iterator[str]]) -> str:
+    return MADE + "\n".join(yields())
 
 
 def _verbs() -> Iterator[str]:
@@ -120,6 +139,49 @@ def _lints() -> Iterator[str]:
         yield f"Not reported:\n\n```clingo\n{page.good}```\n"
 
 
+def _contents() -> Iterator[str]:
+    yield "# Rules\n"
+    yield "Every rule with a message, by the stage in which it is read: the message, why, and the"
+    yield "text. `mars-asp rules doc` prints the same, `mars-asp rules show ID` one rule with its"
+    yield "example and its trace. [The rules](../../../rules/README.md) explains the stages.\n"
+    yield "## Our own rules\n"
+    for stage, purpose in PURPOSES.items():
+        yield f"- [{stage}]({stage}.md): {purpose}"
+    yield "\n## Packs\n"
+    yield "The packs of [examples/packs](../../../examples/packs/README.md):\n"
+    for pack in PACKS:
+        yield f"- [{pack.name}](pack-{pack.name}.md): {_summary(pack)}"
+    yield ""
+
+
+def _stage(stage: str) -> Iterator[str]:
+    yield f"# Rules: {stage}\n"
+    yield f"`mars-asp rules doc --stage {stage}` prints this page: {PURPOSES[stage]}.\n"
+    yield from _rules(load_rulebook(stages=STAGES), (stage,))
+
+
+def _pack(pack: Path) -> Iterator[str]:
+    shown = pack.relative_to(ROOT).as_posix()
+    yield f"# Pack: {pack.name}\n"
+    yield f"{_summary(pack)}. `mars-asp rules doc {shown}` prints this page."
+    yield f"[How the pack is used](../../../{shown}/README.md) has examples.\n"
+    with chdir(ROOT):
+        rulebook = load_rulebook([Path(shown)], STAGES)
+    yield from _rules(rulebook, PURPOSES, shown)
+
+
+def _rules(rulebook: Rulebook, stages: Iterable[str], pack: str | None = None) -> Iterator[str]:
+    """Yield what `rules doc` prints, with links to the files."""
+    for page in documents(rulebook, stages, pack):
+        yield NAME.sub(r"\1 `\2`", PLACE.sub(r"[\1](../../../\2)", safe(page)))
+
+
+def _summary(pack: Path) -> str:
+    return str(tomllib.loads((pack / "pack.toml").read_text(encoding="utf-8"))["summary"]).rstrip(
+        "."
+    )
+
+
 def _example(heading: str, case: Path) -> Iterator[str]:
     title, _, _ = case.read_text(encoding="utf-8").partition("\n")
     yield f"{heading} ({case.relative_to(ROOT).as_posix()}): {title.removeprefix('% ')}\n"
@@ -145,6 +207,6 @@ def _silent(kind: str, fires: Path) -> Path | None:
 
 if __name__ == "__main__":
     folder = ROOT / "docs" / "reference"
-    folder.mkdir(exist_ok=True)
-    for name, text in pages():
-        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "rules").mkdir(parents=True, exist_ok=True)
+    for name, text in pages().items():
+        (folder / name).write_text(text(), encoding="utf-8")

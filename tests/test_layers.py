@@ -100,7 +100,7 @@ FILES = {
     "execution/recording": "frame lanes signs picture record mcap replay",
     "lsp": (
         "places words mentions robot rule_text rules actions references rename symbols hover "
-        "completion lenses questions workers desk server"
+        "completion lenses questions protocol workers desk server"
     ),
     "cli": (
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
@@ -109,7 +109,8 @@ FILES = {
         "draw export facts fmt import winners run_report run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
-        "rules_new rules_diff rules repair check lsp_answers lsp account explain_page explain"
+        "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "
+        "lsp_answers lsp account explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

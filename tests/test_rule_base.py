@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.lint import lint
 from mars_asp.reasoning.questions.account import STAGE
-from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook
+from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
 from tests.support.documents import ROOT
 
 #: An id behind what a rule says, in a trace or in the list of a repair; links are none.
@@ -124,6 +125,20 @@ def test_the_document_has_each_file_and_each_rule_that_speaks(
     files = [line[3:] for line in told.split("\n") if line.startswith("## ")]
     written = [path.relative_to(ROOT / "rules") for path in ROOT.glob("rules/**/*.lp")]
     assert sorted(files) == sorted(path.with_suffix("").as_posix() for path in written)
+
+
+def test_what_packs_may_do_with_a_predicate_is_what_the_gate_lets_them(rulebook: Rulebook) -> None:
+    sealed = seal()
+    for signature, declaration in rulebook.declarations.items():
+        found: Any = shown_json(rulebook, str(signature))["predicates"]
+        (told,) = found
+        extended = signature.unsigned in sealed.extensible
+        is_open = signature.unsigned in sealed.reserved
+        assert told["packs"] == ("extend" if extended else "read" if is_open else None), signature
+        written = shown(rulebook, str(signature)).split("\n")
+        assert [line for line in written if line.startswith("packs: ")] == (
+            [f"packs: {told['packs']}"] if is_open else []
+        ), declaration.name
 
 
 @pytest.mark.parametrize("name", ["specify/rates", "rules/specify/rates.lp"])

@@ -10,7 +10,7 @@ import os
 import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -22,34 +22,31 @@ from mars_asp.cli import worker
 from mars_asp.cli.arguments import parser_of
 from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
-from mars_asp.cli.ignores import decoded
 from mars_asp.cli.limits import limit_memory, memory_limit
 from mars_asp.cli.lines import line_at, remember
+from mars_asp.cli.lsp_files import Files
+from mars_asp.cli.lsp_rules import lint_answer
 from mars_asp.cli.reason import load, rulebook_for
 from mars_asp.cli.results import Result
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, brief
+from mars_asp.diagnostic import MarsError
 from mars_asp.language.parse import parse_text, plain_lines
 from mars_asp.lsp.actions import Action, line_edits
 from mars_asp.lsp.mentions import outline
-from mars_asp.lsp.places import Place, Position, Range, Text
-from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
-from mars_asp.lsp.robot import Described, File, Finding, Robot, behind
-from mars_asp.lsp.rule_text import PredicateMention, rule_text
-from mars_asp.lsp.rules import Predicate, Rules
+from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.questions import Checked, Failed, Question, Sort, Survey
+from mars_asp.lsp.robot import Described, File, Robot, behind
 from mars_asp.lsp.workers import read_pickle, write_pickle
 from mars_asp.model.declarations import Module
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.budget import Budget
-from mars_asp.reasoning.lint import lint
-from mars_asp.reasoning.packs import pack_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.questions.repair import STAGES as REPAIRING
 from mars_asp.reasoning.questions.repair import repairs
-from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.unsaved import unsaved, unsaved_bytes
+from mars_asp.unsaved import unsaved
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair
@@ -117,61 +114,6 @@ def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespa
     return parser.parse_intermixed_args(words)
 
 
-# ---- Places --------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Files:
-    """The texts of files as they are now, and what is found placed in them.
-
-    `root` is where that is placed which stands in no file.
-    """
-
-    root: str
-    known: dict[str, Text] = field(default_factory=dict)
-
-    def text(self, path: str) -> Text | None:
-        """Return the text of a file; nothing where it is none."""
-        path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
-        if path not in self.known:
-            raw = unsaved_bytes(Path(path))
-            if raw is None and not Path(path).is_file():
-                return None
-            self.known[path] = Text(path, decoded(Path(path).read_bytes() if raw is None else raw))
-        return self.known[path]
-
-    def place(self, span: Span) -> Place | None:
-        """Return where a span stands; nothing where its path is no file."""
-        try:
-            text = self.text(_built_in(span.path) or span.path)
-        except OSError:
-            return None
-        return None if text is None else text.place(span)
-
-    def finding(self, found: Diagnostic, title: str | None = None) -> Finding:
-        """Return what is told of a diagnostic."""
-        short = brief(found)
-        placed = ((self.place(span), label) for span, label in short.labels)
-        return Finding(
-            self.place(short.span) or Place(self.root, _START),
-            short.severity,
-            short.code,
-            short.message,
-            short.help,
-            short.effect,
-            tuple((place, label) for place, label in placed if place is not None),
-            title,
-        )
-
-
-def _built_in(path: str) -> str | None:
-    """Return where a file of our rules is, which is shown by its path from their folder."""
-    own = rules_directory()
-    if path.startswith("rules/") and not Path(path).is_file():
-        return str(own / path.removeprefix("rules/"))
-    return None
-
-
 # ---- Robots --------------------------------------------------------------------------------------
 
 
@@ -186,7 +128,7 @@ def _check(question: Question, options: argparse.Namespace) -> Checked:
         results = [*(each for one in checked for each in one.results), *remarks]
     except MarsError as error:
         results = [Result(each) for each in error.diagnostics]
-    files = _Files(question.path)
+    files = Files(question.path)
     findings = tuple(
         files.finding(each.diagnostic, _title(each.consequence) if each.consequence else None)
         for each in results
@@ -197,7 +139,7 @@ def _check(question: Question, options: argparse.Namespace) -> Checked:
 
 def _source(question: Question, options: argparse.Namespace) -> Checked:
     """Answer what `mars-asp extract` finds in a source."""
-    files = _Files(question.path)
+    files = Files(question.path)
     found = extract([Path(question.path)])
     findings = tuple(files.finding(each) for each in found.diagnostics)
     text = files.text(question.path)
@@ -206,7 +148,7 @@ def _source(question: Question, options: argparse.Namespace) -> Checked:
     return Checked(findings, Robot(question.path, (own,), described))
 
 
-def _robot(project: Project, files: _Files) -> Robot:
+def _robot(project: Project, files: Files) -> Robot:
     configuration = project.configuration
     described = {**project.modules, **{each.name: each for each in configuration.declared}}
     own = tuple(_configurations(configuration.path, "", files))
@@ -221,7 +163,7 @@ def _robot(project: Project, files: _Files) -> Robot:
     return Robot(os.path.abspath(configuration.path), (*own, *found), modules)  # noqa: PTH100
 
 
-def _configurations(path: str, prefix: str, files: _Files) -> Iterator[File]:
+def _configurations(path: str, prefix: str, files: Files) -> Iterator[File]:
     """Yield a configuration that was read without errors, and those that it includes."""
     text = files.text(path)
     if text is None:
@@ -232,7 +174,7 @@ def _configurations(path: str, prefix: str, files: _Files) -> Iterator[File]:
         yield from _configurations(inner, behind(prefix, each.name) if each.name else prefix, files)
 
 
-def _described(module: Module, files: _Files) -> Described:
+def _described(module: Module, files: Files) -> Described:
     lines = tuple(module_lines(module))
     services = [files.place(each.span) for each in module.services]
     nowhere = Place(files.root, _START)
@@ -331,11 +273,11 @@ def _repairs(question: Question, options: argparse.Namespace) -> tuple[Action, .
     except MarsError:
         # They are findings of the check.
         return ()
-    files = _Files(question.path)
+    files = Files(question.path)
     return tuple(each for repair in found for each in _actions(repair, files))
 
 
-def _actions(repair: "Repair", files: _Files) -> Iterator[Action]:
+def _actions(repair: "Repair", files: Files) -> Iterator[Action]:
     for mend in repair.mends:
         texts = {each.path: files.text(each.path) for each in mend.lines}
         known = {path: text for path, text in texts.items() if text is not None}
@@ -373,7 +315,7 @@ def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
 def _names(configuration: Path, source: Path) -> bool:
     """Whether `@sources` of a configuration, or of what it includes, name a file."""
     try:
-        text = _Files(str(configuration)).text(str(configuration))
+        text = Files(str(configuration)).text(str(configuration))
         parsed = None if text is None else parse_text(text.plain, str(configuration))
     except (MarsError, OSError):
         return False
@@ -385,52 +327,6 @@ def _names(configuration: Path, source: Path) -> bool:
     return False
 
 
-# ---- Rules ---------------------------------------------------------------------------------------
-
-
-def _lint(question: Question, options: argparse.Namespace) -> Linted:
-    """Answer what `mars-asp rules lint` finds in a file, and the rules around it."""
-    path = Path(question.path)
-    files = _Files(question.path)
-    text = files.text(question.path)
-    is_own = path.resolve().is_relative_to(rules_directory().resolve())
-    found: tuple[Diagnostic, ...] = ()
-    if text is not None and not any(line.startswith(_EXPECTED) for line in text.lines):
-        # A file of a pack means what it does among the others.
-        packs = [] if is_own else [pack_of(path) or path]
-        try:
-            found = lint([*map(Path, options.rules), *packs] if packs else []).diagnostics
-        except MarsError as error:
-            found = error.diagnostics
-        if pack_of(path) is not None:
-            found = tuple(each for each in found if Path(each.span.path) == path)
-    return Linted(tuple(map(files.finding, found)), _rules(path, files, is_own))
-
-
-def _rules(path: Path, files: _Files, is_own: bool) -> Rules:
-    """Return the rules around a file: our own, and those in its folder."""
-    beside = [] if is_own else sorted(path.parent.glob("*.lp"))[:_MOST_RULES]
-    try:
-        rulebook = load_rulebook(beside, STAGES)
-    except MarsError:
-        rulebook = load_rulebook((), STAGES)
-    predicates: dict[tuple[str, int], tuple[Predicate, ...]] = {}
-    for signature, each in rulebook.declarations.items():
-        # What is declared begins with the name, behind `%*! `.
-        place = files.place(each.span) or Place(str(path), _START)
-        key = signature.name, signature.arity
-        said = Predicate(signature.signed, each.written, each.words, place)
-        predicates[key] = (*predicates.get(key, ()), said)
-    mentions: dict[str, tuple[PredicateMention, ...]] = {}
-    own = sorted(rules_directory().rglob("*.lp"))
-    for file in (*beside, *own):
-        with suppress(OSError):
-            text = files.text(str(file))
-            if text is not None:
-                mentions[text.path] = rule_text(text.path, text.written).mentions
-    return Rules(predicates, mentions)
-
-
 _ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
     "check": _check,
     "source": _source,
@@ -438,5 +334,5 @@ _ANSWERS: Mapping[Sort, Callable[[Question, argparse.Namespace], Any]] = {
     "trace": _trace,
     "repairs": _repairs,
     "owners": _owners,
-    "lint": _lint,
+    "lint": lint_answer,
 }

@@ -39,11 +39,20 @@ def actions_at(
             yield finding, action
 
 
+def mended(found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
+    """Yield the changes that are known to mend findings, such as `rules lint --fix` makes."""
+    for finding in found:
+        if finding.fixes:
+            written = " and ".join(f"`{each.text}`" for each in finding.fixes if each.text)
+            title = f"Write {written}" if written else "Leave it out"
+            yield finding, Action(title, finding.fixes, finding.code, True)
+
+
 def respelt(text: Text, found: Iterable[Finding]) -> Iterator[tuple[Finding, Action]]:
     """Yield the changes of a word into the one that is meant, where a finding stands at it."""
     for finding in found:
         match = _MEANT.search(finding.help or "")
-        if match is None or finding.place.path != text.path:
+        if match is None or finding.fixes or finding.place.path != text.path:
             continue
         line, column = text.column(finding.place.range.start)
         last, end = text.column(finding.place.range.end)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Severity
 from mars_asp.lsp.mentions import Mention, Outline, outline
-from mars_asp.lsp.places import Place, Position
+from mars_asp.lsp.places import Edit, Place, Position
 
 #: A proxy of a mapping crosses no pipe.
 _NONE: Mapping[str, tuple[str, ...]] = {}
@@ -18,7 +18,8 @@ _NONE: Mapping[str, tuple[str, ...]] = {}
 class Finding(NamedTuple):
     """Something that was found: what `check` and `rules lint` print of it, and where.
 
-    `title` is what `explain` calls it, `kind(subject)`, of those that have an explanation.
+    `title` is what `explain` calls it, `kind(subject)`, of those that have an explanation; `fixes`
+    are the edits that mend it, where these are safe.
     """
 
     place: Place
@@ -29,6 +30,7 @@ class Finding(NamedTuple):
     effect: str | None = None
     related: tuple[tuple[Place, str], ...] = ()
     title: str | None = None
+    fixes: tuple[Edit, ...] = ()
 
 
 class Described(NamedTuple):

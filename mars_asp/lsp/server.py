@@ -8,7 +8,7 @@ import asyncio
 import logging
 import os
 import sys
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
 from functools import wraps
 from typing import Any, TypeVar
@@ -16,23 +16,33 @@ from typing import Any, TypeVar
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
-from pygls.uris import from_fs_path, to_fs_path
+from pygls.uris import from_fs_path
 
 from mars_asp import __version__
-from mars_asp.lsp.actions import Action, actions_at, respelt
+from mars_asp.lsp.actions import Action, actions_at, mended, respelt
 from mars_asp.lsp.completion import Completions, completion, rule_completion
 from mars_asp.lsp.desk import Desk
-from mars_asp.lsp.hover import Hover, hover, hover_rules
+from mars_asp.lsp.hover import hover, hover_rules
 from mars_asp.lsp.lenses import lenses
 from mars_asp.lsp.mentions import is_configuration, language_of
-from mars_asp.lsp.places import Edit, Place, Position, Range
+from mars_asp.lsp.places import Place, Position, Range
+from mars_asp.lsp.protocol import (
+    Protocol,
+    hover_of,
+    items_of,
+    path_of,
+    place_of,
+    position_of,
+    range_of,
+    symbol_of,
+)
 from mars_asp.lsp.questions import Checked, Failed, Linted, Question, Sort, Survey
 from mars_asp.lsp.references import definition, references
 from mars_asp.lsp.rename import RefusedError, rename, renamed_range
 from mars_asp.lsp.robot import Finding, Robot
 from mars_asp.lsp.rule_text import is_rules
 from mars_asp.lsp.rules import Rules, predicate_definition, predicate_mentions
-from mars_asp.lsp.symbols import Symbol, module_symbols, predicate_symbols
+from mars_asp.lsp.symbols import module_symbols, predicate_symbols
 from mars_asp.lsp.workers import Workers
 
 #: Seconds without a keystroke after which an analysis begins.
@@ -41,22 +51,7 @@ PAUSE = 0.25
 _TRACE_SECONDS = 5.0
 EXPLAIN = "mars-asp.explain"
 _START = Range(Position(0, 0), Position(0, 0))
-_SEVERITIES = {
-    "error": types.DiagnosticSeverity.Error,
-    "warning": types.DiagnosticSeverity.Warning,
-    "note": types.DiagnosticSeverity.Information,
-}
-_COMPLETIONS = {
-    "keyword": types.CompletionItemKind.Keyword,
-    "module": types.CompletionItemKind.Module,
-    "port": types.CompletionItemKind.Field,
-    "mode": types.CompletionItemKind.EnumMember,
-    "function": types.CompletionItemKind.Function,
-    "predicate": types.CompletionItemKind.Function,
-    "annotation": types.CompletionItemKind.Keyword,
-}
 _NOTHING = Completions((), _START)
-_SYMBOLS = {"module": types.SymbolKind.Module, "predicate": types.SymbolKind.Function}
 _Found = TypeVar("_Found")
 
 
@@ -108,6 +103,7 @@ class _Server(LanguageServer):
         self._workers = workers
         self._desk = Desk()
         self._uris: dict[str, str] = {}
+        self._told = Protocol(self._uri)
         self._versions: dict[str, int] = {}
         #: Analyses that go on, by the file that is asked about.
         self._going: dict[str, asyncio.Task[None]] = {}
@@ -158,21 +154,21 @@ class _Server(LanguageServer):
     def opened(self, params: types.DidOpenTextDocumentParams) -> None:
         """Take a text that is opened."""
         document = params.text_document
-        path = _path(document.uri)
+        path = path_of(document.uri)
         if path is not None:
             self._uris[path] = document.uri
             self._take(path, document.version, document.text, 0.0)
 
     def changed(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take what a text is now."""
-        path = _path(params.text_document.uri)
+        path = path_of(params.text_document.uri)
         if path in self._desk.texts and params.content_changes:
             text = params.content_changes[-1].text
             self._take(path, params.text_document.version, text, PAUSE)
 
     def closed(self, params: types.DidCloseTextDocumentParams) -> None:
         """Forget a text, and what was found of robots of which no file is open any more."""
-        path = _path(params.text_document.uri)
+        path = path_of(params.text_document.uri)
         if path not in self._desk.texts:
             return
         self._overtake(path)
@@ -189,7 +185,7 @@ class _Server(LanguageServer):
 
     def saved(self, params: types.DidSaveTextDocumentParams) -> None:
         """Analyse what is saved where its text alone does not tell all: other files may be new."""
-        path = _path(params.text_document.uri)
+        path = path_of(params.text_document.uri)
         if path in self._desk.texts:
             # Rules that are saved may be those of any robot.
             self._again(tuple(self._desk.texts) if is_rules(path) else (path,))
@@ -235,7 +231,7 @@ class _Server(LanguageServer):
     async def _find_owners(self, path: str, delay: float) -> None:
         """Look for the configurations that a source belongs to, and analyse these or the source."""
         await asyncio.sleep(delay)
-        folders = [_path(each.uri) or "" for each in self.workspace.folders.values()]
+        folders = [path_of(each.uri) or "" for each in self.workspace.folders.values()]
         inside = [each for each in folders if path.startswith(f"{each}/")]
         limit = max(inside, key=len, default="")
         found = await self._workers.ask(Question("owners", path, self._desk.unsaved(), limit))
@@ -277,7 +273,7 @@ class _Server(LanguageServer):
 
     def _publish(self, paths: Iterable[str]) -> None:
         for path in sorted(paths):
-            found = [self._diagnostic(each) for each in self._desk.findings(path)]
+            found = [self._told.diagnostic(each) for each in self._desk.findings(path)]
             version = self._versions.get(path) if path in self._desk.texts else None
             told = types.PublishDiagnosticsParams(self._uri(path), found, version)
             self.text_document_publish_diagnostics(told)
@@ -319,11 +315,11 @@ class _Server(LanguageServer):
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         """Tell what there is to say of a place."""
-        path, position = _at(params)
+        path, position = place_of(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = [f for f in self._desk.findings(path) if f.place.range.holds(position)]
-            return _hover(hover_rules(rules_here, self._rules(path), position, found))
+            return hover_of(hover_rules(rules_here, self._rules(path), position, found))
         scene = self._desk.scene(path)
         if scene is None:
             return None
@@ -331,7 +327,7 @@ class _Server(LanguageServer):
         for each in scene.found_at(position):
             if each.title is not None:
                 traces |= await self._trace(path, each.title)
-        return _hover(hover(scene, position, traces))
+        return hover_of(hover(scene, position, traces))
 
     async def _trace(self, path: str, title: str) -> dict[str, str]:
         """Return the trace of a finding by its title; nothing while a newer analysis goes on."""
@@ -348,17 +344,17 @@ class _Server(LanguageServer):
 
     def definition(self, params: types.DefinitionParams) -> list[types.Location]:
         """Tell where something is defined."""
-        path, position = _at(params)
+        path, position = place_of(params)
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
             found = predicate_definition(rules_here, self._rules(path), self._desk.texts, position)
-            return self._locations(found)
+            return self._told.locations(found)
         scene = self._desk.scene(path)
-        return [] if scene is None else self._locations(definition(scene, position))
+        return [] if scene is None else self._told.locations(definition(scene, position))
 
     def references(self, params: types.ReferenceParams) -> list[types.Location]:
         """Tell where something is named."""
-        path, position = _at(params)
+        path, position = place_of(params)
         with_own = params.context.include_declaration
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
@@ -366,56 +362,58 @@ class _Server(LanguageServer):
             if mention is None:
                 return []
             named = predicate_mentions(rules_here, self._rules(path), self._desk.texts, mention.key)
-            return self._locations(place for place, each in named if with_own or not each.is_head)
+            return self._told.locations(
+                place for place, each in named if with_own or not each.is_head
+            )
         scene = self._desk.scene(path)
         found = () if scene is None else references(scene, position)
-        return self._locations(
+        return self._told.locations(
             place for place, each in found if with_own or each.role != "annotated"
         )
 
     def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         """Tell what a text declares."""
-        path = _path(params.text_document.uri) or ""
+        path = path_of(params.text_document.uri) or ""
         rules_here = self._desk.rule_text(path)
         if rules_here is not None:
-            return [_symbol(each) for each in predicate_symbols(rules_here)]
+            return [symbol_of(each) for each in predicate_symbols(rules_here)]
         scene = self._desk.scene(path)
-        return [] if scene is None else [_symbol(each) for each in module_symbols(scene.here)]
+        return [] if scene is None else [symbol_of(each) for each in module_symbols(scene.here)]
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         """Tell what can have another name at a place."""
-        path, position = _at(params)
+        path, position = place_of(params)
         scene = self._desk.scene(path)
         found = None if scene is None else renamed_range(scene, position)
-        return None if found is None else _range(found)
+        return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
         """Give a module another name."""
-        path, position = _at(params)
+        path, position = place_of(params)
         scene = self._desk.scene(path)
         if scene is None:
             return None
         try:
-            return self._workspace_edit(rename(scene, position, params.new_name))
+            return self._told.workspace_edit(rename(scene, position, params.new_name))
         except RefusedError as refused:
             raise JsonRpcException(str(refused), types.LSPErrorCodes.RequestFailed) from None
 
     def completion(self, params: types.CompletionParams) -> types.CompletionList:
         """Tell what may stand at a place."""
-        path, position = _at(params)
+        path, position = place_of(params)
         rules_here = self._desk.rule_text(path)
         scene = self._desk.scene(path)
         if rules_here is not None:
-            return _items(rule_completion(rules_here, self._rules(path), position))
+            return items_of(rule_completion(rules_here, self._rules(path), position))
         found = _NOTHING if scene is None else completion(scene, position)
-        return _items(found)
+        return items_of(found)
 
     def lenses(self, params: types.CodeLensParams) -> list[types.CodeLens]:
         """Tell what stands above modules."""
-        scene = self._desk.scene(_path(params.text_document.uri) or "")
+        scene = self._desk.scene(path_of(params.text_document.uri) or "")
         return [
             types.CodeLens(
-                _range(each.range),
+                range_of(each.range),
                 types.Command(each.title, EXPLAIN, arguments=[each.robot, each.module]),
             )
             for each in (() if scene is None else lenses(scene))
@@ -423,21 +421,21 @@ class _Server(LanguageServer):
 
     async def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Tell the repairs of the findings at a place."""
-        path = _path(params.text_document.uri) or ""
+        path = path_of(params.text_document.uri) or ""
         text = self._desk.texts.get(path)
         if text is None:
             return []
-        stretch = Range(_position(params.range.start), _position(params.range.end))
+        stretch = Range(position_of(params.range.start), position_of(params.range.end))
         found = [each for each in self._desk.findings(path) if each.place.range.meets(stretch)]
         scene = self._desk.scene(path)
         here = self._desk.rule_text(path) if scene is None else scene.here
-        chosen = [] if here is None else list(respelt(here.text, found))
+        chosen = [] if here is None else [*mended(found), *respelt(here.text, found)]
         if any(each.title for each in found):
             for robot in self._desk.robots_of(path):
                 chosen += actions_at(await self._repaired(robot.path), found)
         if self._desk.texts.get(path) != text:
             return []
-        return [self._action(*each) for each in chosen]
+        return [self._told.action(*each) for each in chosen]
 
     async def _repaired(self, asked: str) -> tuple[Action, ...]:
         if asked not in self._desk.repairs:
@@ -461,91 +459,8 @@ class _Server(LanguageServer):
         self.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
         return text
 
-    # ---- Values of the protocol ------------------------------------------------------------------
-
     def _rules(self, path: str) -> Rules:
         return self._desk.rules.get(path, Rules())
 
     def _uri(self, path: str) -> str:
         return self._uris.get(path) or from_fs_path(path) or path
-
-    def _location(self, place: Place) -> types.Location:
-        return types.Location(self._uri(place.path), _range(place.range))
-
-    def _locations(self, places: Iterable[Place]) -> list[types.Location]:
-        return [self._location(each) for each in places]
-
-    def _diagnostic(self, finding: Finding) -> types.Diagnostic:
-        parts = (finding.message, finding.effect, finding.help and f"help: {finding.help}")
-        return types.Diagnostic(
-            _range(finding.place.range),
-            "\n".join(filter(None, parts)),
-            severity=_SEVERITIES[finding.severity],
-            code=finding.code,
-            source="mars-asp",
-            related_information=[
-                types.DiagnosticRelatedInformation(self._location(place), label or "also here")
-                for place, label in finding.related
-            ],
-        )
-
-    def _action(self, finding: Finding, action: Action) -> types.CodeAction:
-        return types.CodeAction(
-            action.title,
-            kind=types.CodeActionKind.QuickFix,
-            diagnostics=[self._diagnostic(finding)],
-            edit=self._workspace_edit(action.edits),
-            is_preferred=action.is_sole,
-        )
-
-    def _workspace_edit(self, edits: Sequence[Edit]) -> types.WorkspaceEdit:
-        changes: dict[str, list[types.TextEdit]] = {}
-        for each in edits:
-            edit = types.TextEdit(_range(each.place.range), each.text)
-            changes.setdefault(self._uri(each.place.path), []).append(edit)
-        return types.WorkspaceEdit(changes)
-
-
-def _path(uri: str) -> str | None:
-    """Return the path of a file; nothing where a text is none."""
-    path = to_fs_path(uri) if uri.startswith("file:") else None
-    return None if path is None or "\0" in path else path
-
-
-def _at(params: types.TextDocumentPositionParams | Any) -> tuple[str, Position]:
-    return _path(params.text_document.uri) or "", _position(params.position)
-
-
-def _position(position: types.Position) -> Position:
-    return Position(position.line, position.character)
-
-
-def _range(found: Range) -> types.Range:
-    return types.Range(types.Position(*found.start), types.Position(*found.end))
-
-
-def _hover(found: Hover | None) -> types.Hover | None:
-    if found is None:
-        return None
-    text = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
-    return types.Hover(text, None if found.range is None else _range(found.range))
-
-
-def _symbol(found: Symbol) -> types.DocumentSymbol:
-    return types.DocumentSymbol(
-        found.name, _SYMBOLS[found.sort], _range(found.whole), _range(found.place), found.detail
-    )
-
-
-def _items(found: Completions) -> types.CompletionList:
-    items = [
-        types.CompletionItem(
-            each.label,
-            kind=_COMPLETIONS[each.sort],
-            documentation=each.detail or None,
-            filter_text=each.text,
-            text_edit=types.TextEdit(_range(found.typed), each.text),
-        )
-        for each in found.items
-    ]
-    return types.CompletionList(not found.is_whole, items)

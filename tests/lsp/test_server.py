@@ -47,12 +47,13 @@ def stretch(place: types.Location | types.LocationLink) -> tuple[str, int, int, 
 
 
 def applied(text: str, edits: list[types.TextEdit]) -> str:
-    """Return a text with edits, whose columns here count ASCII characters."""
+    """Return a text with edits, whose columns count UTF-16 units."""
     lines = text.splitlines(keepends=True)
     starts = [sum(map(len, lines[:number])) for number in range(len(lines) + 1)]
 
     def offset(at: types.Position) -> int:
-        return starts[at.line] + at.character
+        before = lines[at.line].encode("utf-16-le")[: 2 * at.character] if at.character else b""
+        return starts[at.line] + len(before.decode("utf-16-le"))
 
     for edit in sorted(edits, key=lambda each: offset(each.range.start), reverse=True):
         begin, end = offset(edit.range.start), offset(edit.range.end)
@@ -287,6 +288,62 @@ def test_rules_are_asked_about(tmp_path: Path) -> None:
             types.DocumentSymbolParams(document(uri))
         )
         assert [each.name for each in symbols or ()] == ["watched/1", "wide/1"]
+
+    played(scenario, tmp_path)
+
+
+#: One finding of each lint with a safe fix, `😀` before one, and what is left when all are taken.
+FAULTY = """\
+%*! road(R: road, K: {paved, gravel}, N: text)
+R is a road of kind K, called N.
+*%
+#defined road/3.
+first(R) :- road(R, pavd, _).
+second(R) :- road(R, _, "😀"), road(R, "paved", _).
+third(R) :- road(R, gravel, _), road(R, gravel, _).
+fourth(R) :- road(R, _, N), N = main.
+#show first/1. #show second/1. #show third/1. #show fourth/1.
+"""
+MENDED = """\
+first(R) :- road(R, paved, _).
+second(R) :- road(R, _, "😀"), road(R, paved, _).
+third(R) :- road(R, gravel, _).
+fourth(R) :- road(R, _, N), N = "main".
+"""
+
+
+def test_lints_are_fixed_by_code_actions(tmp_path: Path) -> None:
+    async def scenario(client: Editor) -> None:
+        path = tmp_path / "roads.lp"
+        # What is on the disk is not what is mended.
+        path.write_text("")
+        uri, text, taken = client.open(path, FAULTY), FAULTY, []
+        for version in range(2, 7):
+            for found in await client.diagnostics(uri, version - 1):
+                told = await client.text_document_code_action_async(
+                    types.CodeActionParams(document(uri), found.range, types.CodeActionContext([]))
+                )
+                if told:
+                    break
+            else:
+                break
+            (action,) = told
+            assert isinstance(action, types.CodeAction) and action.edit is not None
+            assert action.is_preferred and action.kind == types.CodeActionKind.QuickFix
+            assert list(action.diagnostics or ()) == [found] and action.edit.changes is not None
+            taken.append((found.code, action.title))
+            text = applied(text, list(action.edit.changes[uri]))
+            client.change(uri, text, version)
+        assert taken == [
+            ("rule-value", "Write `paved`"),
+            ("rule-form", "Write `paved`"),
+            ("rule-redundant", "Leave it out"),
+            ("rule-form", 'Write `"main"`'),
+        ]
+        assert text.splitlines()[4:8] == MENDED.splitlines()
+        path.write_text(FAULTY)
+        run_here(["rules", "lint", "--fix", str(path)])
+        assert path.read_text() == text
 
     played(scenario, tmp_path)
 

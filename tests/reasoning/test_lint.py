@@ -16,6 +16,8 @@ from tests.support.documents import ROOT
 
 FAULTS = sorted((ROOT / "tests" / "lint" / "faults").glob("*.lp"))
 CORRECT = sorted((ROOT / "tests" / "lint" / "correct").glob("*.lp"))
+#: A pack with attributes, a kind of node and rules of several stages.
+PACK = ROOT / "tests" / "lint" / "pack"
 EXPECTED = re.compile(r"%~(\^*) (.*)$")
 
 
@@ -26,6 +28,13 @@ def expected(path: Path) -> Counter[tuple[int, str]]:
         for code in match[2].split() if match else ():
             found[number - len(match[1] if match else ""), code] += 1
     return found
+
+
+@pytest.mark.parametrize("path", sorted(PACK.rglob("*.lp")), ids=lambda path: path.stem)
+def test_what_is_planted_in_a_pack_is_reported_and_nothing_else(path: Path) -> None:
+    found = (each for each in lint([PACK], grounded=False).diagnostics)
+    here = (each for each in found if Path(each.span.path) == path)
+    assert Counter((each.span.line, each.code) for each in here) == expected(path)
 
 
 def reported(path: Path) -> Counter[tuple[int, str]]:

@@ -28,7 +28,8 @@ PAGES = (
     Page(
         "rule-sort",
         "Arguments of the wrong sort",
-        "Reports a variable that is two things at once, and a comparison of values of two sorts. "
+        "Reports a variable that is two things at once, one that is negated or asked for as what "
+        "it is not, and a comparison of values of two sorts. "
         "Sorts are declared in `%*! name(X: sort) *%`, and handed on from rule to rule.",
         "The two have no value in common, so the rule never fires. Often two arguments were "
         "swapped.",
@@ -38,8 +39,9 @@ PAGES = (
     Page(
         "rule-unit",
         "Numbers in the wrong unit",
-        "Reports a comparison, a sum or a variable with numbers of two units, and a number that "
-        "is too small to be meant in its unit, such as `F < 25` where F is in millihertz.",
+        "Reports a comparison, an aggregate, a sum or a variable with numbers of two units, and a "
+        "number that is too small to be meant in its unit, such as `F < 25` where F is in "
+        "millihertz.",
         "Rules count in small units, so that all numbers are whole. clingo compares any two "
         "numbers and does not notice.",
         f"{_ROAD}{_LENGTH}{_BEAT}odd(R) :- lasts(R, T), beats(R, F), T < F.\n#show odd/1.\n",

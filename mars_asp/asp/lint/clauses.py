@@ -19,6 +19,7 @@ OPPOSITE = {">": "<=", "<": ">=", "<=": ">", ">=": "<", "!=": "=", "=": "!="}
 TURNED = {">": "<", "<": ">", "<=": ">=", ">=": "<=", "!=": "!=", "=": "="}
 _FUNCTIONS = ("count", "sum", "sum+", "min", "max")
 #: Clingo's numbers of operations.
+_COMPUTED = {"+": int.__add__, "-": int.__sub__, "*": int.__mul__}
 _OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 
 #: What heads are: one atom, some of several atoms, one of several, or none.
@@ -228,6 +229,9 @@ def number_of(term: Node) -> int | None:
     if term.ast_type is Kind.UnaryOperation and str(term).startswith("-"):
         inside = number_of(term.argument)
         return None if inside is None else -inside
+    if (sign := operation_of(term)) in _COMPUTED:
+        left, right = number_of(term.left), number_of(term.right)
+        return None if left is None or right is None else _COMPUTED[sign](left, right)
     return None
 
 

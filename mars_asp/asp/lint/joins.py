@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison
+from mars_asp.asp.lint.clauses import Aggregate, Atom, Clause, Comparison, name_of
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.trees import names_in
 
@@ -43,9 +43,15 @@ def _apart(
 
     for atom in atoms:
         join(names_in(atom.node))
+    bound = frozenset[str]().union(*(names_in(atom.node) for atom in atoms))
+    nodes = [*(each.node for each in comparisons), *(each.node for each in aggregates)]
+    others = [names_in(node) for node in nodes]
     for each in comparisons:
-        if each.sign == "=":
-            join(names_in(each.left) | names_in(each.right))
+        names = names_in(each.left) | names_in(each.right)
+        # What only gives a value to a variable asks for nothing.
+        given = {name_of(each.left), name_of(each.right)} - bound - {None}
+        if each.sign == "=" and not any(sum(one in each for each in others) == 1 for one in given):
+            join(names)
     for aggregate in aggregates:
         for sign, guard in aggregate.guards:
             if sign == "=":

@@ -49,7 +49,8 @@ def _growing(
     others = [a for a in atoms if a.sign == 0 and a not in again]
     bounded = frozenset[str]().union(*(names_in(a.node) for a in others))
     carried = frozenset[str]().union(*(names_in(a.node) for a in again))
-    if _is_led(clause, head, again, bounded) or _shrinks(clause, head, carried):
+    ends = (_is_led(clause, head, again, bounded), _shrinks(clause, head, carried))
+    if any(ends) or _is_counted(clause, head, again):
         return
     values = _assigned(clause, carried)
     for term in head.terms:
@@ -103,6 +104,21 @@ def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[st
                 return True
             known = (names_in(new) | names_in(old)) & bounded
             if known and frozenset((text_of(new), text_of(old))) in ordered:
+                return True
+    return False
+
+
+def _is_counted(clause: Clause, head: Atom, again: list[Atom]) -> bool:
+    """Whether an argument counts the turns, and a comparison says how many there are."""
+    if any(atom.signature != head.signature for atom in again):
+        return False
+    pairs = zip(head.terms, *(atom.terms for atom in again), strict=True)
+    for new, *old in pairs:
+        base, plus = parted(new)
+        before = [parted(each) for each in old]
+        steps = {plus - more for _, more in before}
+        if all(other == base for other, _ in before) and (min(steps) > 0 or max(steps) < 0):
+            if base in _limited(clause, "+" if min(steps) > 0 else "-"):
                 return True
     return False
 

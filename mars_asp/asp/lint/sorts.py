@@ -1,12 +1,13 @@
 """Values in rules that can never be: of the wrong sort, misspelt, in another form or unit."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mars_asp.asp.lint.clauses import (
     Atom,
     Clause,
     Comparison,
     is_constant,
+    joined,
     name_of,
     number_of,
     operation_of,
@@ -40,8 +41,14 @@ def wrong_values(
         environment = known.environment(clause, scope)
         environments.append(environment)
         yield from _contradictions(clause, scope.positive, environment, known)
+        denied = (atom for atom in scope.atoms if atom.sign)
+        yield from _never_given(clause, denied, environment, known)
         for comparison in scope.comparisons:
             yield from _compared(clause, comparison, environment, known)
+    for each in clause.conditionals:
+        environment = known.environment(clause, joined(clause.body, each.condition))
+        yield from _never_given(clause, each.literal.atoms, environment, known)
+    yield from _aggregated(clause, environments[0], known)
     for head, condition in clause.heads:
         environment = known.environment(clause, condition) if condition.atoms else {}
         yield from _wrong_heads(clause, head, {**environments[0], **environment}, known)
@@ -74,6 +81,42 @@ def _two_things(clause: Clause, name: str, first: Use, use: Use) -> Found:
     message = f"`{name}` is {one} in `{first.atom.signature.unsigned}`"
     message += f" and {other} in `{use.atom.signature.unsigned}`"
     return found(code, message, clause.place(use.atom.node), clause.rule, advice)
+
+
+def _never_given(
+    clause: Clause, atoms: Iterable[Atom], environment: Environment, known: Known
+) -> Iterator[Found]:
+    """Yield the atoms that bind no variable, where one is of another sort than their argument."""
+    for atom in atoms:
+        every = known.arguments(atom.signature)
+        for at, name in atom.named if every else ():
+            given, values = environment.get(name), every[at]
+            if known.are_apart(given, values):
+                code = UNIT if _units(given) and _units(values) else SORT
+                message = f"`{name}` is {_in_words(given)}, and never {_in_words(values)}"
+                message += f", as in `{atom.signature.unsigned}`"
+                advice = "this never holds, and its negation always does: use another variable"
+                yield found(code, message, clause.place(atom.node), clause.rule, advice)
+
+
+def _aggregated(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
+    """Yield the aggregates that are compared with numbers of another unit, or with small ones."""
+    for aggregate in clause.aggregates:
+        own = known.aggregated(aggregate, environment)
+        for _, guard in aggregate.guards:
+            values = known.of(guard, environment)
+            units = _units(own), _units(values)
+            if all(units) and not set(units[0]) & set(units[1]):
+                message = f"`{text_of(guard)}` is in {_in_words(values)}"
+                message += f" and this aggregate in {_in_words(_numbers(own))}"
+                advice = "bring both to one unit before they are compared"
+                yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
+            else:
+                yield from _too_small(clause, guard, own)
+
+
+def _numbers(values: Values) -> Values:
+    return values and frozenset(each for each in values if each.form != "name")
 
 
 def _compared(
@@ -201,6 +244,10 @@ def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Itera
 
 def _too_small(clause: Clause, term: Node, values: Values) -> Iterator[Found]:
     """Yield a number that is too small to be meant in the unit of what it is compared with."""
+    if term.ast_type is Kind.Interval:
+        yield from _too_small(clause, term.left, values)
+        yield from _too_small(clause, term.right, values)
+        return
     number, units = number_of(term), _units(values)
     if number is None or len(units) != 1 or units[0] not in _FINE:
         return

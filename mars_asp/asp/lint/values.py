@@ -122,6 +122,15 @@ class Known:
         found = (self.alike(each, rest) for each in one for rest in other)
         return frozenset(each for each in found if each is not None)
 
+    def are_apart(self, one: Values, other: Values) -> bool:
+        """Whether values are of other sorts or forms, whichever of them they are.
+
+        Of terms it is not known what stands for what.
+        """
+        if not one or not other or any(each.form == "function" for each in one | other):
+            return False
+        return not self.meet(_of_any_text(one), _of_any_text(other))
+
     def comparable(self, one: Values, other: Values) -> bool:
         """Whether values have an order that somebody may ask for: numbers, and terms, have one."""
         forms = [{each.form for each in values or ()} for values in (one, other)]
@@ -157,10 +166,10 @@ class Known:
             for sign, guard in aggregate.guards:
                 value = name_of(guard)
                 if sign == "=" and value is not None and value not in found:
-                    found[value] = self._aggregated(aggregate, found)
+                    found[value] = self.aggregated(aggregate, found)
         return found
 
-    def _aggregated(self, aggregate: Aggregate, environment: Environment) -> Values:
+    def aggregated(self, aggregate: Aggregate, environment: Environment) -> Values:
         """Return what the value of an aggregate is: of the sort of what it adds or compares."""
         if aggregate.function in ("count", "set"):
             return NUMBERS

@@ -1,0 +1,72 @@
+"""The texts of files as an editor has them, and what is found placed in them."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mars_asp.cli.ignores import decoded
+from mars_asp.diagnostic import Diagnostic, Span, brief
+from mars_asp.lsp.places import Edit, Place, Position, Range, Text
+from mars_asp.lsp.robot import Finding
+from mars_asp.reasoning.rules import rules_directory
+from mars_asp.unsaved import unsaved_bytes
+
+_START = Range(Position(0, 0), Position(0, 0))
+
+
+@dataclass(frozen=True)
+class Files:
+    """The texts of files as they are now, and what is found placed in them.
+
+    `root` is where that is placed which stands in no file.
+    """
+
+    root: str
+    known: dict[str, Text] = field(default_factory=dict)
+
+    def text(self, path: str) -> Text | None:
+        """Return the text of a file; nothing where it is none."""
+        path = os.path.abspath(path)  # noqa: PTH100 -- links stay as they are named
+        if path not in self.known:
+            raw = unsaved_bytes(Path(path))
+            if raw is None and not Path(path).is_file():
+                return None
+            self.known[path] = Text(path, decoded(Path(path).read_bytes() if raw is None else raw))
+        return self.known[path]
+
+    def place(self, span: Span) -> Place | None:
+        """Return where a span stands; nothing where its path is no file."""
+        try:
+            text = self.text(_built_in(span.path) or span.path)
+        except OSError:
+            return None
+        return None if text is None else text.place(span)
+
+    def finding(
+        self, found: Diagnostic, title: str | None = None, fixes: Iterable[tuple[Span, str]] = ()
+    ) -> Finding:
+        """Return what is told of a diagnostic; `fixes` are texts for stretches of files."""
+        short = brief(found)
+        edits = [(self.place(span), text) for span, text in fixes]
+        known = tuple(Edit(place, text) for place, text in edits if place is not None)
+        placed = ((self.place(span), label) for span, label in short.labels)
+        return Finding(
+            self.place(short.span) or Place(self.root, _START),
+            short.severity,
+            short.code,
+            short.message,
+            short.help,
+            short.effect,
+            tuple((place, label) for place, label in placed if place is not None),
+            title,
+            known if len(known) == len(edits) else (),
+        )
+
+
+def _built_in(path: str) -> str | None:
+    """Return where a file of our rules is, which is shown by its path from their folder."""
+    own = rules_directory()
+    if path.startswith("rules/") and not Path(path).is_file():
+        return str(own / path.removeprefix("rules/"))
+    return None

@@ -1,0 +1,169 @@
+"""Rules, predicates and files of rules as pages: what `rules show` and `rules doc` print."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.metadata import file_name
+from mars_asp.asp.rules.outline import Outline
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature, plain
+from mars_asp.cli.deliver import write_file
+from mars_asp.output import visible
+from mars_asp.reasoning.findings import EXPANSIONS
+from mars_asp.reasoning.rules import BASE, STAGES, seal
+
+#: What the rules of each stage are for.
+PURPOSES: Mapping[str, str] = {"base": BASE, **STAGES}
+
+
+def speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
+    """Return the rules of a stage that have a message."""
+    return (rule for rule in rulebook.rules if rule.stage == stage and rule.because is not None)
+
+
+def documents(rulebook: Rulebook, stages: Iterable[str], pack: str | None = None) -> Iterator[str]:
+    """Yield the page of each file of stages, of a pack where one is named by its path."""
+    for stage in stages:
+        for path, (at, outline) in rulebook.outlines.items():
+            if at == stage and _is_of(path, pack):
+                yield _page(rulebook, path, stage, outline)
+
+
+def _page(rulebook: Rulebook, path: str, stage: str, outline: Outline) -> str:
+    of_file = (rule for rule in speaking(rulebook, stage) if rule.span.path == path)
+    rules = (f"{rule_document(rule, '###')}\n" for rule in of_file)
+    return "\n".join([f"{file_document(path, stage, outline)}\n", *rules])
+
+
+def _is_of(path: str, pack: str | None) -> bool:
+    """Whether a file of rules is to be documented: of a pack, where one is named."""
+    return pack is None or (path.endswith(".lp") and Path(path).is_relative_to(pack))
+
+
+def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> None:
+    """Write a page for each file of rules into a folder, and one that lists them."""
+    listed = ["# Rules", ""]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for stage in stages:
+        named = ((path, of) for path, (at, of) in rulebook.outlines.items() if at == stage)
+        files = [(path, of) for path, of in named if _is_of(path, pack)]
+        listed += [f"## {stage}", "", f"{PURPOSES[stage]}.", ""] if files else []
+        for path, outline in files:
+            name = f"{file_name(path, stage).replace('/', '-')}.md"
+            listed.append(f"- [{file_name(path, stage)}]({name}): {visible(outline.title)}")
+            page = _page(rulebook, path, stage, outline)
+            write_file(str(Path(folder) / name), safe(page.replace("## ", "# ", 1)))
+        listed += [""] if files else []
+    write_file(str(Path(folder) / "index.md"), "\n".join(listed))
+    print(f"wrote {visible(str(Path(folder) / 'index.md'))}")
+
+
+def file_document(path: str, stage: str, outline: Outline) -> str:
+    """Return what there is to say of a file of rules."""
+    parts = [f"## {file_name(path, stage)}", outline.title, path]
+    lines = [f"Purpose: {outline.purpose}"] if outline.purpose else []
+    for name, predicates in predicates_of(outline):
+        if predicates:
+            lines.append(f"{name.capitalize()}: {', '.join(f'`{p}`' for p in predicates)}")
+    return "\n\n".join(filter(None, [*parts, *lines]))
+
+
+def predicates_of(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]:
+    """Yield what a file does with predicates, and with which."""
+    yield "given", outline.given
+    yield "derives", outline.derives
+    yield "decides", outline.decides
+    yield "shows", outline.shows
+
+
+def safe(text: str) -> str:
+    """Return what packs wrote with control characters escaped, but for tabs and line feeds."""
+    lines = (map(visible, line.split("\t")) for line in text.split("\n"))
+    return "\n".join(map("\t".join, lines))
+
+
+def rule_document(rule: Rule, heading: str) -> str:
+    """Return what there is to say of a rule, below a heading such as `##`."""
+    parts = [f"{heading} {rule.id}", rule.because or "no message"]
+    if rule.effect:
+        parts.append(f"Effect: {rule.effect}")
+    if rule.help:
+        parts.append(f"Help: {rule.help}")
+    if rule.why:
+        parts.append(f"Why: {rule.why}")
+    parts += [f"{key.capitalize()}: `{listed}`" for key, listed in rule.lists]
+    if rule.example:
+        parts.append(f"Example: {rule.example}")
+    parts.append(f"{rule.span.path}:{rule.span.line}")
+    return "\n\n".join([*parts, f"```clingo\n{plain(rule.text)}\n```"])
+
+
+def predicate_document(declaration: Declaration) -> str:
+    """Return what is declared of a predicate."""
+    sentences = {"says": declaration.says, "unless": declaration.unless}
+    said = [f"{key}: {sentence}" for key, each in sentences.items() for sentence in each]
+    origin = declaration.attribution or declaration.origin
+    said += [f"from: {origin}"] if origin else []
+    said += (f"key: {', '.join(key) or 'nothing'}" for key in declaration.named_keys)
+    said += [f"packs: {use}"] if (use := _use_by_packs(declaration)) else []
+    said += [] if declaration.joins else ["joins: nothing"]
+    said += [] if declaration.cited else ["cited: never"]
+    said += [] if declaration.ordering is None else [f"orders: {declaration.ordering}"]
+    place = f"{declaration.span.path}:{declaration.span.line}"
+    parts = (f"## {declaration.written}", declaration.words, "\n".join(said), place)
+    return "\n\n".join(filter(None, parts))
+
+
+def _use_by_packs(declaration: Declaration) -> str | None:
+    """Return what packs may do with a predicate: derive it, read it, or neither."""
+    if declaration.extensible:
+        return "extend"
+    is_open = declaration.public or declaration.signature.unsigned in _reserved()
+    return "read" if is_open else None
+
+
+@cache
+def _reserved() -> frozenset[Signature]:
+    return seal().reserved
+
+
+def predicate_json(declaration: Declaration) -> dict[str, object]:
+    """Return what is declared of a predicate, for programs."""
+    return {
+        "predicate": str(declaration.signature),
+        "arguments": [
+            {"name": name, "sorts": sorted(sorts), "constants": list(constants)}
+            for name, sorts, constants in declaration.arguments
+        ],
+        "words": declaration.words,
+        "says": list(declaration.says),
+        "unless": list(declaration.unless),
+        "cited": declaration.cited,
+        "orders": declaration.ordering,
+        "keys": list(map(list, declaration.named_keys)),
+        "from": declaration.origin,
+        "attribute": declaration.attribution,
+        "packs": _use_by_packs(declaration),
+        "path": declaration.span.path,
+        "line": declaration.span.line,
+    }
+
+
+def rule_json(rule: Rule) -> dict[str, object]:
+    """Return what there is to say of a rule, for programs."""
+    return {
+        "id": rule.id,
+        "stage": rule.stage,
+        "because": rule.because,
+        "help": rule.help,
+        "effect": rule.effect,
+        "why": rule.why,
+        "example": rule.example,
+        **{key: dict(rule.lists).get(key) for key in EXPANSIONS},
+        "path": rule.span.path,
+        "line": rule.span.line,
+        "text": plain(rule.text),
+    }
