@@ -21,7 +21,8 @@ from tests.support.side_by_side import answered, apart, batched, together
 
 def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
-    return coverage.covered(rulebook.rules, rulebook, list(map(tried, cases)), _together)
+    found = [tried(each, rulebook) for each in cases]
+    return coverage.covered(rulebook.rules, rulebook, found, _together)
 
 
 def _together(

@@ -424,13 +424,11 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
         if not rule.derives(_INSERTED):
             continue
         symbol = getattr(getattr(rule.ast.head, "atom", None), "symbol", None)
-        node, of_kind = symbol.arguments if symbol is not None else (None, kind)
+        node, of_kind = (None, kind) if symbol is None else symbol.arguments
         if str(of_kind) == kind:
-            arguments = getattr(node, "arguments", ())
-            is_named = bool(arguments) and bool(getattr(node, "name", ""))
-            called.add(
-                clingo.Function(node.name, [hole() for _ in arguments]) if is_named else hole()
-            )
+            name, arguments = getattr(node, "name", ""), getattr(node, "arguments", ())
+            holes = [hole() for _ in arguments]
+            called.add(clingo.Function(name, holes) if name and holes else hole())
     return called.pop() if len(called) == 1 else hole()
 
 
