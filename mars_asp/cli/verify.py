@@ -24,7 +24,7 @@ from mars_asp.cli.reason import (
 )
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.model.declarations import Relationship
+from mars_asp.model.declarations import NODE_NAMES, Relationship
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -50,7 +50,8 @@ _MOST_LINES = 10
 class _Comparison:
     """What a specification costs and the least, each by name; `None` where time was over.
 
-    `fault` says what cannot be: a specification that costs less than what was called least.
+    `fault` says what cannot be: a specification that costs less than what was called least. It is
+    one of packs where they introduce nodes without a rule that asks for them.
     """
 
     cost: Mapping[str, int] | None
@@ -58,6 +59,7 @@ class _Comparison:
     minimal: bool | None
     in_time: bool
     fault: str | None = None
+    of_packs: bool = False
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -128,7 +130,8 @@ def run(arguments: argparse.Namespace) -> int:
         print("mars-asp: the time limit ended the proof of what is minimal", file=sys.stderr)
         return 3
     if compared.fault is not None:
-        print(f"mars-asp: a fault of ours, please report it: {compared.fault}", file=sys.stderr)
+        whose = "of rule packs" if compared.of_packs else "of ours, please report it"
+        print(f"mars-asp: a fault {whose}: {compared.fault}", file=sys.stderr)
     return int(bool(violations) or compared.fault is not None)
 
 
@@ -248,7 +251,12 @@ def _compare(
         fault = (
             f"the specification costs {_in_words(cost)}, less than the least, {_in_words(least)}"
         )
-        return _Comparison(cost, least, None, in_time=True, fault=fault)
+        brought = [n.name for n in best.specification.nodes if n.kind not in NODE_NAMES]
+        if brought:
+            fault += (
+                f"; no rule in `verify` asks for nodes that packs introduce, such as {brought[0]}"
+            )
+        return _Comparison(cost, least, None, in_time=True, fault=fault, of_packs=bool(brought))
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
     return _Comparison(cost, least, minimal, in_time=minimal is not None)

@@ -237,9 +237,7 @@ def _pack_nodes(layout: Layout, blocks: Blocks) -> Iterator[PackNode]:
         yield PackNode(plain(match["node"]), match["pack"], span)
 
 
-def _outside(
-    pattern: re.Pattern[str], layout: Layout, blocks: Blocks
-) -> Iterator[re.Match[str]]:
+def _outside(pattern: re.Pattern[str], layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
     """Yield the matches of a comment that are not in module blocks."""
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
     for match in pattern.finditer(layout.text):

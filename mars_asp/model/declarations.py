@@ -264,8 +264,8 @@ class StandIn:
 class PackKind:
     """A kind of node that a rule pack brings, and how its nodes are named and drawn.
 
-    `pack` is the name of the pack. Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
-    what they do.
+    Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
+    what they do. `pack` is the name of the pack.
     """
 
     kind: str

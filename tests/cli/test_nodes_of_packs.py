@@ -203,3 +203,39 @@ def test_repairs_leave_nodes_of_packs_what_they_take_and_give(
     found = json.loads(capsys.readouterr().out)
     mends = [each for one in found["repairs"] for each in one["repairs"]]
     assert [edit["message"] for each in mends for edit in each["edits"]] == edits
+
+
+def test_nodes_that_no_rule_of_verify_asks_for_are_a_fault_of_packs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "filters"
+    (pack / "resolve").mkdir(parents=True)
+    for each in ("pack.toml", "resolve/filters.lp"):
+        text = (KINDS / "packs" / "filters" / each).read_text(encoding="utf-8")
+        (pack / each).write_text(text, encoding="utf-8")
+    robot = "@configuration\n@modules Fast, Base\nBase is_controlled_by Fast\n"
+    (tmp_path / "c.mars").write_text(robot, encoding="utf-8")
+    specification = written(tmp_path, robot.replace("configuration", "specification"))
+    asked = ["verify", str(specification), str(tmp_path / "c.mars"), "--rules", str(pack)]
+    assert run_here(asked) == 1
+    told = " ".join(capsys.readouterr().err.split())
+    assert "a fault of rule packs" in told
+    assert "no rule in `verify` asks for nodes that packs introduce, such as Limiter1" in told
+
+
+def test_packs_that_refuse_what_they_introduce_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "pack.toml").write_text('name = "mine"\nversion = "1"\n', encoding="utf-8")
+    (tmp_path / "verify").mkdir()
+    rules = tmp_path / "verify" / "mine.lp"
+    rules.write_text(
+        "%! id: verify/mine/never\n%! because: `{N}` is there\n"
+        "violation(100, N) :- glue(N, watchdog).\n",
+        encoding="utf-8",
+    )
+    options = ["--rules", str(WATCHDOG), "--rules", str(tmp_path), "--quiet"]
+    assert run_here(["synthesise", str(KINDS / "arbiter.mars"), *options]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert f"{rules}:3:1: error:" in told.replace("mine.lp: 3", "mine.lp:3")
+    assert "the rule refuses the specification that was found: `Watchdog1` is there" in told

@@ -28,7 +28,8 @@ _MOST, _MOST_ANY = 50, 300
 
 def covered(rulebook: Rulebook, cases: Sequence[Path]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
-    return coverage.covered(rulebook.rules, rulebook, list(map(tried, cases)), _TOGETHER)
+    found = [tried(each, rulebook) for each in cases]
+    return coverage.covered(rulebook.rules, rulebook, found, _TOGETHER)
 
 
 def _together(

@@ -207,7 +207,7 @@ class NameSpace(NamedTuple):
 
     @property
     def attributes(self) -> frozenset[Signature]:
-        """Return the attributes of modules that its files declare, which rules of any stage read."""
+        """Return the attributes of modules that it declares, which rules of any stage read."""
         declared = (each for file in self.files for each in file.documented.declarations)
         return frozenset(each.signature for each in declared if each.attribution is not None)
 

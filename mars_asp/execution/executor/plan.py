@@ -203,7 +203,9 @@ class Plan:
             return False
         return any(
             self.kind(link.client) != "arbitration_node"
-            and (not self._leads_on(link.client) or self.reaches_effector(link.client, seen | {name}))
+            and (
+                not self._leads_on(link.client) or self.reaches_effector(link.client, seen | {name})
+            )
             for link in self.control_out[name]
         )
 

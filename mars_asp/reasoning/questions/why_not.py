@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import clingo
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature, plain, signature_of
@@ -63,6 +64,7 @@ def at_module(kind: str, name: clingo.Symbol) -> tuple[clingo.Symbol, ...]:
     return (clingo.Function("inserted_at", [clingo.Function(kind), name, hole()]),)
 
 
+_INSERTED = Signature("inserted", 2)
 #: What a node of a kind may be there for, where its atom names no module.
 RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
 #: Kinds for which what is far away from a module counts as well.
@@ -407,11 +409,27 @@ def _blame(reasoner: Reasoner, question: _Question, evidence: Evidence) -> Blame
     pattern = question.patterns[0]
     if pattern.match("inserted_at", 3):
         # Whatever node there were, the pack would have to bring it for this module.
-        pattern = clingo.Function("inserted_for", [hole(), hole(), pattern.arguments[1]])
+        node = _node_of(pattern.arguments[0].name, rulebook)
+        pattern = clingo.Function("inserted_for", [node, hole(), pattern.arguments[1]])
     elif pattern.match("spec_node", 2) and not is_hole(pattern.arguments[0]):
         # A node is called by the atom that decides that it is there.
         pattern = pattern.arguments[0]
     return near_miss(reasoner, pattern, gives)
+
+
+def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
+    """Return what nodes of a pack's kind are called by, with holes; a hole where that differs."""
+    called: set[clingo.Symbol] = set()
+    for rule in rulebook.of_packs:
+        if not rule.derives(_INSERTED):
+            continue
+        symbol = getattr(getattr(rule.ast.head, "atom", None), "symbol", None)
+        node, of_kind = (None, kind) if symbol is None else symbol.arguments
+        if str(of_kind) == kind:
+            name, arguments = getattr(node, "name", ""), getattr(node, "arguments", ())
+            holes = [hole() for _ in arguments]
+            called.add(clingo.Function(name, holes) if name and holes else hole())
+    return called.pop() if len(called) == 1 else hole()
 
 
 def _never(_: Project) -> bool:
