@@ -370,6 +370,10 @@ class Grounding:
                 return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
         return None
 
+    def telling(self, part: Part) -> Iterator[TermId]:
+        """Yield the atoms that tell the answers of a component apart."""
+        return (self._names[atom] for atom in part.atoms if atom in self._names)
+
     def part_of(self, symbol: clingo.Symbol) -> Part | None:
         """Return the component in which an atom is open; `None` where the rules decide it."""
         atom = self.control.symbolic_atoms[symbol]

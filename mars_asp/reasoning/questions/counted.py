@@ -1,0 +1,190 @@
+"""How many nodes islands of a configuration need, counted once of those that are alike.
+
+The rules keep islands apart, so an island has as many nodes as one that is alike. Only where
+several answers are optimal names choose one of them: then islands are counted once whose names
+compare alike, too.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from typing import NamedTuple
+
+import clingo
+
+from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.slice.portions import Portion
+from mars_asp.asp.solve.components import Component
+from mars_asp.asp.solve.optimum import Optimum
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
+from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import Control, Data, Mount, Relationship
+from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.facts.parts import Parts
+from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
+from mars_asp.reasoning.questions.islands import Forms, Island, Map
+from mars_asp.reasoning.synthesis.synthesise import costs_of, is_unresolvable
+
+#: So many islands are counted together at first, and each time four times as many.
+_TOGETHER = 64
+#: The predicates that bring modules together.
+_RELATING: Mapping[str, type[Relationship]] = {
+    "uses_data_from": Data,
+    "is_controlled_by": Control,
+    "is_mounted_on": Mount,
+}
+
+
+class Told(NamedTuple):
+    """Who tells facts of islands, and where what concerns no line is placed."""
+
+    parts: Parts
+    map: Map
+    span: Span
+
+    def analysis(self, islands: Iterable[Island], base: Rulebook, wanted: Set[str]) -> Analysis:
+        """Return what rules of the base derive of some islands."""
+        islands = tuple(islands)
+        modules = {name for each in islands for name in each.modules}
+        lines = {number for each in islands for number in each.lines}
+        return analyse(self.parts.facts(modules, lines, wanted), base, self.span)
+
+
+def is_realisable(told: Told, base: Rulebook) -> bool:
+    """Whether no island has what nothing can resolve, as the rules of the base behind that say."""
+    base = able_to_fire(base, told.parts.absent(names_read(base)))
+    wanted = names_read(base)
+    kinds = _kinds(wanted)
+    forms = Forms(told.map.line, told.parts, wanted)
+    islands = {_key(forms, each, kinds): each for each in told.map.islands(kinds)}
+    return not is_unresolvable(told.analysis(islands.values(), base, wanted))
+
+
+class Counter:
+    """Counts the nodes of some kinds in islands, in the order of the file."""
+
+    def __init__(
+        self,
+        told: Told,
+        base: Rulebook,
+        counting: Portion,
+        counted: Mapping[str, Signature],
+        deadline: float | None,
+        known: dict[Component, Optimum],
+    ) -> None:
+        """Take the rules that decide how many there are: a portion of the resolution, and its base.
+
+        Each atom of the predicates `counted` is a node of a kind.
+        """
+        self._told, self._counting, self._counted = told, counting, counted
+        self._deadline, self._optima = deadline, known
+        self._base = able_to_fire(base, told.parts.absent(names_read(base)))
+        self._wanted = names_read(self._base) | {each.name for each in portion_reads(counting)}
+        self._kinds = _kinds(self._wanted)
+        #: The islands, which have numbers from 0.
+        self.islands = told.map.islands(self._kinds)
+        self.kinds = tuple(counted)
+        self._counts: dict[object, Mapping[str, int]] = {}
+        #: Forms of islands that have several optimal answers.
+        self._several: set[object] = set()
+        self._keys: dict[int, object] = {}
+        self._forms = Forms(told.map.line, told.parts, self._wanted)
+        self._together = _TOGETHER
+
+    def of(self, number: int) -> Mapping[str, int] | None:
+        """Return how many nodes of each kind an island has; `None` where time does not suffice."""
+        key = self._key(number)
+        if key not in self._counts:
+            if not self._count(self._next(number)):
+                return None
+            key = self._key(number)
+        return self._counts[key]
+
+    def _key(self, number: int) -> object:
+        known = self._keys.get(number)
+        island = self.islands[number]
+        if known is None:
+            known = self._keys[number] = _key(self._forms, island, self._kinds)
+        return (known, self._forms.order(island)) if known in self._several else known
+
+    def _next(self, first: int) -> Sequence[Island]:
+        """Return the next islands that have to be counted."""
+        found: dict[object, Island] = {}
+        for number in range(first, len(self.islands)):
+            key = self._key(number)
+            if key not in self._counts:
+                found.setdefault(key, self.islands[number])
+                if len(found) == self._together:
+                    break
+        self._together *= 4
+        return tuple(found.values())
+
+    def _count(self, islands: Sequence[Island]) -> bool:
+        analysis = self._told.analysis(islands, self._base, self._wanted)
+        grounding = analysis.grounding
+        with costs_of(analysis.facts):
+            resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)
+        if resolution.count is None:
+            return False
+        owner = Owner(self._told, islands)
+        counts = [dict.fromkeys(self._counted, 0) for _ in islands]
+        true = grounding.facts.union(resolution.answer.decided)
+        for kind, predicate in self._counted.items():
+            for atom, literal, is_fact in labelled(grounding.control, *predicate):
+                number = owner.of(atom)
+                if number is not None and (is_fact or literal in true):
+                    counts[number][kind] += 1
+        several = (part for part in grounding.parts if part.best.count != 1)
+        open_ = {owner.of(next(grounding.telling(part))) for part in several}
+        for number, (island, count) in enumerate(zip(islands, counts, strict=True)):
+            key = _key(self._forms, island, self._kinds)
+            if number in open_:
+                self._several.add(key)
+                key = key, self._forms.order(island)
+            self._counts[key] = count
+        return True
+
+
+class Owner:
+    """Finds the island that a term is about, by its number among some."""
+
+    def __init__(self, told: Told, islands: Sequence[Island]) -> None:
+        """Take the islands."""
+        self._number_of = {
+            as_term(symbol_of(thing)): number
+            for number, island in enumerate(islands)
+            for thing in told.parts.things(island.modules, island.lines)
+        }
+
+    def called(self, term: TermId) -> int | None:
+        """Return the number of the island of a name or identifier; `None` where it is another's."""
+        return self._number_of.get(term)
+
+    def of(self, atom: TermId) -> int | None:
+        """Return the number of the island that an atom names; `None` where it names another.
+
+        Numbers in it need not be identifiers, so the first name that is known decides.
+        """
+        waiting = [atom]
+        for term in waiting:
+            match as_symbol(term).type:
+                case clingo.SymbolType.Function:
+                    waiting += arguments(term)
+                case clingo.SymbolType.String if term in self._number_of:
+                    return self._number_of[term]
+        return None
+
+
+def _key(forms: Forms, island: Island, kinds: tuple[type[Relationship], ...]) -> object:
+    """Return what is equal for islands that count as one while answers are unique.
+
+    Of data lines rules compare those alone that relate the same two modules; lines of control are
+    ordered by their identifiers.
+    """
+    form = forms.form(island)
+    return form if kinds == (Data,) else (form, forms.order(island))
+
+
+def _kinds(wanted: Set[str]) -> tuple[type[Relationship], ...]:
+    """Return the kinds of relationships that some predicates tell."""
+    return tuple(kind for name, kind in _RELATING.items() if name in wanted)
