@@ -229,10 +229,13 @@ def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -
     return Lookup(project.configuration, project.modules, wanted, vocabulary, frames, attributes)
 
 
-def project_parts(project: Project, vocabulary: Vocabulary, everywhere: Set[Signature]) -> Parts:
+def project_parts(
+    project: Project, wanted: Set[str], vocabulary: Vocabulary, everywhere: Set[Signature]
+) -> Parts:
     """Return what tells the facts about parts of a project, those of some predicates everywhere."""
     frames = partial(_frame_facts, project)
-    return Parts(project.configuration, project.modules, vocabulary, everywhere, frames)
+    configuration, modules = project.configuration, project.modules
+    return Parts(configuration, modules, vocabulary, everywhere, frames, wanted)
 
 
 def identified(attribute: Fact) -> Atom:

@@ -6,7 +6,7 @@ from itertools import accumulate
 
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Fact, Term
-from mars_asp.model.declarations import Configuration, Module, Name
+from mars_asp.model.declarations import Configuration, Module, Mount, Name, Relationship
 from mars_asp.reasoning.facts.compile import (
     ANNOTATIONS,
     FRAMES,
@@ -31,10 +31,12 @@ class Parts:
         vocabulary: Vocabulary,
         everywhere: Set[Signature],
         frame_facts: Callable[[], Iterable[Fact]],
+        wanted: Set[str],
     ) -> None:
         """Take a configuration; of the predicates `everywhere` each part has all facts.
 
-        `frame_facts` gives what mounts do to motions.
+        `frame_facts` gives what mounts do to motions. No facts are asked for but of the predicates
+        `wanted`.
         """
         self._compiler = Compiler(configuration, modules, None)
         self._connected = vocabulary.connected
@@ -45,8 +47,9 @@ class Parts:
             if not connected or each in everywhere
         }
         self._frame_facts = frame_facts
-        self._told: dict[str, list[Fact]] = {}
-        self._kinds: dict[str, Hashable] = {}
+        self._wanted = wanted
+        self._kinds: dict[str, int] = {}
+        self._numbers: dict[Hashable, int] = {}
 
     @property
     def described(self) -> Mapping[str, Module]:
@@ -106,20 +109,24 @@ class Parts:
 
     def _together(self, wanted: Set[str]) -> Iterator[Fact]:
         """Yield the facts of some predicates that are about all, or told of all together."""
-        names = wanted & self._of_all | wanted - _OF_THINGS
-        new = names - self._told.keys()
-        if new:
-            compiler = self._compiler
-            compiler.wanted = new
-            compiler.tell()
-            self._told.update((name, []) for name in new)
-            frames = self._frame_facts() if new & FRAMES else ()
-            for fact in (*compiler.facts, *frames):
-                if fact.atom.name in new:
-                    self._told[fact.atom.name].append(fact)
-            compiler.facts.clear()
-        for name in sorted(names):
+        for name in sorted((wanted & self._of_all | wanted - _OF_THINGS) & self._told.keys()):
             yield from self._told[name]
+
+    @cached_property
+    def _told(self) -> Mapping[str, Sequence[Fact]]:
+        """Return the facts that are about all, or told of all together, by their predicates."""
+        compiler, wanted = self._compiler, self._wanted
+        compiler.wanted = wanted & self._of_all | wanted - _OF_THINGS
+        if not any(isinstance(line, Mount) for _, line in compiler.numbered):
+            compiler.wanted -= {"is_mounted_on"}
+        compiler.tell()
+        frames = self._frame_facts() if compiler.wanted & FRAMES else ()
+        found: dict[str, list[Fact]] = {}
+        for fact in (*compiler.facts, *frames):
+            if fact.atom.name in compiler.wanted:
+                found.setdefault(fact.atom.name, []).append(fact)
+        compiler.facts.clear()
+        return found
 
     def _is_about(self, fact: Fact, things: Set[Term]) -> bool:
         told = fact.atom.arguments
@@ -131,11 +138,18 @@ class Parts:
         first = self._first.get(name, 0)
         return range(first, first + len(annotations_of(self.described[name])) if first else 0)
 
-    def kind(self, name: str) -> Hashable:
+    @property
+    def numbered(self) -> Sequence[tuple[int, Relationship]]:
+        """Return the relationships with their identifiers."""
+        return self._compiler.numbered
+
+    def kind(self, name: str) -> int:
         """Return what is equal for modules of which all is told alike but names and identifiers."""
-        if name not in self._kinds:
-            self._kinds[name] = self._kind(name)
-        return self._kinds[name]
+        known = self._kinds.get(name)
+        if known is None:
+            told = self._kind(name)
+            known = self._kinds[name] = self._numbers.setdefault(told, len(self._numbers))
+        return known
 
     def _kind(self, name: str) -> Hashable:
         module, configuration = self.described.get(name), self._compiler.configuration
@@ -144,10 +158,13 @@ class Parts:
             is_specification = configuration.kind == "specification"
             return is_named, configuration.node_kind(name) if is_specification else None
         services = (
-            (s.kind, s.function, s.output, s.inputs, s.modes, s.hz, s.commands, s.cost, s.port)
+            (s.kind, s.function, s.output, s.inputs, s.modes, s.commands, s.cost, s.port)
             for s in module.services
         )
-        parameters = (service.parameters for service in module.services)
+        parameters = (
+            (service.parameters, service.hz and service.hz.as_integer_ratio())
+            for service in module.services
+        )
         functions = ((each.name, each.min, each.max, each.rate) for each in module.functions)
         return is_named, module.guard is not None, *services, *parameters, *functions
 

@@ -10,20 +10,22 @@ from typing import NamedTuple
 
 import clingo
 
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
+from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
+from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
-from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
-from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
-from mars_asp.reasoning.synthesis.synthesise import costs_of, is_unresolvable
+from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
 
 #: So many islands are counted together at first, and each time four times as many.
 _TOGETHER = 64
@@ -36,18 +38,17 @@ _RELATING: Mapping[str, type[Relationship]] = {
 
 
 class Told(NamedTuple):
-    """Who tells facts of islands, and where what concerns no line is placed."""
+    """The islands of a configuration, and who tells facts about them."""
 
     parts: Parts
     map: Map
-    span: Span
 
-    def analysis(self, islands: Iterable[Island], base: Rulebook, wanted: Set[str]) -> Analysis:
-        """Return what rules of the base derive of some islands."""
+    def facts(self, islands: Iterable[Island], wanted: Set[str]) -> tuple[Fact, ...]:
+        """Return the facts of some predicates about islands."""
         islands = tuple(islands)
         modules = {name for each in islands for name in each.modules}
         lines = {number for each in islands for number in each.lines}
-        return analyse(self.parts.facts(modules, lines, wanted), base, self.span)
+        return self.parts.facts(modules, lines, wanted)
 
 
 def is_realisable(told: Told, base: Rulebook) -> bool:
@@ -55,9 +56,10 @@ def is_realisable(told: Told, base: Rulebook) -> bool:
     base = able_to_fire(base, told.parts.absent(names_read(base)))
     wanted = names_read(base)
     kinds = _kinds(wanted)
-    forms = Forms(told.map.line, told.parts, wanted)
+    forms = Forms(told.map, told.parts, wanted)
     islands = {_key(forms, each, kinds): each for each in told.map.islands(kinds)}
-    return not is_unresolvable(told.analysis(islands.values(), base, wanted))
+    grounding = _grounded(told.facts(islands.values(), wanted), base)
+    return not any(True for _ in grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
 class Counter:
@@ -88,7 +90,7 @@ class Counter:
         #: Forms of islands that have several optimal answers.
         self._several: set[object] = set()
         self._keys: dict[int, object] = {}
-        self._forms = Forms(told.map.line, told.parts, self._wanted)
+        self._forms = Forms(told.map, told.parts, self._wanted)
         self._together = _TOGETHER
 
     def of(self, number: int) -> Mapping[str, int] | None:
@@ -102,27 +104,30 @@ class Counter:
 
     def _key(self, number: int) -> object:
         known = self._keys.get(number)
-        island = self.islands[number]
         if known is None:
-            known = self._keys[number] = _key(self._forms, island, self._kinds)
-        return (known, self._forms.order(island)) if known in self._several else known
+            known = _key(self._forms, self.islands[number], self._kinds)
+            self._keys[number] = known
+        if known in self._several:
+            return known, self._forms.order(self.islands[number])
+        return known
 
-    def _next(self, first: int) -> Sequence[Island]:
-        """Return the next islands that have to be counted."""
-        found: dict[object, Island] = {}
+    def _next(self, first: int) -> Sequence[int]:
+        """Return the numbers of the next islands that have to be counted."""
+        found: dict[object, int] = {}
         for number in range(first, len(self.islands)):
             key = self._key(number)
             if key not in self._counts:
-                found.setdefault(key, self.islands[number])
+                found.setdefault(key, number)
                 if len(found) == self._together:
                     break
         self._together *= 4
         return tuple(found.values())
 
-    def _count(self, islands: Sequence[Island]) -> bool:
-        analysis = self._told.analysis(islands, self._base, self._wanted)
-        grounding = analysis.grounding
-        with costs_of(analysis.facts):
+    def _count(self, numbers: Sequence[int]) -> bool:
+        islands = [self.islands[number] for number in numbers]
+        facts = self._told.facts(islands, self._wanted)
+        grounding = _grounded(facts, self._base)
+        with costs_of(facts):
             resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)
         if resolution.count is None:
             return False
@@ -131,17 +136,15 @@ class Counter:
         true = grounding.facts.union(resolution.answer.decided)
         for kind, predicate in self._counted.items():
             for atom, literal, is_fact in labelled(grounding.control, *predicate):
-                number = owner.of(atom)
-                if number is not None and (is_fact or literal in true):
-                    counts[number][kind] += 1
+                place = owner.of(atom)
+                if place is not None and (is_fact or literal in true):
+                    counts[place][kind] += 1
         several = (part for part in grounding.parts if part.best.count != 1)
         open_ = {owner.of(next(grounding.telling(part))) for part in several}
-        for number, (island, count) in enumerate(zip(islands, counts, strict=True)):
-            key = _key(self._forms, island, self._kinds)
-            if number in open_:
-                self._several.add(key)
-                key = key, self._forms.order(island)
-            self._counts[key] = count
+        for place, (number, count) in enumerate(zip(numbers, counts, strict=True)):
+            if place in open_:
+                self._several.add(self._keys[number])
+            self._counts[self._key(number)] = count
         return True
 
 
@@ -173,6 +176,12 @@ class Owner:
                 case clingo.SymbolType.String if term in self._number_of:
                     return self._number_of[term]
         return None
+
+
+def _grounded(facts: Iterable[Fact], base: Rulebook) -> Grounding:
+    """Return what rules of the base derive of facts, for nothing but to be counted."""
+    program = [*base.fragments("base"), Fragment(facts_text(facts), "facts")]
+    return Grounding(program, solved=False)
 
 
 def _key(forms: Forms, island: Island, kinds: tuple[type[Relationship], ...]) -> object:

@@ -4,7 +4,7 @@ Two islands are alike when facts tell the same of them but for names and identif
 for one of them follows for the other, unless the order of names or identifiers has to do with it.
 """
 
-from collections.abc import Hashable, Mapping, Sequence, Set
+from collections.abc import Hashable, Iterable, Mapping, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.asp.solve.atoms import term_text
@@ -17,7 +17,6 @@ from mars_asp.model.declarations import (
     Relationship,
     ends_of,
 )
-from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.parts import Parts
 
 
@@ -31,22 +30,26 @@ class Island(NamedTuple):
 class Map:
     """The relationships of a configuration, and the islands that those of some kinds make."""
 
-    def __init__(self, configuration: Configuration) -> None:
-        """Number what a configuration relates."""
+    def __init__(
+        self, configuration: Configuration, lines: Iterable[tuple[int, Relationship]]
+    ) -> None:
+        """Take the relationships of a configuration with their identifiers."""
         #: The relationships by their identifiers.
-        self.line: Mapping[int, Relationship] = dict(numbered(configuration.relationships))
+        self.line: Mapping[int, Relationship] = dict(lines)
+        #: The modules that each relates.
+        self.ends = {number: ends_of(line) for number, line in self.line.items()}
         number_of = {id(line): number for number, line in self.line.items()}
         self._lines = [(number_of[id(line)], line) for line in configuration.relationships]
 
     def islands(self, kinds: tuple[type[Relationship], ...]) -> list[Island]:
         """Return the islands that relationships of some kinds make, in the order of the file."""
         sets: DisjointSets[str] = DisjointSets()
-        lines = [(number, line) for number, line in self._lines if isinstance(line, kinds)]
-        for _, line in lines:
-            sets.join(ends_of(line))
+        lines = [number for number, line in self._lines if isinstance(line, kinds)]
+        for number in lines:
+            sets.join(self.ends[number])
         found: dict[str, tuple[dict[str, None], list[int]]] = {}
-        for number, line in lines:
-            left, right = ends_of(line)
+        for number in lines:
+            left, right = self.ends[number]
             modules, numbers = found.setdefault(sets.find(left), ({}, []))
             modules[left] = modules[right] = None
             numbers.append(number)
@@ -76,11 +79,12 @@ class Map:
 class Forms:
     """What facts of some predicates tell of islands but for names and identifiers."""
 
-    def __init__(self, line: Mapping[int, Relationship], parts: Parts, wanted: Set[str]) -> None:
-        """Take relationships by their identifiers, and who tells facts of the predicates."""
-        self._line, self._parts, self._wanted = line, parts, wanted
+    def __init__(self, map_: Map, parts: Parts, wanted: Set[str]) -> None:
+        """Take the relationships, and who tells facts of the predicates."""
+        self._line, self._ends, self._parts, self._wanted = map_.line, map_.ends, parts, wanted
         self._known: dict[Hashable, int] = {}
-        self._kinds: dict[Hashable, int] = {}
+        self._kinds: dict[int, int] = {}
+        self._kind_of: dict[str, int] = {}
         self._said: dict[int, int] = {}
 
     def form(self, island: Island) -> Hashable:
@@ -94,7 +98,7 @@ class Forms:
         place = {module: at for at, module in enumerate(modules)}
         told = []
         for number in lines:
-            left, right = ends_of(self._line[number])
+            left, right = self._ends[number]
             told.append((place[left], place[right], self._saying(number)))
         return tuple(map(self._kind, modules)), tuple(told)
 
@@ -115,23 +119,22 @@ class Forms:
         """Return modules and lines in an order that has little to do with names."""
         beside: dict[str, list[tuple[int, int, str]]] = {module: [] for module in island.modules}
         for number in island.lines:
-            left, right = ends_of(self._line[number])
+            left, right = self._ends[number]
             said = self._saying(number)
             beside[left].append((said, 0, right))
             beside[right].append((said, 1, left))
         colour = {module: self._kind(module) for module in island.modules}
-        for _ in range(2):
-            colour = {
-                module: self._number(
-                    (colour[module], *sorted([(said, side, colour[o]) for said, side, o in others]))
-                )
-                for module, others in beside.items()
-            }
+        colour = {
+            module: self._number(
+                (colour[module], *sorted([(said, side, colour[o]) for said, side, o in others]))
+            )
+            for module, others in beside.items()
+        }
         modules = sorted(island.modules, key=colour.__getitem__)
         place = {module: at for at, module in enumerate(modules)}
 
         def between(number: int) -> tuple[int, int, int]:
-            left, right = ends_of(self._line[number])
+            left, right = self._ends[number]
             return place[left], place[right], number
 
         return modules, sorted(island.lines, key=between)
@@ -141,11 +144,12 @@ class Forms:
 
     def _kind(self, name: str) -> int:
         """Return a number for what is told of a module by itself."""
-        kind = self._parts.kind(name)
-        known = self._kinds.get(kind)
+        known = self._kind_of.get(name)
         if known is None:
-            told = self._parts.told_alone(name, self._wanted)
-            known = self._kinds[kind] = self._number(told)
+            kind = self._parts.kind(name)
+            if kind not in self._kinds:
+                self._kinds[kind] = self._number(self._parts.told_alone(name, self._wanted))
+            known = self._kind_of[name] = self._kinds[kind]
         return known
 
     def _saying(self, number: int) -> int:
@@ -160,7 +164,7 @@ def _said(number: int, line: Relationship) -> Hashable:
     match line:
         case Data(_, _, _, mode, hz, client_port, source_port):
             wanted = mode and (mode.name, mode.arguments, mode.of)
-            return wanted, hz, client_port, source_port
+            return wanted, hz and hz.as_integer_ratio(), client_port, source_port
         case Control(_, _, _, priority, hold, allocation, listed):
             return "control", priority, hold, allocation, listed
         case Mount():

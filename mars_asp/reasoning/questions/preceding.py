@@ -16,7 +16,7 @@ from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, atoms
 from mars_asp.model.declarations import NODE_NAMES, node_kind
-from mars_asp.reasoning.analysis import Analysis
+from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import project_parts
 from mars_asp.reasoning.questions.behind import (
@@ -56,8 +56,9 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     if predicate is None or apart is None:
         return None
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    parts = project_parts(project, connected, apart.everywhere)
-    told = Told(parts, Map(project.configuration), project.configuration.span)
+    parts = project_parts(project, names_read(whole), connected, apart.everywhere)
+    map_ = Map(project.configuration, parts.numbered)
+    told = Told(parts, map_)
     found = _own_stretch(name, reasoner, _Question(whole, apart, counting, told))
     if found is None:
         return None
@@ -103,7 +104,8 @@ def _own_stretch(
         if passed is None:
             return None
         own = passed
-    analysis = told.analysis([own], rulebook, names_read(rulebook))
+    facts = told.facts([own], names_read(rulebook))
+    analysis = analyse(facts, rulebook, project.configuration.span)
     if is_unresolvable(analysis):
         return None
     grounding = Grounding((), _about(Owner(told, [own]), analysis, apart.whole))

@@ -10,6 +10,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.language import parse_text
+from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import explain
@@ -118,7 +119,8 @@ def test_stretches_hold_whole_parts() -> None:
     lines = ["B uses_data_from A", "E uses_data_from D", "C uses_data_from A", "H uses_data_from G"]
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
-    stretches = Map(project.configuration).stretches()
+    told = numbered(project.configuration.relationships)
+    stretches = Map(project.configuration, told).stretches()
     assert [len(each.lines) for each in stretches] == [3, 1]
 
 
