@@ -42,7 +42,8 @@ FILES = {
         "proofs explainer absence"
     ),
     "model": (
-        "cycles names attributes declarations described ranges modes transformation rates ports"
+        "cycles names attributes declarations remembered described ranges modes transformation "
+        "rates ports"
     ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "

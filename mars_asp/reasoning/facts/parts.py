@@ -102,9 +102,13 @@ class Parts:
             found.update(self._ports.get(name, ()))
         return found
 
+    def given(self, names: Set[str]) -> Set[str]:
+        """Return the given predicates of some."""
+        return {each.name for each in self._connected if each.name in names}
+
     def absent(self, wanted: Set[str]) -> Set[str]:
         """Return the given predicates of some that are told of all together and have no fact."""
-        given = {each.name for each in self._connected} & wanted - _OF_THINGS
+        given = self.given(wanted) - _OF_THINGS
         return given - {fact.atom.name for fact in self._together(given)}
 
     def _together(self, wanted: Set[str]) -> Iterator[Fact]:

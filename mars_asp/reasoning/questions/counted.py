@@ -27,8 +27,8 @@ from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portio
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
 
-#: So many islands are counted together at first, and each time four times as many.
-_TOGETHER = 64
+#: So many islands are counted together at least.
+_TOGETHER = 32
 #: The predicates that bring modules together.
 _RELATING: Mapping[str, type[Relationship]] = {
     "uses_data_from": Data,
@@ -51,13 +51,16 @@ class Told(NamedTuple):
         return self.parts.facts(modules, lines, wanted)
 
 
-def is_realisable(told: Told, base: Rulebook) -> bool:
+def is_realisable(told: Told, base: Rulebook, counter: "Counter") -> bool:
     """Whether no island has what nothing can resolve, as the rules of the base behind that say."""
     base = able_to_fire(base, told.parts.absent(names_read(base)))
-    wanted = names_read(base)
+    wanted = told.parts.given(names_read(base))
     kinds = _kinds(wanted)
     forms = Forms(told.map, told.parts, wanted)
-    islands = {_key(forms, each, kinds): each for each in told.map.islands(kinds)}
+    # What is alike for who reads more is alike.
+    is_less = wanted <= counter.wanted and kinds == counter.relating
+    every = counter.unlike() if is_less else told.map.islands(kinds)
+    islands = {_key(forms, each, kinds): each for each in every}
     grounding = _grounded(told.facts(islands.values(), wanted), base)
     return not any(True for _ in grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
@@ -73,25 +76,29 @@ class Counter:
         counted: Mapping[str, Signature],
         deadline: float | None,
         known: dict[Component, Optimum],
+        sought: tuple[str, int],
     ) -> None:
         """Take the rules that decide how many there are: a portion of the resolution, and its base.
 
-        Each atom of the predicates `counted` is a node of a kind.
+        Each atom of the predicates `counted` is a node of a kind; `sought` is such a kind, and
+        which node of it is looked for.
         """
+        self._sought = sought
         self._told, self._counting, self._counted = told, counting, counted
         self._deadline, self._optima = deadline, known
         self._base = able_to_fire(base, told.parts.absent(names_read(base)))
-        self._wanted = names_read(self._base) | {each.name for each in portion_reads(counting)}
-        self._kinds = _kinds(self._wanted)
+        read = names_read(self._base) | {each.name for each in portion_reads(counting)}
+        self.wanted = told.parts.given(read)
+        self.relating = _kinds(self.wanted)
         #: The islands, which have numbers from 0.
-        self.islands = told.map.islands(self._kinds)
+        self.islands = told.map.islands(self.relating)
         self.kinds = tuple(counted)
         self._counts: dict[object, Mapping[str, int]] = {}
         #: Forms of islands that have several optimal answers.
         self._several: set[object] = set()
         self._keys: dict[int, object] = {}
-        self._forms = Forms(told.map, told.parts, self._wanted)
-        self._together = _TOGETHER
+        self._orders: dict[int, object] = {}
+        self._forms = Forms(told.map, told.parts, self.wanted)
 
     def of(self, number: int) -> Mapping[str, int] | None:
         """Return how many nodes of each kind an island has; `None` where time does not suffice."""
@@ -105,27 +112,38 @@ class Counter:
     def _key(self, number: int) -> object:
         known = self._keys.get(number)
         if known is None:
-            known = _key(self._forms, self.islands[number], self._kinds)
+            known = _key(self._forms, self.islands[number], self.relating)
             self._keys[number] = known
-        if known in self._several:
-            return known, self._forms.order(self.islands[number])
-        return known
+        if known not in self._several:
+            return known
+        if number not in self._orders:
+            self._orders[number] = self._forms.order(self.islands[number])
+        return known, self._orders[number]
+
+    def unlike(self) -> Sequence[Island]:
+        """Return one of the islands of each form."""
+        return tuple({self._key(n): island for n, island in enumerate(self.islands)}.values())
 
     def _next(self, first: int) -> Sequence[int]:
-        """Return the numbers of the next islands that have to be counted."""
+        """Return the numbers of the next islands that have to be counted.
+
+        They are so many as the node that is sought may well be away, as nodes were found before.
+        """
         found: dict[object, int] = {}
+        begun = [self._counts[self._key(number)][self._sought[0]] for number in range(first)]
+        left = self._sought[1] - sum(begun)
+        behind = first + 1 + (left * len(begun) // sum(begun) if any(begun) else 0)
         for number in range(first, len(self.islands)):
+            if number > behind and len(found) >= _TOGETHER:
+                break
             key = self._key(number)
             if key not in self._counts:
                 found.setdefault(key, number)
-                if len(found) == self._together:
-                    break
-        self._together *= 4
         return tuple(found.values())
 
     def _count(self, numbers: Sequence[int]) -> bool:
         islands = [self.islands[number] for number in numbers]
-        facts = self._told.facts(islands, self._wanted)
+        facts = self._told.facts(islands, self.wanted)
         grounding = _grounded(facts, self._base)
         with costs_of(facts):
             resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)

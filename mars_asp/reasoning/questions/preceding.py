@@ -5,6 +5,7 @@ of the file is grounded with the rules alone that decide how many there are, onc
 alike; its own with all rules.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -31,6 +32,8 @@ from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Derived, Draft, Introduced, introduce
 from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
 from mars_asp.reasoning.synthesis.synthesise import costs_of, is_unresolvable
+
+_NUMBER = re.compile(r"\D")
 
 
 def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
@@ -95,11 +98,11 @@ def _own_stretch(
     own, draft = stretches[0], Draft(project)
     known: dict[Component, Optimum] = {}
     if len(stretches) > 1:
-        if not is_realisable(told, for_unresolvable(rulebook)):
+        base = for_counting(rulebook, counting)
+        sought = node_kind(name) or "", int(_NUMBER.sub("", name) or 1)
+        counter = Counter(told, base, counting, counted, deadline, known, sought)
+        if not is_realisable(told, for_unresolvable(rulebook), counter):
             return None
-        counter = Counter(
-            told, for_counting(rulebook, counting), counting, counted, deadline, known
-        )
         passed = _passed_over(name, draft, counter, stretches)
         if passed is None:
             return None
