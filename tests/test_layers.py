@@ -42,7 +42,8 @@ FILES = {
         "proofs explainer absence"
     ),
     "model": (
-        "cycles names attributes declarations described ranges modes transformation rates ports"
+        "cycles names attributes declarations remembered described ranges modes transformation "
+        "rates ports"
     ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
@@ -63,15 +64,16 @@ FILES = {
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
-        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index motion"
+        "identifiers ends rates loose_ends ports closed_walks compile vocabulary index parts motion"
     ),
     "reasoning/synthesis": (
-        "carried_modes derived draft exclusion inheritance_nodes stretches control_lines "
+        "carried_modes derived draft exclusion inheritance_nodes control_lines "
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account needs subject alternatives annotation_edits changes evidence preceding "
-        "vicinity blame edits explain diff near_miss repair fix why_not absences without"
+        "sharing account needs subject alternatives annotation_edits changes evidence behind "
+        "islands counted preceding vicinity blame edits explain diff near_miss repair fix why_not "
+        "absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "

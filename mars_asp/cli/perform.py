@@ -54,7 +54,7 @@ def read_changes(stated: Iterable[str]) -> "Changes":
 
 def specified(
     project: "Project", arguments: argparse.Namespace
-) -> "tuple[Configuration, dict[str, Module]] | None":
+) -> "tuple[Configuration, Mapping[str, Module]] | None":
     """Return the specification that is to run, and its modules; where there is none, report it."""
     from mars_asp.model.described import described_modules
     from mars_asp.reasoning.synthesis.carried_modes import state_modes

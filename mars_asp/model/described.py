@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import Configuration, Module, ServiceKind, ends_of
+from mars_asp.model.remembered import remembered
 
 #: The classes of modules, in the order in which they are told.
 CLASSES = (
@@ -24,9 +25,10 @@ _OF_SERVICE: Mapping[ServiceKind, str] = {
 }
 
 
+@remembered
 def described_modules(
     configuration: Configuration, modules: Mapping[str, Module]
-) -> dict[str, Module]:
+) -> Mapping[str, Module]:
     """Return the modules that rules are told of, by name: those named, and every converter."""
     every = {**modules, **{module.name: module for module in configuration.declared}}
     named = {name.text for name in configuration.modules}

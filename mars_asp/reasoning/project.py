@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mars_asp.asp.signature import plain
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place, point
 from mars_asp.language import Parsed, parse_text
@@ -27,6 +27,7 @@ from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
+from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.facts.vocabulary import Vocabulary
 from mars_asp.reasoning.includes import (
     described_twice,
@@ -265,6 +266,15 @@ def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -
     frames = partial(_frame_facts, project)
     attributes = tuple(fact for fact in _attributes(project) if fact.atom.name in wanted)
     return Lookup(project.configuration, project.modules, wanted, vocabulary, frames, attributes)
+
+
+def project_parts(
+    project: Project, wanted: Set[str], vocabulary: Vocabulary, everywhere: Set[Signature]
+) -> Parts:
+    """Return what tells the facts about parts of a project, those of some predicates everywhere."""
+    frames = partial(_frame_facts, project)
+    configuration, modules = project.configuration, project.modules
+    return Parts(configuration, modules, vocabulary, everywhere, frames, wanted)
 
 
 def identified(attribute: Fact) -> Atom:

@@ -7,6 +7,9 @@ import pytest
 from mars_asp.annotations.alike import read_alike
 from mars_asp.annotations.blocks import Blocks, block_lines, block_source, read_blocks
 from mars_asp.annotations.modules import read_modules
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Diagnostic
+from mars_asp.model.declarations import Module
 from tests.support.documents import ROOT
 
 BLOCK = (
@@ -77,11 +80,13 @@ def test_files_are_read_as_all_blocks_together() -> None:
 def test_a_block_with_another_name_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("A", "B_1", "/robot/front-left", "Ä")
     text = "".join(block.format(name=name) for name in names for block in (BLOCK, FULL))
-    read: list[object] = []
-    monkeypatch.setattr(
-        "mars_asp.annotations.alike.read_modules",
-        lambda source: read.append(source) or read_modules(source),
-    )
+    read: list[Source] = []
+
+    def counted(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
+        read.append(source)
+        return read_modules(source)
+
+    monkeypatch.setattr("mars_asp.annotations.alike.read_modules", counted)
     found = read_blocks("a.mars", text)
     assert len(read) == 2
     assert [module.name for module in found.modules] == [name for name in names for _ in range(2)]

@@ -153,10 +153,12 @@ class Grounding:
         program: Sequence[Fragment],
         stated: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
         options: Sequence[str] = (),
+        solved: bool = True,
     ) -> None:
         """Ground rules and facts that leave nothing open, and state atoms that others derived.
 
-        `options` are further ones of clingo's command line.
+        `options` are further ones of clingo's command line. What is not `solved` is hidden from the
+        solver, which takes less: then what holds is read from decided literals and facts alone.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -171,6 +173,8 @@ class Grounding:
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
         )
+        if not solved:
+            self.control.register_observer(clingo.Observer(), replace=True)
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(stated)
         #: What is a fact, whatever later rules choose.
@@ -369,6 +373,10 @@ class Grounding:
                 free = least(component, deadline)
                 return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
         return None
+
+    def telling(self, part: Part) -> Iterator[TermId]:
+        """Yield the atoms that tell the answers of a component apart."""
+        return (self._names[atom] for atom in part.atoms if atom in self._names)
 
     def part_of(self, symbol: clingo.Symbol) -> Part | None:
         """Return the component in which an atom is open; `None` where the rules decide it."""

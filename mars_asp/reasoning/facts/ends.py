@@ -12,6 +12,7 @@ from typing import NamedTuple
 from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.names import end
 from mars_asp.model.ports import DELIVERING, Input, inputs, outputs
+from mars_asp.model.remembered import remembered
 
 
 class Output(NamedTuple):
@@ -75,6 +76,7 @@ class Ends:
         return (name, self._stated.get(name)) if found is None else (found.module, found.port)
 
 
+@remembered
 def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> Ends:
     """Return what the data lines of a configuration name."""
     lines = [each for each in configuration.relationships if isinstance(each, Data)]

@@ -24,6 +24,7 @@ from mars_asp.model.declarations import (
     Service,
 )
 from mars_asp.model.modes import parse_mode
+from mars_asp.model.remembered import remembered
 
 ANY = Atom("any")
 NONE = Atom("none")
@@ -89,6 +90,7 @@ def plain(number: Decimal) -> str:
     return (text.rstrip("0").rstrip(".") or "0") if "." in text else text
 
 
+@remembered
 def numbered(
     relationships: Sequence[Relationship],
 ) -> tuple[tuple[int, Relationship], ...]:

@@ -80,7 +80,7 @@ def frames(
 
 def _scene(
     configuration: Configuration, modules: Mapping[str, Module]
-) -> tuple[list[Mount], dict[str, Module], set[str]]:
+) -> tuple[list[Mount], Mapping[str, Module], set[str]]:
     """Return the mounts in the order of their identifiers, the described, and who may inherit."""
     known = described_modules(configuration, modules)
     numbers = [relationship for _, relationship in numbered(configuration.relationships)]

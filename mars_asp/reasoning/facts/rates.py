@@ -14,6 +14,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate
+from mars_asp.model.remembered import remembered
 from mars_asp.reasoning.facts.ends import Ends
 
 
@@ -54,6 +55,7 @@ class Rates:
         return meant if isinstance(meant, Rate) else Rate(meant)
 
 
+@remembered
 def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> Rates:
     """Return how the rates that lines and annotations state are told."""
     return rates_of(_stated(configuration, described))

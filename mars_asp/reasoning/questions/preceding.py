@@ -1,35 +1,39 @@
 """One node, without resolving the whole: those before it are counted, its own stretch is resolved.
 
-A node's number says how many of its kind are named before it. So the stretches of the file before
-its own are grounded with the rules alone that decide how many there are; its own with all.
+A node's number says how many of its kind are named before it. So what stands before its own stretch
+of the file is grounded with the rules alone that decide how many there are, once of all that is
+alike; its own with all rules.
 """
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+import re
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import statements_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Apart, Portion, kept_apart
-from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
-from mars_asp.asp.solve.grounding import Resolution
+from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.optimum import Optimum
+from mars_asp.asp.solve.term_ids import TermId, arguments, atoms
 from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.facts.vocabulary import vocabulary
-from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
-from mars_asp.reasoning.project import project_facts
-from mars_asp.reasoning.questions.account import speakers
-from mars_asp.reasoning.rules import FOLLOWING
+from mars_asp.reasoning.project import project_parts
+from mars_asp.reasoning.questions.behind import (
+    for_counting,
+    for_resolution,
+    for_unresolvable,
+    names_read,
+)
+from mars_asp.reasoning.questions.counted import Counter, Owner, Told, is_realisable
+from mars_asp.reasoning.questions.islands import Island, Map
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Derived, Draft, Introduced, introduce
 from mars_asp.reasoning.synthesis.derived import STAGE, decided_by
-from mars_asp.reasoning.synthesis.stretches import Divided, Stretches, stretches
-from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of, is_unresolvable
+from mars_asp.reasoning.synthesis.synthesise import costs_of, is_unresolvable
 
-_STAGES = ("resolve", FOLLOWING["resolve"])
+_NUMBER = re.compile(r"\D")
 
 
 def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
@@ -50,12 +54,15 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     whole = for_resolution(rulebook)
     # What follows from an answer is read of one stretch, too.
     specifying = f"{whole.text('resolve')}\n{whole.text(STAGE)}"
-    apart = kept_apart(whole.text("base"), specifying, vocabulary(rulebook).connected)
+    connected = vocabulary(rulebook)
+    apart = kept_apart(whole.text("base"), specifying, connected.connected)
     if predicate is None or apart is None:
         return None
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    facts = project_facts(project, wanted=names_read(whole))
-    found = _own_stretch(name, reasoner, _Question(whole, apart, counting, facts))
+    parts = project_parts(project, names_read(whole), connected, apart.everywhere)
+    map_ = Map(project.configuration, parts.numbered)
+    told = Told(parts, map_)
+    found = _own_stretch(name, reasoner, _Question(whole, apart, counting, told))
     if found is None:
         return None
     analysis, introduced, resolution, derived = found
@@ -70,7 +77,7 @@ class _Question(NamedTuple):
     rulebook: Rulebook
     apart: Apart
     counting: Portion
-    facts: tuple[Fact, ...]
+    told: Told
 
 
 def _own_stretch(
@@ -78,30 +85,37 @@ def _own_stretch(
 ) -> tuple[Analysis, Introduced, Resolution, Derived] | None:
     """Resolve the stretch that a node stands in."""
     project, deadline = reasoner.project, reasoner.budget.deadline()
-    rulebook, apart, counting, facts = question
+    rulebook, apart, counting, told = question
     # Kinds that are decided together are counted together, so they all have their names.
     counted = {
         str(each): decides
         for each in NODE_NAMES
         if (decides := decided_by(rulebook, each)) in counting.derived
     }
-    cut = stretches(project.configuration.relationships, facts, vocabulary(rulebook))
-    draft = Draft(project)
+    stretches = told.map.stretches()
+    if not stretches:
+        return None
+    own, draft = stretches[0], Draft(project)
     known: dict[Component, Optimum] = {}
-    number, own = 0, facts
-    if len(cut.relationships) > 1:
-        passed = _passed_over(name, question, cut, draft, counted, deadline, known)
+    if len(stretches) > 1:
+        base = for_counting(rulebook, counting)
+        sought = node_kind(name) or "", int(_NUMBER.sub("", name) or 1)
+        counter = Counter(told, base, counting, counted, deadline, known, sought)
+        if not is_realisable(told, for_unresolvable(rulebook), counter):
+            return None
+        passed = _passed_over(name, draft, counter, stretches)
         if passed is None:
             return None
-        number, own = passed, tuple(cut.facts(passed, facts, apart.everywhere))
-    analysis = analyse(own, rulebook, project.configuration.span)
+        own = passed
+    facts = told.facts([own], names_read(rulebook))
+    analysis = analyse(facts, rulebook, project.configuration.span)
     if is_unresolvable(analysis):
         return None
-    grounding = Divided(cut, analysis.grounding).ground([number], apart.whole)
-    with costs_of(facts):
+    grounding = Grounding((), _about(Owner(told, [own]), analysis, apart.whole))
+    with costs_of(analysis.facts):
         resolution = grounding.resolve(rulebook.text("resolve"), deadline, known=known)
     derived = Derived(rulebook, resolution.answer)
-    introduced = introduce(draft, derived, cut.relationships[number])
+    introduced = introduce(draft, derived, map(told.map.line.__getitem__, own.lines))
     nodes = tuple(node for node in introduced.nodes if node.kind in counted)
     if not resolution.proven or all(node.name != name for node in nodes):
         return None
@@ -109,119 +123,35 @@ def _own_stretch(
 
 
 def _passed_over(
-    name: str,
-    question: _Question,
-    cut: Stretches,
-    draft: Draft,
-    counted: Mapping[str, Signature],
-    deadline: float | None,
-    known: dict[Component, Optimum],
-) -> int | None:
-    """Let a draft pass over the stretches before that of a node; return the number of its own.
+    name: str, draft: Draft, counter: Counter, stretches: Sequence[Island]
+) -> Island | None:
+    """Let a draft pass over the stretches before that of a node; return its own.
 
-    `None` where nothing realises the whole, or a stretch was not decided in time.
+    `None` where a stretch was not decided in time.
     """
-    rulebook, _, counting, facts = question
-    counted_by = for_counting(rulebook, counting)
-    read = names_read(counted_by).union(each.name for each in reads(counting))
-    told = (fact for fact in facts if fact.atom.name in read)
-    every = analyse(told, counted_by, draft.span)
-    if is_unresolvable(every):
-        return None
-    before = Divided(cut, every.grounding)
-    # The next ones stand last.
-    waiting = [*cut.before_last()][::-1]
-    while waiting:
-        together = waiting.pop()
-        grounding = before.ground(together, counting)
-        with costs_of(facts):
-            resolution = grounding.resolve(counting.text, deadline, known=known)
-        if resolution.count is None:
-            return None
-        counts = {each: resolution.answer.count(decides) for each, decides in counted.items()}
-        if draft.pass_over(counts, name):
-            continue
-        if len(together) == 1:
-            return together[0]
-        half = len(together) // 2
-        waiting += [together[half:], together[:half]]
-    return len(cut.relationships) - 1
+    begun = {each.lines[0]: number for number, each in enumerate(counter.islands)}
+    for stretch in stretches[:-1]:
+        counts = dict.fromkeys(counter.kinds, 0)
+        for number in (begun[line] for line in stretch.lines if line in begun):
+            found = counter.of(number)
+            if found is None:
+                return None
+            for kind, count in found.items():
+                counts[kind] += count
+        if not draft.pass_over(counts, name):
+            return stretch
+    return stretches[-1]
 
 
-def for_resolution(rulebook: Rulebook) -> Rulebook:
-    """Return the rules that resolve, those that tell of nodes, and what these need of the base.
-
-    That includes what no specification can resolve, which is not theirs to say.
-    """
-    resolving = tuple(rule for rule in rulebook.rules if rule.stage in _STAGES)
-    readers = (*resolving, *speakers(rulebook, NODE_NAMES))
-    read = frozenset({UNRESOLVABLE}).union(*(rule.reads for rule in readers))
-    base = _behind(rulebook, read, readers)
-    texts = ((stage, rulebook.text(stage)) for stage in _STAGES)
-    return Rulebook((*base, *readers), (_text(base), *texts), documented=rulebook.documented)
-
-
-def for_counting(rulebook: Rulebook, counting: Portion) -> Rulebook:
-    """Return the rules of the base behind a portion, and behind what nothing can resolve."""
-    readers = tuple(
-        rule
-        for rule in rulebook.rules
-        if rule.stage in _STAGES and not counting.derived.isdisjoint(rule.heads | rule.reads)
-    )
-    base = _behind(rulebook, {UNRESOLVABLE, *reads(counting)}, readers)
-    return Rulebook(base, (_text(base),), documented=rulebook.documented)
-
-
-def reads(portion: Portion) -> frozenset[Signature]:
-    """Return what the rules of a portion read and do not derive."""
-    return portion.of_all.union(portion.of_parts)
-
-
-def names_read(rulebook: Rulebook) -> frozenset[str]:
-    """Return the names of the predicates that rules read."""
-    return frozenset(each.name for rule in rulebook.rules for each in rule.reads)
-
-
-def _behind(rulebook: Rulebook, read: Set[Signature], readers: Sequence[Rule]) -> tuple[Rule, ...]:
-    """Return the rules of the base that derive what is read, however indirectly.
-
-    Of consequences they are those of the kinds that the readers name, or all.
-    """
-    base = [rule for rule in rulebook.rules if rule.stage == "base"]
-    behind: dict[str, Rule] = {}
-    new: Sequence[Rule] = readers
-    while new:
-        kinds = _kinds_read((*behind.values(), *readers))
-        new = tuple(
-            rule
-            for rule in base
-            if rule.text not in behind
-            and not rule.heads.isdisjoint(read)
-            and (kinds is None or _is_read(rule, kinds))
-        )
-        behind.update((rule.text, rule) for rule in new)
-        read = {*read, *(each for rule in new for each in rule.reads)}
-    return tuple(rule for rule in base if rule.text in behind)
-
-
-def _text(base: Iterable[Rule]) -> tuple[str, str]:
-    return "base", "\n".join(rule.text for rule in base)
-
-
-def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
-    """Return the kinds of consequence that rules read by name; `None` where they read any."""
-    texts = [rule.text for rule in rules if CONSEQUENCE in rule.reads]
-    kinds = {
-        literal.terms[0].constant
-        for variants in statements_of(texts).values()
-        for statement in variants
-        for literal in statement.read
-        if literal.signature == CONSEQUENCE
+def _about(
+    own: Owner, analysis: Analysis, portion: Portion
+) -> Mapping[Signature, Sequence[TermId]]:
+    """Return what a portion reads about one island; of others, not all is told."""
+    control = analysis.grounding.control
+    found = {
+        signature: [
+            atom for atom in atoms(control, *signature) if own.called(arguments(atom)[at]) == 0
+        ]
+        for signature, at in portion.of_parts.items()
     }
-    return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
-
-
-def _is_read(rule: Rule, kinds: Set[str]) -> bool:
-    """Whether a rule derives anything besides consequences of other kinds."""
-    named = kinds_of(rule)
-    return named is None or not named or not named.isdisjoint(kinds)
+    return found | {signature: atoms(control, *signature) for signature in portion.of_all}

@@ -16,9 +16,9 @@ from mars_asp.reasoning.facts.compile import ANNOTATIONS, WIRING
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.project import Project, load_project, project_facts, project_lookup
+from mars_asp.reasoning.questions.behind import for_resolution, names_read
 from mars_asp.reasoning.questions.evidence import Slice, slice_for
 from mars_asp.reasoning.questions.explain import explain
-from mars_asp.reasoning.questions.preceding import for_resolution, names_read
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Evidence, Reasoner
 from tests.support.documents import ROOT

@@ -10,13 +10,14 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import kept_apart
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.language import parse_text
+from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.vocabulary import vocabulary
-from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.islands import Map
 from mars_asp.reasoning.questions.preceding import preceding_evidence
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.reasoning.synthesis.stretches import Stretches, stretches
 from tests.support.random_configurations import random_configuration
 
 RULEBOOK = load_rulebook()
@@ -97,13 +98,6 @@ def test_each_of_many_nodes_is_found_whatever_is_passed_over_together() -> None:
     assert preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter25") is None
 
 
-def test_stretches_are_passed_over_in_their_order_each_once() -> None:
-    for count in (1, 2, 3, 4, 9, 17, 64):
-        together = [*Stretches(((),) * count, {}, {}).before_last()]
-        assert [number for numbers in together for number in numbers] == [*range(count - 1)]
-        assert not together or len(together[0]) == 1
-
-
 def test_nodes_before_are_counted_with_the_names_that_modules_have() -> None:
     robots = [
         f"{clients[0]} uses_data_from {source}\n{clients[1]} uses_data_from {source}"
@@ -125,9 +119,9 @@ def test_stretches_hold_whole_parts() -> None:
     lines = ["B uses_data_from A", "E uses_data_from D", "C uses_data_from A", "H uses_data_from G"]
     text = "\n".join(("@configuration flat", "@modules A, B, C, D, E, G, H", *lines))
     project = read(text)
-    facts = project_facts(project)
-    cut = stretches(project.configuration.relationships, facts, vocabulary(RULEBOOK))
-    assert [len(each) for each in cut.relationships] == [3, 1]
+    told = numbered(project.configuration.relationships)
+    stretches = Map(project.configuration, told).stretches()
+    assert [len(each.lines) for each in stretches] == [3, 1]
 
 
 def test_nothing_is_found_apart_where_nothing_realises_the_whole() -> None:

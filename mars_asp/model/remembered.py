@@ -1,0 +1,29 @@
+"""What is asked several times of one configuration is found once."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+_Asked = ParamSpec("_Asked")
+_Found = TypeVar("_Found")
+
+
+def remembered(function: Callable[_Asked, _Found]) -> Callable[_Asked, _Found]:
+    """Return a function that remembers what it found last, for arguments that are the same objects.
+
+    Neither they nor what is found may be changed.
+    """
+    last: list[tuple[tuple[object, ...], _Found]] = []
+
+    @wraps(function)
+    def asked(*arguments: _Asked.args, **named: _Asked.kwargs) -> _Found:
+        for known, found in last:
+            if len(known) == len(arguments) and all(
+                one is other for one, other in zip(known, arguments, strict=True)
+            ):
+                return found
+        found = function(*arguments, **named)
+        last[:] = [(arguments, found)]
+        return found
+
+    return asked

@@ -1,0 +1,140 @@
+"""Islands that are alike count as one, and nodes are numbered as where each counts by itself."""
+
+import random
+import re
+
+import pytest
+
+from mars_asp.asp.slice.portions import kept_apart
+from mars_asp.diagnostic import MarsError
+from mars_asp.language import parse_text
+from mars_asp.model.declarations import Data
+from mars_asp.reasoning.facts.vocabulary import vocabulary
+from mars_asp.reasoning.project import Project, project_parts
+from mars_asp.reasoning.questions.behind import for_counting, for_resolution, for_unresolvable
+from mars_asp.reasoning.questions.counted import Counter
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.islands import Forms, Map
+from mars_asp.reasoning.questions.preceding import preceding_evidence
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
+from tests.reasoning.synthesis.test_stretches import RULEBOOK, fleet, read
+
+#: Rules that compare names or identifiers where data is counted: of lines that say the same of the
+#: same modules the first one counts. With another one, islands would not count as one.
+COMPARING = {"counts_for(X, S, D, F, R) :- may_count(X, S, D, F, _), R = #min {"}
+#: Those that compare what alike islands have alike: rates, places of modes, numbers.
+OTHERS = {"lowered_from", "most_served", "favoured", "carries", "depth", "1 <= "}
+
+
+def islands(*lines: str, blocks: str = "") -> list[object]:
+    """Return the forms of the islands that data lines make."""
+    names = ", ".join(sorted(set(re.findall(r"\b[A-Z]\b", " ".join(lines)))))
+    text = "\n".join(("@configuration flat", f"@modules {names}", *lines, blocks))
+    project = Project(parse_text(text, "c.mars").configuration, {}, ())
+    wanted = {"uses_data_from", "input", "output", "offered_mode"}
+    parts = project_parts(project, wanted, vocabulary(RULEBOOK), frozenset())
+    map_ = Map(project.configuration, parts.numbered)
+    forms = Forms(map_, parts, wanted)
+    return [forms.form(each) for each in map_.islands((Data,))]
+
+
+def block(name: str, annotation: str, declaration: str) -> str:
+    return f"@module_start\n@module_name {name}\n{annotation}\n{declaration};\n@module_end\n"
+
+
+def test_names_and_the_order_of_lines_make_no_form() -> None:
+    one, other = islands(
+        "B uses_data_from A",
+        "C uses_data_from A NotifyOnChange",
+        "Z uses_data_from Y NotifyOnChange",
+        "X uses_data_from Y",
+    )
+    assert one == other
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        "D uses_data_from C NotifyOnChange",
+        "D uses_data_from C NotifyAtFrequency 10",
+        "C uses_data_from C",
+        "D uses_data_from C\nE uses_data_from C",
+        "D uses_data_from C\nD uses_data_from C NotifyOnChange",
+    ],
+)
+def test_what_lines_say_makes_a_form(second: str) -> None:
+    one, other = islands("B uses_data_from A", second)
+    assert one != other
+
+
+@pytest.mark.parametrize(
+    ("annotation", "declaration", "alike"),
+    [
+        ("@DataIn", "void other(Map m)", True),
+        ("@DataIn", "void f(Scan m)", False),
+        ("@DataOut NotifyWhenReady", "Map f(Map m)", False),
+    ],
+)
+def test_what_rules_read_of_modules_makes_a_form(
+    annotation: str, declaration: str, alike: bool
+) -> None:
+    blocks = block("B", "@DataIn", "void f(Map m)") + block("D", annotation, declaration)
+    one, other = islands("B uses_data_from A", "D uses_data_from C", blocks=blocks)
+    assert (one == other) is alike
+
+
+def test_alike_robots_are_counted_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = [f"{word}{at} uses_data_from S{at}" for at in range(30) for word in "AB"]
+    names = ", ".join(f"{word}{at}" for at in range(30) for word in "SAB")
+    project = read("\n".join(("@configuration flat", f"@modules {names}", *lines)))
+    counted: list[int] = []
+    count = Counter._count
+
+    def noted(self: Counter, islands: list[object]) -> bool:
+        counted.append(len(islands))
+        return count(self, islands)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Counter, "_count", noted)
+    part = preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter29")
+    assert part is not None
+    assert part.introduced is not None
+    assert part.introduced.resolves["DataSplitter29"] == ("data_divergence(S28)",)
+    assert counted == [1]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nodes_of_alike_robots_are_explained_as_among_all(seed: int) -> None:
+    rng = random.Random(seed)
+    seeds = [1000 * (seed % 9) + rng.randrange(400) for _ in range(2)]
+    seeds += rng.choices(seeds, k=3)
+    project = read(fleet(seeds))
+    try:
+        whole = explain(Reasoner(project, RULEBOOK), traced=False)
+    except MarsError:
+        return
+    told = {topic.name: topic for topic in whole.topics if topic.sort == "node"}
+    for name in rng.sample(sorted(told), min(3, len(told))):
+        part = explain(Reasoner(project, RULEBOOK), name, traced=False)
+        assert part.synthesis is None, "the whole was resolved"
+        (topic,) = part.topics
+        assert topic.title == told[name].title
+        one, other = topic.account, told[name].account
+        assert one is not None
+        assert other is not None
+        assert (one.answer, one.cites) == (other.answer, other.cites)
+
+
+def test_where_data_is_counted_rules_compare_no_names_but_of_lines_that_say_the_same() -> None:
+    whole = for_resolution(load_rulebook(stages=("resolve", "account")))
+    specifying = f"{whole.text('resolve')}\n{whole.text('specify')}"
+    apart = kept_apart(whole.text("base"), specifying, vocabulary(whole).connected)
+    assert apart is not None
+    (counting,) = (p for p in apart.deciding if any(d.name == "splitter" for d in p.derived))
+    base = {*for_counting(whole, counting).rules, *for_unresolvable(whole).rules}
+    texts = [rule.text for rule in base] + counting.text.split("\n")
+    comparing = [text for text in texts if re.search(r"#min|#max|[^:<>=!] [<>]=? ", text)]
+    others = [text for text in comparing if not text.startswith(tuple(OTHERS))]
+    # A bound on how many there are compares no names.
+    kept = [text for text in others if re.search(r"#min|#max|[A-Z]'* [<>]=? [A-Z]", text)]
+    assert [next(c for c in COMPARING if text.startswith(c)) for text in kept] == [*COMPARING]
