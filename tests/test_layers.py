@@ -108,7 +108,7 @@ FILES = {
         "deliver encode layout arguments lines live watch pace progress outputs report extract "
         "limits settings trace_document schemas worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import winners run_report run "
+        "draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
         "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "

@@ -28,7 +28,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import worker
 from mars_asp.cli.limits import limit_memory
 from mars_asp.cli.perform import performed
-from mars_asp.cli.run import run_json
+from mars_asp.cli.run_json import run_json
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.execution.campaign.grid import Run
 from mars_asp.execution.campaign.summary import FAIL, NOT_DECIDED

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from mars_asp.cli.run import run_json
+from mars_asp.cli.run_json import run_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.execution.judgement import judge
 from mars_asp.execution.recording.picture import plot_run

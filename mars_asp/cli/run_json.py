@@ -1,0 +1,113 @@
+"""What a run came to, as JSON with the keys of the command line's contract."""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mars_asp.execution.executor import Link
+    from mars_asp.execution.executor.link import Failures
+    from mars_asp.execution.judgement import Judgement
+    from mars_asp.execution.scenario.read import Robot
+    from mars_asp.execution.simulator import Body
+    from mars_asp.execution.trial import Trial
+
+
+def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
+    """Return a run with the keys of the command line's contract."""
+    executor, times = trial.executor, trial.control_time
+    return {
+        "verdict": judgement.verdict,
+        "requirements": [
+            {"name": r.name, "holds": r.holds, "message": r.message} for r in judgement.requirements
+        ],
+        "seconds": trial.scenario.duration,
+        "seed": trial.scenario.seed,
+        "events": executor.schedule.events,
+        "messages": sum(link.delivered for link in executor.links),
+        "collisions": trial.collisions,
+        "min_clearance_mm": _millimetres(trial.clearance),
+        # A controller that was never in control has none, and is listed, too.
+        "control_time": {
+            name: round(times.get(name, 0.0), 6) for name in sorted({*times, *speakers(trial)})
+        },
+        "driven_mm": round(sum(body.driven for body in trial.bodies), 3),
+        "turn_while_driving_s": round(sum(body.both for body in trial.bodies), 6),
+        "robots": [_robot_json(trial, *each) for each in trial.robots],
+        "links": links_json(trial),
+        "control": [
+            {"seconds": h.since / 1e9, "node": h.node, "holder": h.holder or None, "why": h.why}
+            for arbiter in executor.arbiters.values()
+            for h in arbiter.holdings
+        ],
+        "failures": [_failures_json(*each) for each in executor.failures.items()],
+    }
+
+
+def _millimetres(clearance: float) -> float | None:
+    return round(clearance, 3) if clearance < float("inf") else None
+
+
+def _robot_json(trial: "Trial", robot: "Robot", body: "Body") -> dict[str, object]:
+    reached = None if robot.reach is None else trial.reached(robot)
+    missing = None if robot.reach is None else trial.nearest(robot)[0]
+    return {
+        "name": robot.name,
+        "module": robot.module,
+        "collisions": [
+            {"seconds": at, "with": other or None}
+            for at, other in zip(body.contacts, body.struck, strict=True)
+        ],
+        "min_clearance_mm": _millimetres(body.clearance),
+        "nearest": body.beside or None,
+        "reached_s": None if reached is None else round(reached, 6),
+        "nearest_to_place_mm": None if missing is None else round(missing, 3),
+        "control_time": {
+            name: round(seconds, 6)
+            for name, seconds in sorted(trial.times_in_control(robot).items())
+        },
+        "driven_mm": round(body.driven, 3),
+        "turn_while_driving_s": round(body.both, 6),
+    }
+
+
+def links_json(trial: "Trial") -> list[dict[str, Any]]:
+    """Return what each link asked for and got; rates in Hz, ages in ms."""
+    from mars_asp.execution.promises import promises
+
+    rates = {each.number: each.hz for each in promises(trial)}
+    now = trial.executor.schedule.now
+    return [
+        _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
+        for number, link in enumerate(trial.executor.links)
+    ]
+
+
+def _link_json(trial: "Trial", link: "Link", hz: float) -> dict[str, Any]:
+    asked = trial.executor.plan.carried(link)[1] if link.kind == "data" else None
+    return {
+        "source": link.source,
+        "client": link.client,
+        "asked_hz": None if asked is None else float(asked),
+        "got_hz": round(hz, 6),
+        "oldest_ms": link.oldest / 1e6,
+        "delivered": link.delivered,
+        "dropped": dict(link.dropped),
+        "stale": link.stale,
+        "faulty": link.faulty,
+        "fault": link.fault or None,
+    }
+
+
+def _failures_json(name: str, failures: "Failures") -> dict[str, object]:
+    from mars_asp.execution.judgement import raised_at
+
+    path, line = raised_at(failures)
+    first = {"first": failures.first, "path": path, "line": line, "seconds": failures.at / 1e9}
+    return {"name": name, "count": failures.count, **first, "inputs": list(failures.inputs)}
+
+
+def speakers(trial: "Trial") -> Iterator[str]:
+    """Yield the modules that send commands and are not arbiters, once for each link."""
+    links, plan = trial.executor.links, trial.executor.plan
+    return (link.source for link in links if plan.kind(link.source) == "control_out")

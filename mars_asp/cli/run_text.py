@@ -1,0 +1,158 @@
+"""What a run came to, as people read it: verdict, tables of links and controllers, and reasons."""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from mars_asp.cli.layout import columns, counted, wrapped
+from mars_asp.cli.run_json import links_json, speakers
+from mars_asp.cli.winners import in_turn
+from mars_asp.output import visible
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from mars_asp.execution.judgement import Judgement
+    from mars_asp.execution.trial import Trial
+
+#: Who holds control where no controller does.
+_NONE = "none"
+#: A reason why a controller wins goes on below by this.
+_BELOW_WINNER = " " * 6
+#: How a requirement that holds, does not, or is not decided, is listed.
+_WORDS = {True: "holds", False: "VIOLATED", None: "NOT DECIDED"}
+
+
+def print_run(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
+    """Print the verdict, the tables and each requirement."""
+    from rich.console import Console
+
+    colour = {"always": True, "never": False}.get(arguments.color)
+    console = Console(emoji=False, highlight=False, force_terminal=colour, no_color=colour is False)
+    # Where nobody reads, rich would end the program with a status of its own; `print` does not.
+    with console.capture() as captured:
+        _print_tables(trial, judgement, arguments, console)
+    print(captured.get(), end="")
+
+
+def _print_tables(
+    trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace, console: "Console"
+) -> None:
+    _say(console, "", _verdict(judgement))
+    for table in (_links(trial), _controllers(trial)):
+        if table.row_count and not arguments.quiet:
+            console.print(table)
+    for link in trial.executor.links:
+        if link.faulty:
+            fault = " ".join(f"{link.fault:.200}".splitlines())
+            _say(console, f"failed   {link.source} -> {link.client}  ", f"first by {fault}")
+    for requirement in judgement.requirements:
+        word = _WORDS[requirement.holds]
+        _say(console, f"{word:8} {requirement.name}  ", requirement.message)
+    bodies, clearance = trial.bodies, trial.clearance
+    # Where there is nothing to come near to, there is no clearance.
+    clear = f"least clearance {clearance:.0f} mm, " if clearance < float("inf") else ""
+    _say(
+        console,
+        f"{trial.scenario.duration:g} s, seed {trial.scenario.seed}: ",
+        f"{counted(trial.collisions, 'collision')}, {clear}"
+        f"{sum(body.driven for body in bodies):.0f} mm driven, "
+        f"{sum(body.both for body in bodies):.2f} s turning while driving",
+        "  ",
+    )
+
+
+def _say(console: "Console", head: str, text: str, further: str = " " * 9) -> None:
+    """Print a sentence after its head, further lines indented."""
+    from rich.text import Text
+
+    for line in wrapped(visible(text), columns(sys.stdout), visible(head), further):
+        console.print(Text(line.rstrip()), soft_wrap=True)
+
+
+def _verdict(judgement: "Judgement") -> str:
+    """Return the verdict, and which requirements were violated."""
+    count = len(judgement.requirements)
+    if judgement.verdict == "pass":
+        return f"pass: all {count} requirements hold"
+    state, told = (False, "violated") if judgement.verdict == "fail" else (None, "not decided")
+    names = [each.name for each in judgement.requirements if each.holds is state]
+    are = "is" if len(names) == 1 else "are"
+    named = ", ".join(names)
+    return f"{judgement.verdict}: {len(names)} of {count} requirements {are} {told}: {named}"
+
+
+def print_winners(trial: "Trial") -> None:
+    """Print who held control at each arbiter, from when on and why."""
+    from mars_asp.execution.executor.arbitration import FlatArbitration
+
+    for name, arbiter in trial.executor.arbiters.items():
+        print(f"\n{visible(name)}")
+        if isinstance(arbiter, FlatArbitration):
+            print(f"  flat: sends the mean of each {arbiter.period / 1e6:g} ms; no controller wins")
+            continue
+        rows = [(held.since / 1e9, held.holder or _NONE, held.why) for held in arbiter.holdings]
+        longest = max((len(holder) for _, holder, _ in rows), default=0)
+        for since, holder, why in in_turn(rows):
+            head = visible(f"  {since:9.3f} s  {holder:{longest}}  ")
+            print("\n".join(wrapped(visible(why), columns(sys.stdout), head, _BELOW_WINNER)))
+        if not arbiter.holdings:
+            print("  no command arrived")
+
+
+def print_traces(judgement: "Judgement") -> None:
+    """Print why each requirement was violated."""
+    from mars_asp.asp.trace.text import traces_text
+    from mars_asp.cli.lines import line_at
+
+    topics = [(c.kind, trace) for c, trace in judgement.traces()]
+    for line in traces_text(topics, line_at, width=columns(sys.stdout)):
+        print(visible(line) if line.startswith(" ") else f"\n{visible(line)}")
+
+
+def _links(trial: "Trial") -> "Table":
+    rows = (
+        (
+            f"{link['source']} -> {link['client']}",
+            "" if link["asked_hz"] is None else f"{link['asked_hz']:g}",
+            f"{link['got_hz']:.2f}",
+            f"{link['oldest_ms']:g}",
+            ", ".join(f"{count} {why}" for why, count in sorted(link["dropped"].items())),
+        )
+        for link in links_json(trial)
+    )
+    return _table(("link", "asked Hz", "got Hz", "oldest ms", "dropped"), rows)
+
+
+def _controllers(trial: "Trial") -> "Table":
+    # One that never said anything has a row, too.
+    suppressed = Counter(dict.fromkeys(speakers(trial), 0))
+    for arbiter in trial.executor.arbiters.values():
+        suppressed.update(_suppressed(arbiter))
+    times, duration = trial.control_time, trial.scenario.duration
+    rows = (
+        (name, f"{100 * times.get(name, 0.0) / duration:.1f} %", str(suppressed[name]))
+        for name in sorted({*times, *suppressed})
+    )
+    return _table(("controller", "in control", "suppressed"), rows)
+
+
+def _table(heads: tuple[str, ...], rows: Any) -> "Table":
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False)
+    for number, head in enumerate(heads):
+        table.add_column(head, justify="right" if 0 < number < 4 else "left")
+    for row in rows:
+        table.add_row(*(Text(visible(cell)) for cell in row))
+    return table
+
+
+def _suppressed(arbiter: object) -> Mapping[str, int]:
+    from mars_asp.execution.executor.arbitration import HierarchicalArbitration
+
+    return arbiter.suppressed if isinstance(arbiter, HierarchicalArbitration) else {}
