@@ -93,13 +93,13 @@ def _behind(rulebook: Rulebook, read: Set[Signature], readers: Sequence[Rule]) -
     behind: dict[str, Rule] = {}
     new: Sequence[Rule] | None = None
     while new is None or new:
-        kinds = _kinds_read((*behind.values(), *readers))
+        kinds = kinds_read((*behind.values(), *readers))
         new = tuple(
             rule
             for rule in base
             if rule.text not in behind
             and not rule.heads.isdisjoint(read)
-            and (kinds is None or _is_read(rule, kinds))
+            and (kinds is None or is_read(rule, kinds))
         )
         behind.update((rule.text, rule) for rule in new)
         read = {*read, *(each for rule in new for each in rule.reads)}
@@ -110,7 +110,7 @@ def _text(base: Iterable[Rule]) -> tuple[str, str]:
     return "base", "\n".join(rule.text for rule in base)
 
 
-def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
+def kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
     """Return the kinds of consequence that rules read by name; `None` where they read any."""
     texts = [rule.text for rule in rules if CONSEQUENCE in rule.reads]
     kinds = {
@@ -123,7 +123,7 @@ def _kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:
     return None if None in kinds else frozenset(kind for kind in kinds if kind is not None)
 
 
-def _is_read(rule: Rule, kinds: Set[str]) -> bool:
+def is_read(rule: Rule, kinds: Set[str]) -> bool:
     """Whether a rule derives anything besides consequences of other kinds."""
     named = kinds_of(rule)
     return named is None or not named or not named.isdisjoint(kinds)

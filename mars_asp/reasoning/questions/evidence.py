@@ -29,6 +29,7 @@ from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.findings import CONSEQUENCE, consequence_kinds
 from mars_asp.reasoning.project import project_facts, project_lookup
 from mars_asp.reasoning.questions.account import ACCOUNT, CONCERNS, speakers
+from mars_asp.reasoning.questions.behind import is_read, kinds_read
 from mars_asp.reasoning.session import Evidence, Reasoner
 
 #: A rule and its outlines.
@@ -84,6 +85,8 @@ def slice_for(
     if rulebook.packs and (rulebook.asked or not _has_one_answer(rules, rulebook)):
         return None
     rules += telling
+    if name == CONSEQUENCE.name:
+        rules = _of_kinds(rules, {first})
     base = list(zip(rules, outlines_of(rule.text for rule in rules), strict=True))
     if not any(name == head.name for rule in rules for head in rule.heads):
         return None
@@ -109,6 +112,24 @@ def slice_for(
     if text is None:
         text = "\n".join(rule.text for rule in sliced)
     return Slice(Rulebook(sliced, (("base", text),), documented=rulebook.documented), needed)
+
+
+def _of_kinds(rules: Sequence[Rule], kinds: Set[str]) -> list[Rule]:
+    """Return rules without those that only derive consequences of kinds that none of them reads.
+
+    Those of some kinds are asked for.
+    """
+    asked = dict.fromkeys((CONSEQUENCE.name, ACCOUNT.name, CONCERNS.name), frozenset(kinds))
+    while True:
+        kept = [rule for rule in rules if is_read(rule, kinds)]
+        outlines = outlines_of(rule.text for rule in kept)
+        behind = [kept[number] for number in reachable_rules(outlines, asked, None)]
+        read = kinds_read(behind)
+        if read is None:
+            return list(rules)
+        if read <= kinds:
+            return kept
+        kinds |= read
 
 
 def _statements(rules: Iterable[Rule]) -> list[Statement]:
