@@ -46,7 +46,7 @@ SHAPES = {
     "a chain": "c{0}(M) :- c{1}(M), module(M). #show c{2}/1.",
     "a circle": "c{0}(M) :- c{1}(M), module(M). #show c{2}/1.",
     "one head": 'p(M) :- uses_data_from(_, M, "s{0}"). #show p/1.',
-    "aggregates": "p{0}(M) :- {0} < #count {{ S : uses_data_from(_, M, S) }}, guard(M). #show p{0}/1.",
+    "aggregates": "p{0}(M) :- guard(M), {0} < #count {{ S : link(_, M, S) }}. #show p{0}/1.",
     "conditions": 'p{0}(M) :- guard(M); S != "s{0}" : uses_data_from(_, M, S). #show p{0}/1.',
     "sums": "q{0}(R, T + {0}) :- hold(R, T), T < {0}. #show q{0}/2.",
 }
