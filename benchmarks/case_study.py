@@ -1,8 +1,8 @@
 """Fill in docs/case-study.md: `python benchmarks/case_study.py FOLDER`.
 
-Each `sh` block of the page is a campaign, or a sign test of its runs; what it prints is written into
-the `text` block that follows, of a campaign without its worst runs. The runs are kept in FOLDER, and
-those that it has already are not carried out again.
+Each `sh` block of the page is a campaign, or a sign test of its runs; what it prints is written
+into the `text` block that follows, of a campaign without its worst runs. The runs are kept in
+FOLDER, and those that it has already are not carried out again.
 """
 
 import re

@@ -27,7 +27,7 @@ def probability(one: int, other: int) -> float:
     """Return how likely fair coins are to fall as unevenly as `one` to `other`."""
     count = one + other
     tail = sum(comb(count, k) for k in range(min(one, other) + 1))
-    return min(1.0, 2 * tail / 2**count)
+    return min(1.0, 2 * tail / (1 << count))
 
 
 def runs(path: Path) -> Iterator[Mapping[str, Any]]:

@@ -1,7 +1,9 @@
 """Every command in the documentation prints what the documentation shows."""
 
 import re
+import shlex
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 
@@ -30,16 +32,63 @@ def test_commands_print_what_is_shown(document: Path, update_golden: bool) -> No
         assert run(command) == shown, command
 
 
-def test_the_campaigns_of_the_case_study_work() -> None:
+STUDY = ROOT / "docs" / "case-study.md"
+BLOCK = run_path(str(ROOT / "benchmarks" / "case_study.py"))["BLOCK"]
+SIGN_TEST = run_path(str(ROOT / "benchmarks" / "sign_test.py"))
+
+
+def test_the_commands_of_the_case_study_work(tmp_path: Path) -> None:
     """Each with one seed, 1 s and the first of its values; the page keeps what 200 seeds show."""
-    page = (ROOT / "docs" / "case-study.md").read_text(encoding="utf-8")
-    campaigns = re.findall(r"^mars-asp campaign .*", page, re.MULTILINE)
-    assert campaigns
-    for command in campaigns:
-        short = re.sub(r"--vary duration=\S+| -o \S+| --plot \S+", "", command)
-        short = re.sub(r"(=[^,\s]+),\S+", r"\1", re.sub(r"1-\d+00", "1", short))
-        told = run(f"{short} --vary duration=1")
-        assert re.search(r"^passed +[01] of 1 ", told, re.MULTILINE), command
+    blocks = [shlex.split(command) for command in BLOCK.findall(STUDY.read_text(encoding="utf-8"))]
+    tested = {(words[2], words[3]) for words in blocks if words[0] == "python"}
+    assert len(tested) > 10
+    for words in blocks:
+        if words[0] == "python":
+            file, what = (f"{tmp_path}/{each}" if "jsonl" in each else each for each in words[2:])
+            counts = re.findall(r": of (\d+) worlds$", told_by(file, what), re.MULTILINE)
+            assert counts and {*counts} == {"1"}, words
+            continue
+        file = words[words.index("-o") + 1]
+        short = "duration=1"
+        for word in words[1:]:
+            key, equals, values = word.partition("=")
+            if equals and key != "duration":
+                kept = values if (file, key) in tested else values.split(",")[0]
+                short += f" --vary {key}={kept}"
+        scenario = words[words.index("--scenario") + 1]
+        given = f"{words[2]} --scenario {scenario} --seeds 1 -o {tmp_path}/{file}"
+        told = run(f"mars-asp campaign {given} --vary {short}")
+        assert re.search(r"^passed +\d of \d ", told, re.MULTILINE), words
+
+
+def told_by(file: str, what: str) -> str:
+    return "\n".join(SIGN_TEST["lines"](SIGN_TEST["compared"](Path(file), what)))
+
+
+def test_numbers_in_the_case_study_are_in_what_its_commands_print() -> None:
+    """Or in the scenarios and sources that they run."""
+    page = STUDY.read_text(encoding="utf-8")
+    blocks = "".join(re.findall(r"^```.*?^```$", page, re.MULTILINE | re.DOTALL))
+    prose = re.sub(r"^```.*?^```$|\[[^]]*\]\([^)]*\)", "", page, flags=re.MULTILINE | re.DOTALL)
+    folders = [ROOT / "examples" / name for name in ("level0", "level1")]
+    files = [
+        path for folder in folders for path in (*folder.glob("*.toml"), *folder.glob("*/*.py"))
+    ]
+    known = {*NUMBER.findall(blocks), *NUMBER.findall("".join(path.read_text() for path in files))}
+    assert {*NUMBER.findall(prose)} - known == {*ELSEWHERE.split()}
+
+
+#: Whole or with a fraction.
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
+#: Of the case study: the day, the bound of p, and 200 mm/s over 500 mm/s a second.
+ELSEWHERE = "2026 11 23 0.05 0.002 0.4"
+
+
+def test_the_sign_test_is_that_of_fair_coins() -> None:
+    probability = SIGN_TEST["probability"]
+    assert probability(1, 8) == 20 / 512  # 2 * (1 + 9) of 2^9
+    assert probability(0, 0) == probability(3, 3) == 1
+    assert probability(60, 0) == 2 / 2**60
 
 
 @pytest.mark.parametrize("name", pages())
