@@ -96,7 +96,7 @@ def test_each_finding_of_the_examples_makes_a_log(
     monkeypatch.chdir(ROOT)
     files = sorted((ROOT / "tests/findings").glob("*.mars"))
     names = [str(path.relative_to(ROOT)) for path in files]
-    _, run = sarif(capsys, "check", *names, "docs/how-to/twist_mux.yaml", *names)
+    _, run = sarif(capsys, "check", *names, "docs/how-to/twist_mux.yaml", *names[:3])
     assert len(run["results"]) > 15
     for rule in run["tool"]["driver"]["rules"]:
         # GitHub asks for all of these.
