@@ -17,6 +17,7 @@ from mars_asp.cli.live import live_line
 from mars_asp.cli.outputs import ending
 from mars_asp.cli.perform import scenario_text, specified
 from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_project
+from mars_asp.cli.report import report
 from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.output import visible
@@ -98,7 +99,7 @@ def _count(text: str) -> int:
 def run(arguments: argparse.Namespace) -> int:
     """Carry out the runs that are missing; 1 where one did not pass."""
     load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_job")
-    from mars_asp.cli.campaign_job import code_of, hashes, job_of
+    from mars_asp.cli.campaign_job import hashes, job_of, needs_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
 
     _check_engine(arguments)
@@ -109,7 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
     found = specified(project, arguments)
     if found is None:
         return 1
-    code = code_of(*found, grid, text, path)
+    code, remarks = needs_of(*found, grid, text, path)
+    report(remarks, arguments)
     job = job_of(*found, text, path, code, arguments)
     header = header_of(*hashes(project, text, code, arguments), __version__)
     journal = _journal(header, arguments)

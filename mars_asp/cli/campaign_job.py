@@ -1,8 +1,9 @@
 """What the runs of a campaign have in common, and what their results depend on."""
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from mars_asp.cli.campaign_runner import Job
 from mars_asp.cli.limits import memory_limit
@@ -21,14 +22,21 @@ from mars_asp.reasoning.packs import MANIFEST, find_packs
 from mars_asp.reasoning.project import Project
 
 
-def code_of(
+class Needs(NamedTuple):
+    """What the runs of a campaign import, by absolute paths, and warnings about their scenarios."""
+
+    code: Mapping[str, bytes]
+    remarks: Sequence[Diagnostic]
+
+
+def needs_of(
     specification: Configuration,
     modules: Mapping[str, Module],
     grid: Grid,
     text: str,
     path: Path,
-) -> dict[str, bytes]:
-    """Return the Python files that runs import, by their absolute paths.
+) -> Needs:
+    """Return the Python files that runs import, and what is odd about any of their scenarios.
 
     Raises:
         MarsError: a file is missing, or the specification has no place for what is stated.
@@ -36,20 +44,19 @@ def code_of(
     names = [name.text for name in specification.modules]
     plan = Plan(*in_parts(specification, modules), {})
     files: dict[Path, None] = {}
-    problems: dict[Diagnostic, None] = {}
+    found: dict[Diagnostic, None] = {}
     for cell in grid.cells():
         scenario = read_scenario(text, path, cell)
-        found = (each for each in disagreements(plan, scenario) if each.severity == "error")
-        problems |= dict.fromkeys(found)
+        found |= dict.fromkeys(disagreements(plan, scenario))
         bound = dict(bound_functions(modules, scenario, names))
         files |= dict.fromkeys(file for file, _ in bound.values())
-    if problems:
+    if problems := [each for each in found if each.severity == "error"]:
         raise MarsError(problems)
     missing = [file for file in files if not file.is_file()]
     if missing:
         told = "this file, which runs import, is not there"
         raise refusal("campaign", told, str(missing[0]))
-    return imported_code(files)
+    return Needs(imported_code(files), tuple(found))
 
 
 def job_of(

@@ -213,6 +213,21 @@ def test_what_cannot_work_is_refused_before_anything_runs(
     assert not campaign.out.exists()
 
 
+def test_what_is_odd_about_a_scenario_is_told_once_before_the_runs(
+    campaign: Campaign, capsys: Captured
+) -> None:
+    reach = "[requirements]\nreach = { at = [9, 0], radius = 1, within = 60 }\n"
+    Path("s.toml").write_text(SCENARIO.replace("[requirements]\n", reach))
+    told = "the run ends at 1 s"
+    for seeds in ("1-2", "1-3"):
+        assert run_here(campaign.words("--seeds", seeds, "-o", "o.jsonl")) == 1
+        assert " ".join(capsys.readouterr().err.split()).count(told) == 1
+    varied = ["--seeds", "1", "--vary", "requirements.reach.within=1,60,70"]
+    run_here(campaign.words(*varied, "--format", "json"))
+    warnings = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert [each["severity"] for each in warnings] == ["warning", "warning"]
+
+
 def test_a_run_that_cannot_begin_ends_the_campaign_and_is_named(
     campaign: Campaign, capsys: Captured
 ) -> None:
