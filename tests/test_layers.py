@@ -71,7 +71,7 @@ FILES = {
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account needs subject alternatives annotation_edits changes behind evidence "
+        "sharing account needs subject asked alternatives annotation_edits changes behind evidence "
         "islands counted preceding vicinity blame edits explain diff near_miss repair fix why_not "
         "absences without"
     ),

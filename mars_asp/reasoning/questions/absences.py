@@ -16,12 +16,12 @@ from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.analysis import read_consequences
 from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.questions.asked import at_module
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.questions.explain import Sort
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.questions.why_not import (
     RESOLVES,
-    at_module,
     circles,
     holds,
     is_there,
