@@ -178,6 +178,12 @@ CPP = [
     ('rclcpp::create_publisher<A>(node, "t", 1);', ["t"]),
     ('declare_parameter("p", "d"); get_parameter("p", n_); create_publisher<A>(n_, 1);', ["d"]),
     ("create_publisher<A>(name(), 1);", []),
+    ('std::string n = "t"; create_publisher<A>(n.c_str(), 1);', ["t"]),
+    ('std::string n = "t"; create_publisher<A>((n), 1);', ["t"]),
+    ('std::string n = "t"; create_publisher<A>(std::string{n} + "/s", 1);', ["t/s"]),
+    ('std::string n{"t"}; create_publisher<A>((std::string("s/") + n).c_str(), 1);', ["s/t"]),
+    ('create_publisher<A>(("s" "/t"), 1);', ["s/t"]),
+    ("create_publisher<A>(other.c_str(), 1);", []),
     ("create_publisher<A>(", []),
     ("a < b; create_publisher < c;", []),
 ]

@@ -4,68 +4,29 @@ Comments, strings and dead code are told from code by the lexer of annotated sou
 of the timer, or loop, whose function publishes.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
     Token,
-    angle,
     closing,
     is_word,
     joined,
     split,
     text_at,
-    tokenise,
 )
-from mars_asp.annotations.sources import Source
 from mars_asp.annotations.types import representation
-from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.cpp_code import Call, CppCode
+from mars_asp.exchange.ros2.cpp_durations import number_in, seconds_in
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
 from mars_asp.exchange.unread import Unread
 
-_MOST_TOKENS = 400_000
 #: Limits of what is copied or searched more than once; no program comes near them.
-_MOST_COPIED = 1_000_000
-_MOST_PARAMETERS = 200
 _MOST_WORDS = 50
 _MOST_CHARACTERS = 1000
-_MOST_INITIALISERS = 4000
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
-_STRING = re.compile(
-    r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
-)
-_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
-_NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?|\.\d+)(?:[eE]([-+]?\d+))?(?:f|F|u|l|L)*")
-_UNITS = {
-    "ns": Fraction(1, 10**9),
-    "us": Fraction(1, 10**6),
-    "ms": Fraction(1, 1000),
-    "s": Fraction(1),
-    "min": Fraction(60),
-}
-#: The units of a `std::chrono::duration`; a `std::ratio` is not worked out.
-_RATIOS = {
-    "milli": Fraction(1, 1000),
-    "micro": Fraction(1, 10**6),
-    "nano": Fraction(1, 10**9),
-    "ratio": None,
-}
-_DURATIONS = {
-    "nanoseconds": Fraction(1, 10**9),
-    "microseconds": Fraction(1, 10**6),
-    "milliseconds": Fraction(1, 1000),
-    "seconds": Fraction(1),
-    "minutes": Fraction(60),
-    "Duration": Fraction(1),
-    "WallDuration": Fraction(1),
-    "from_seconds": Fraction(1),
-    "duration": Fraction(1),
-}
-_LITERAL = re.compile(r"(\d[\d.']*)(ns|us|ms|s|min)")
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
@@ -91,7 +52,6 @@ _CALLED = (
         " init".split()
     )
 )
-_KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
 
 
 class _Value(NamedTuple):
@@ -101,29 +61,9 @@ class _Value(NamedTuple):
     parameter: str | None = None
 
 
-class _Call(NamedTuple):
-    """A call: what is called at which token, its template arguments and its arguments."""
-
-    name: str
-    at: int
-    types: tuple[str, ...]
-    arguments: tuple[tuple[Token, ...], ...]
-    end: int
-
-
-@dataclass(slots=True)
-class _Body:
-    """A function by its name, from the token that opens its body to behind the one that ends it."""
-
-    name: str
-    begin: int
-    end: int
-    parameters: tuple[Token, ...]
-
-
 def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     """Return what a program of several files, each a text and its path, publishes and hears."""
-    files = [_File(text, path) for text, path in texts]
+    files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
     for file in files:
@@ -154,82 +94,8 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     )
 
 
-class _File:
-    """The tokens of a file, the calls in it and its functions."""
-
-    def __init__(self, text: str, path: str) -> None:
-        self.source = Source(path, "c", text.encode())
-        stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
-        self.text = stretch.text
-        self.tokens = tokenise(stretch.code)[:_MOST_TOKENS]
-        self.closed = _closed(self.tokens)
-        self.calls = tuple(self._calls())
-        self.bodies = tuple(self._bodies())
-
-    # ---- Places and texts
-
-    def span(self, token: Token, length: int | None = None) -> Span:
-        """Return where a token stands."""
-        line, column = self.source.position(self.source.within(0, self.text, token.offset))
-        end = column + (len(token.text) if length is None else length)
-        return Span(self.source.path, line, column, line, end)
-
-    def string(self, token: Token) -> str | None:
-        """Return what a token that is a string holds."""
-        begin = token.offset
-        match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
-        if match is None:
-            return None
-        if match["raw"] is not None:
-            return match["raw"]
-        return _ESCAPE.sub(r"\1", match["plain"])
-
-    # ---- What is in the file
-
-    def _calls(self) -> Iterator[_Call]:
-        """Yield each call, and each construction of a variable, with its arguments."""
-        tokens, copied = self.tokens, 0
-        for at, token in enumerate(tokens):
-            name = token.text
-            if name not in _CALLED:
-                continue
-            behind = at + 1
-            types: tuple[str, ...] = ()
-            if text_at(tokens, behind) == "<":
-                end = angle(tokens, behind)
-                if end is not None:
-                    inner = tokens[behind + 1 : end - 1]
-                    types = tuple(joined(group) for group in split(inner))
-                    behind = end
-            # `ros::Rate loop(10)` and `Subscriber<T> name(...)` name what they make.
-            if is_word(text_at(tokens, behind)) and (name in _RATES or types):
-                behind += 1
-            opening = text_at(tokens, behind)
-            if opening == "(" or (opening == "{" and (name in _RATES or types)):
-                end = self.closed[behind]
-                # Calls that are nested without end would be copied without end.
-                copied += end - behind
-                if copied > _MOST_COPIED:
-                    return
-                arguments = split(tokens[behind + 1 : end - 1])
-                yield _Call(name, at, types, tuple(map(tuple, arguments)), end)
-
-    def _bodies(self) -> Iterator[_Body]:
-        """Yield the functions that are defined."""
-        tokens = self.tokens
-        at = 0
-        while at < len(tokens):
-            if text_at(tokens, at) == "(" and is_word(text_at(tokens, at - 1)):
-                end = behind = self.closed[at]
-                name = text_at(tokens, at - 1)
-                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) == "->":
-                    behind += 1
-                if text_at(tokens, behind) == ":" and text_at(tokens, behind + 1) != ":":
-                    behind = _behind_initialisers(tokens, behind + 1)
-                if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
-                    parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
-                    yield _Body(name, behind, self.closed[behind], parameters)
-            at += 1
+class _File(CppCode):
+    """What the calls and functions of a file mean to ROS."""
 
     def values(self) -> dict[str, _Value]:
         """Return the texts that variables have."""
@@ -266,7 +132,7 @@ class _File:
         }
 
     def _parameter(
-        self, call: _Call, found: dict[str, _Value], defaults: dict[str | None, str | None]
+        self, call: Call, found: dict[str, _Value], defaults: dict[str | None, str | None]
     ) -> None:
         """Note a parameter that is read into a variable, or declared with a default."""
         first, *others = call.arguments
@@ -287,24 +153,24 @@ class _File:
 
     def value(self, tokens: Sequence[Token], values: Mapping[str, _Value]) -> _Value:
         """Return the text of an expression, and the parameter that it reads."""
+        tokens = _unwrapped(tokens)
         strings = [self.string(t) for t in tokens if t.text.startswith('"')]
         words = [token.text for token in tokens]
         if any(word in _PARAMETERS for word in words) and strings:
             default = strings[1] if len(strings) > 1 else None
             return _Value(default, (strings[0] or "").lstrip("~"))
+        if strings and len(strings) == len(tokens):
+            # Literals in a row are one.
+            text = "".join(each or "" for each in strings)
+            return _Value(text if len(text) <= _MOST_CHARACTERS else None)
         if len(tokens) == 1:
-            return _Value(strings[0]) if strings else values.get(words[0], _Value(None))
+            return values.get(words[0], _Value(None))
         if "+" in words:
             parts = [self.value(group, values) for group in _summands(tokens)]
             if all(part.text is not None and part.parameter is None for part in parts):
                 text = "".join(part.text or "" for part in parts)
                 return _Value(text if len(text) <= _MOST_CHARACTERS else None)
             return _Value(None)
-        if len(strings) == 1 and words[-1] in (")", "}") and "std" in words:
-            # std::string("topic")
-            return _Value(strings[0])
-        if not strings and words[-3:-2] and words[-3] == "." and words[-2:] == ["c_str", "("]:
-            return values.get(words[0], _Value(None))
         if words[:2] == ["this", "->"] or (len(words) == 3 and words[1] in (".", "->")):
             return values.get(words[-1], _Value(None))
         return _Value(None)
@@ -357,7 +223,7 @@ class _File:
 
     def topic(
         self,
-        call: _Call,
+        call: Call,
         values: Mapping[str, _Value],
         private: frozenset[str],
         kinds: Mapping[str, str],
@@ -412,7 +278,7 @@ class _File:
             text = f"~/{text}"
         return Topic(text, _written(kind), span, value.parameter), self._keeper(call), published
 
-    def _taken(self, call: _Call, kinds: Mapping[str, str]) -> str | None:
+    def _taken(self, call: Call, kinds: Mapping[str, str]) -> str | None:
         """Return the type of message that the callback of a subscription takes."""
         for argument in call.arguments[1:]:
             texts = [token.text for token in argument]
@@ -426,7 +292,7 @@ class _File:
                     return kinds[text]
         return None
 
-    def _keeper(self, call: _Call) -> str | None:
+    def _keeper(self, call: Call) -> str | None:
         """Return the variable that a call is assigned to."""
         tokens = self.tokens
         at = call.at - 1
@@ -455,7 +321,7 @@ class _File:
         clocks = [call for call in self.calls if call.name in _TIMERS or call.name in _RATES]
         for call in clocks[:_MOST_TIMERS]:
             if call.name in _TIMERS:
-                periods = [self._seconds(argument) for argument in call.arguments[:2]]
+                periods = [seconds_in(argument) for argument in call.arguments[:2]]
                 seconds = next((each for each in periods if each), None)
                 hz = rate_of(seconds) if seconds else None
                 if hz is None:
@@ -468,7 +334,7 @@ class _File:
                     ranges += [by_name[text] for text in texts if text in by_name]
                 yield hz, ranges
             elif call.arguments:
-                number = _number(joined(call.arguments[0]))
+                number = number_in(joined(call.arguments[0]))
                 around = [b for b in self.bodies if b.begin < call.at < b.end]
                 if number and around:
                     inner = max(around, key=lambda body: body.begin)
@@ -490,53 +356,20 @@ class _File:
                 elif text in by_name and text_at(self.tokens, at + 1) == "(":
                     waiting.append(by_name[text])
 
-    def _seconds(self, argument: Sequence[Token]) -> Fraction | None:
-        """Return the seconds of a duration that is written out."""
-        text = joined(argument)
-        literal = _LITERAL.fullmatch(text)
-        if literal:
-            number = _number(literal[1])
-            return None if number is None else number * _UNITS[literal[2]]
-        words = [token.text for token in argument]
-        for at, word in enumerate(words):
-            if word in _DURATIONS:
-                rest = words[at + 1 :]
-                opening = next((i for i, t in enumerate(rest) if t in "({"), None)
-                if opening is not None:
-                    number = _number("".join(rest[opening + 1 : -1]))
-                    # `duration<double, std::milli>` counts in a unit of its own.
-                    units = [_RATIOS.get(each) for each in rest[:opening] if each in _RATIOS]
-                    unit = units[0] if units else _DURATIONS[word]
-                    return None if number is None or unit is None else number * unit
-        return None
 
-
-def _closed(tokens: Sequence[Token]) -> dict[int, int]:
-    """Return, for each bracket that opens, the index behind the one that closes it."""
-    found: dict[int, int] = {}
-    waiting: list[int] = []
-    for at, token in enumerate(tokens):
-        if token.text in ("(", "[", "{"):
-            waiting.append(at)
-        elif token.text in (")", "]", "}") and waiting:
-            found[waiting.pop()] = at + 1
-    return found | dict.fromkeys(waiting, len(tokens))
-
-
-def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:
-    """Return the index of the body behind the initialisers of a constructor."""
-    most = min(len(tokens), at + _MOST_INITIALISERS)
-    while at < most:
-        while at < most and text_at(tokens, at) not in ("(", "{", ";"):
-            end = angle(tokens, at) if text_at(tokens, at) == "<" else None
-            at = at + 1 if end is None else end
-        if text_at(tokens, at) in ("", ";"):
-            return at
-        at = closing(tokens, at)
-        if text_at(tokens, at) != ",":
-            return at
-        at += 1
-    return at
+def _unwrapped(tokens: Sequence[Token]) -> Sequence[Token]:
+    """Return an expression without brackets around it, `std::string(...)` and `.c_str()`."""
+    while len(tokens) <= _MOST_WORDS:
+        words = [token.text for token in tokens]
+        bare = words[2:] if words[:2] == ["std", "::"] else words
+        at = len(words) - len(bare) + (bare[:1] in (["string"], ["string_view"]))
+        if words[-4:] in ([".", "c_str", "(", ")"], [".", "data", "(", ")"]):
+            tokens = tokens[:-4]
+        elif words[at : at + 1] in (["("], ["{"]) and closing(tokens, at) == len(tokens):
+            tokens = tokens[at + 1 : -1]
+        else:
+            break
+    return tokens
 
 
 def _summands(tokens: Sequence[Token]) -> Iterator[list[Token]]:
@@ -548,21 +381,6 @@ def _summands(tokens: Sequence[Token]) -> Iterator[list[Token]]:
         else:
             group.append(token)
     yield group
-
-
-def _number(text: str) -> Fraction | None:
-    """Return a number, or the quotient of two, that is written out."""
-    first, slash, second = text.partition("/")
-    found = []
-    for part in (first, second) if slash else (first,):
-        match = _NUMBER.fullmatch(part.strip())
-        if match is None or len(part) > 30 or abs(int(match[2] or 0)) > 30:
-            return None
-        exponent = f"e{match[2]}" if match[2] else ""
-        found.append(Fraction(match[1].replace("'", "").rstrip(".") + exponent))
-    if slash:
-        return found[0] / found[1] if found[1] else None
-    return found[0]
 
 
 def _written(kind: str | None) -> str | None:

@@ -1,0 +1,157 @@
+"""The tokens of a file in C++: the calls in it, and the functions that it defines."""
+
+import re
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mars_asp.annotations.declarations.tokens import (
+    Token,
+    angle,
+    closing,
+    is_word,
+    joined,
+    split,
+    text_at,
+    tokenise,
+)
+from mars_asp.annotations.sources import Source
+from mars_asp.diagnostic import Span
+
+_MOST_TOKENS = 400_000
+#: Limits of what is copied or searched more than once; no program comes near them.
+_MOST_COPIED = 1_000_000
+_MOST_PARAMETERS = 200
+_MOST_INITIALISERS = 4000
+_STRING = re.compile(
+    r'(?:u8|[uUL])?(?:R"(?P<tag>[^(]*)\((?P<raw>.*)\)(?P=tag)"|"(?P<plain>.*)")', re.DOTALL
+)
+_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_KEYWORDS = frozenset({"if", "for", "while", "switch", "catch", "return", "sizeof"})
+
+
+class Call(NamedTuple):
+    """A call: what is called at which token, its template arguments and its arguments."""
+
+    name: str
+    at: int
+    types: tuple[str, ...]
+    arguments: tuple[tuple[Token, ...], ...]
+    end: int
+
+
+@dataclass(slots=True)
+class Body:
+    """A function by its name, from the token that opens its body to behind the one that ends it."""
+
+    name: str
+    begin: int
+    end: int
+    parameters: tuple[Token, ...]
+
+
+class CppCode:
+    """The tokens of a file, the calls in it and its functions."""
+
+    def __init__(self, text: str, path: str, called: Set[str], made: Set[str]) -> None:
+        """Take a text, and the names whose calls are wanted; `made` are types of variables, too."""
+        self.source = Source(path, "c", text.encode())
+        stretch = self.source.stretch(0, len(self.source.data), len(self.source.data))
+        self.text = stretch.text
+        self.tokens = tokenise(stretch.code)[:_MOST_TOKENS]
+        self.closed = _closed(self.tokens)
+        self.calls = tuple(self._calls(called, made))
+        self.bodies = tuple(self._bodies())
+
+    # ---- Places and texts
+
+    def span(self, token: Token, length: int | None = None) -> Span:
+        """Return where a token stands."""
+        line, column = self.source.position(self.source.within(0, self.text, token.offset))
+        end = column + (len(token.text) if length is None else length)
+        return Span(self.source.path, line, column, line, end)
+
+    def string(self, token: Token) -> str | None:
+        """Return what a token that is a string holds."""
+        begin = token.offset
+        match = _STRING.fullmatch(self.text[begin : begin + len(token.text)])
+        if match is None:
+            return None
+        if match["raw"] is not None:
+            return match["raw"]
+        return _ESCAPE.sub(r"\1", match["plain"])
+
+    # ---- What is in the file
+
+    def _calls(self, called: Set[str], made: Set[str]) -> Iterator[Call]:
+        """Yield each call, and each construction of a variable, with its arguments."""
+        tokens, copied = self.tokens, 0
+        for at, token in enumerate(tokens):
+            name = token.text
+            if name not in called:
+                continue
+            behind = at + 1
+            types: tuple[str, ...] = ()
+            if text_at(tokens, behind) == "<":
+                end = angle(tokens, behind)
+                if end is not None:
+                    inner = tokens[behind + 1 : end - 1]
+                    types = tuple(joined(group) for group in split(inner))
+                    behind = end
+            # `ros::Rate loop(10)` and `Subscriber<T> name(...)` name what they make.
+            if is_word(text_at(tokens, behind)) and (name in made or types):
+                behind += 1
+            opening = text_at(tokens, behind)
+            if opening == "(" or (opening == "{" and (name in made or types)):
+                end = self.closed[behind]
+                # Calls that are nested without end would be copied without end.
+                copied += end - behind
+                if copied > _MOST_COPIED:
+                    return
+                arguments = split(tokens[behind + 1 : end - 1])
+                yield Call(name, at, types, tuple(map(tuple, arguments)), end)
+
+    def _bodies(self) -> Iterator[Body]:
+        """Yield the functions that are defined."""
+        tokens = self.tokens
+        at = 0
+        while at < len(tokens):
+            if text_at(tokens, at) == "(" and is_word(text_at(tokens, at - 1)):
+                end = behind = self.closed[at]
+                name = text_at(tokens, at - 1)
+                while is_word(text_at(tokens, behind)) or text_at(tokens, behind) == "->":
+                    behind += 1
+                if text_at(tokens, behind) == ":" and text_at(tokens, behind + 1) != ":":
+                    behind = _behind_initialisers(tokens, behind + 1)
+                if text_at(tokens, behind) == "{" and name not in _KEYWORDS:
+                    parameters = tuple(tokens[at + 1 : min(end - 1, at + _MOST_PARAMETERS)])
+                    yield Body(name, behind, self.closed[behind], parameters)
+            at += 1
+
+
+def _closed(tokens: Sequence[Token]) -> dict[int, int]:
+    """Return, for each bracket that opens, the index behind the one that closes it."""
+    found: dict[int, int] = {}
+    waiting: list[int] = []
+    for at, token in enumerate(tokens):
+        if token.text in ("(", "[", "{"):
+            waiting.append(at)
+        elif token.text in (")", "]", "}") and waiting:
+            found[waiting.pop()] = at + 1
+    return found | dict.fromkeys(waiting, len(tokens))
+
+
+def _behind_initialisers(tokens: Sequence[Token], at: int) -> int:
+    """Return the index of the body behind the initialisers of a constructor."""
+    most = min(len(tokens), at + _MOST_INITIALISERS)
+    while at < most:
+        while at < most and text_at(tokens, at) not in ("(", "{", ";"):
+            end = angle(tokens, at) if text_at(tokens, at) == "<" else None
+            at = at + 1 if end is None else end
+        if text_at(tokens, at) in ("", ";"):
+            return at
+        at = closing(tokens, at)
+        if text_at(tokens, at) != ",":
+            return at
+        at += 1
+    return at
