@@ -167,4 +167,4 @@ def _match(general: Node, special: Node, binding: _Binding) -> _Binding | None:
 
 def _own(node: Node) -> list[object]:
     """Return what a node says by itself."""
-    return [v for v in vars(node).values() if isinstance(v, str | int)]
+    return [v for name, v in vars(node).items() if name[0] != "_" and isinstance(v, str | int)]
