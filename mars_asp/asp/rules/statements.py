@@ -799,7 +799,7 @@ def _term(term: Node) -> Pattern:
     if kind == _TYPE.Variable:
         return _variable(term.name)
     if kind == _TYPE.SymbolicTerm:
-        return Pattern(str(term.symbol), True, False, True, _NONE, None)
+        return Pattern(str(term), True, False, True, _NONE, None)
     if kind != _TYPE.Function or term.external:
         return Pattern(str(term), False, False, False, _NONE, None)
     inside = tuple(map(_term, term.arguments))

@@ -55,7 +55,13 @@ class Node:
 
     def __str__(self) -> str:
         if self._text is None:
-            self._text = str(self.tree)
+            match self.ast_type:
+                case Kind.Variable:
+                    self._text = self.name
+                case Kind.SymbolicTerm:
+                    self._text = str(self.symbol)
+                case _:
+                    self._text = str(self.tree)
         return self._text
 
 
