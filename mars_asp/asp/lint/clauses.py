@@ -121,6 +121,11 @@ class Clause:
                 found |= {name for each in atom.terms for name in names_in(each)}
         return frozenset(found)
 
+    @property
+    def has_set(self) -> bool:
+        """Whether it has atoms in braces."""
+        return self.sort == "choice" or any(each.function == "set" for each in self.aggregates)
+
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
         """Return of what its body is: predicates with their signs, and what else there is."""
