@@ -54,7 +54,7 @@ def run_contained(run: Callable[[argparse.Namespace], int], arguments: argparse.
     # What both have in common is not written to, and so not copied, by a collection in the worker.
     gc.freeze()
     # A run makes millions of values and hardly a cycle, so it is enough to look for some rarely.
-    gc.set_threshold(500_000, 20, 20)
+    gc.set_threshold(1_000_000, 20, 20)
     gc.enable()
     if not hasattr(os, "fork"):
         return run_plain(run, arguments)

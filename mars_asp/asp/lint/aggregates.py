@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of, text_of
+from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.trees import Kind, below, names_in
 
@@ -54,14 +54,14 @@ def _element(
     inside = frozenset().union(*(names_in(atom.node) for atom in element.scope.atoms))
     if aggregate.function in _SUMS and not rest:
         if lost := _lost(element, told | bound):
-            message = f"`{text_of(first)}` is added once, however many {lost} have it"
-            advice = f"add what tells them apart: `{text_of(first)}, {lost.strip('`')} : ...`"
+            message = f"`{first!s}` is added once, however many {lost} have it"
+            advice = f"add what tells them apart: `{first!s}, {lost.strip('`')} : ...`"
             if lost == "others":
-                advice = f"add what tells them apart: `{text_of(first)}, X : ...`, not `_`"
+                advice = f"add what tells them apart: `{first!s}, X : ...`, not `_`"
             yield found(AGGREGATE, message, place, clause.rule, advice)
         return
     if aggregate.function in ("count", *_SUMS) and not local and inside - bound:
-        what = ", ".join(map(text_of, element.terms))
+        what = ", ".join(map(str, element.terms))
         message = f"at most one `{what}` is counted, as nothing in it varies"
         advice = f"count what differs: `{min(inside - bound)}`"
         yield found(AGGREGATE, message, place, clause.rule, advice)

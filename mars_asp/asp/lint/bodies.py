@@ -10,7 +10,6 @@ from mars_asp.asp.lint.clauses import (
     Comparison,
     Scope,
     kind_of,
-    text_of,
 )
 from mars_asp.asp.lint.found import Fix, Found, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, guarded, never
@@ -47,8 +46,11 @@ def _contradiction(
 ) -> Found | None:
     advice = _NEVER if outer == Scope() else _INNER
     atoms = (*outer.atoms, *inner.atoms)
-    for one in inner.atoms:
-        for other in atoms:
+    alike: dict[str, list[Atom]] = {}
+    for atom in atoms:
+        alike.setdefault(atom.signature.name, []).append(atom)
+    for one in inner.atoms if len(alike) < len(atoms) else ():
+        for other in alike[one.signature.name]:
             if _exclude(one, other):
                 node = max(one.node, other.node, key=lambda node: node.extent)
                 message = f"`{one.node}` and `{other.node}` are never true together"
@@ -92,7 +94,7 @@ def _exclude(one: Atom, other: Atom) -> bool:
         return False
     denied, stated = (one, other) if one.sign == 1 else (other, one)
     return all(
-        text_of(no) == "_" or (text_of(no) == text_of(yes) and "_" not in _bare(no))
+        str(no) == "_" or (str(no) == str(yes) and "_" not in _bare(no))
         for no, yes in zip(denied.terms, stated.terms, strict=True)
     )
 
@@ -148,7 +150,7 @@ def _binds(aggregate: Aggregate) -> bool:
 
 
 def _holds_anyway(each: Comparison, rest: Sequence[Comparison], constants: Set[str]) -> bool:
-    if each.sign == "=" and text_of(each.left) != text_of(each.right):
+    if each.sign == "=" and str(each.left) != str(each.right):
         # It may be what binds a variable.
         return False
     return never([*map(compared, rest), _denied(each)], constants)
@@ -173,7 +175,7 @@ def _repeated(clause: Clause) -> Iterator[Found]:
     ):
         seen: dict[str, Node] = {}
         kinds = Counter(map(kind_of, literals))
-        for literal in literals:
+        for literal in literals if len(kinds) < len(literals) else ():
             if literal.ast_type is Kind.Literal and literal.atom.ast_type is Kind.Comparison:
                 continue
             if kinds[kind_of(literal)] == 1:

@@ -41,7 +41,7 @@ class Atom(NamedTuple):
     @property
     def text(self) -> str:
         """Return it as it is written, without `not`."""
-        inside = ",".join(map(text_of, self.terms))
+        inside = ",".join(map(str, self.terms))
         minus = "" if self.signature.positive else "-"
         return f"{minus}{self.signature.name}({inside})" if self.terms else self.signature.name
 
@@ -57,21 +57,17 @@ class Comparison(NamedTuple):
     @property
     def text(self) -> str:
         """Return it as clingo would write it."""
-        return f"{text_of(self.left)} {self.sign} {text_of(self.right)}"
+        return f"{self.left!s} {self.sign} {self.right!s}"
 
 
 class Scope(NamedTuple):
-    """Literals that hold together."""
+    """Literals that hold together; of the atoms, those `positive` are not negated."""
 
     atoms: tuple[Atom, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
     #: Whatever else there is, such as `#false`.
     others: tuple[Node, ...] = ()
-
-    @property
-    def positive(self) -> tuple[Atom, ...]:
-        """Return the atoms that must hold."""
-        return tuple(atom for atom in self.atoms if atom.sign == 0)
+    positive: tuple[Atom, ...] = ()
 
 
 class Element(NamedTuple):
@@ -125,6 +121,11 @@ class Clause:
                 found |= {name for each in atom.terms for name in names_in(each)}
         return frozenset(found)
 
+    @property
+    def has_set(self) -> bool:
+        """Whether it has atoms in braces."""
+        return self.sort == "choice" or any(each.function == "set" for each in self.aggregates)
+
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
         """Return of what its body is: predicates with their signs, and what else there is."""
@@ -137,20 +138,20 @@ class Clause:
         for inner in self.inner:
             yield joined(self.body, inner)
 
-    @property
-    def inner(self) -> Iterator[Scope]:
-        """Yield the literals of elements and conditions."""
-        yield from (element.scope for each in self.aggregates for element in each.elements)
-        for conditional in self.conditionals:
-            yield conditional.condition
-        yield from (condition for _, condition in self.heads if condition.atoms)
+    @cached_property
+    def inner(self) -> tuple[Scope, ...]:
+        """Return the literals of elements and conditions."""
+        return (
+            *(element.scope for each in self.aggregates for element in each.elements),
+            *(each.condition for each in self.conditionals),
+            *(condition for _, condition in self.heads if condition.atoms),
+        )
 
-    @property
-    def read(self) -> Iterator[Atom]:
-        """Yield all atoms but heads."""
-        yield from self.body.atoms
-        yield from (atom for scope in self.inner for atom in scope.atoms)
-        yield from (atom for each in self.conditionals for atom in each.literal.atoms)
+    @cached_property
+    def read(self) -> tuple[Atom, ...]:
+        """Return all atoms but heads."""
+        inner = (*self.inner, *(each.literal for each in self.conditionals))
+        return (*self.body.atoms, *(atom for scope in inner for atom in scope.atoms))
 
     def place(self, node: Node) -> Span:
         """Return where a node begins in its file; a rule that metadata stands for is there."""
@@ -180,6 +181,7 @@ def joined(one: Scope, other: Scope) -> Scope:
         one.atoms + other.atoms,
         one.comparisons + other.comparisons,
         one.others + other.others,
+        one.positive + other.positive,
     )
 
 
@@ -192,17 +194,6 @@ def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
 
 
 # ---- Terms ---------------------------------------------------------------------------------------
-
-
-def text_of(term: Node) -> str:
-    """Return a term as clingo writes it."""
-    kind = term.ast_type
-    if kind is Kind.Variable:
-        name: str = term.name
-        return name
-    if kind is Kind.SymbolicTerm:
-        return str(term.symbol)
-    return str(term)
 
 
 def name_of(term: Node) -> str | None:
@@ -322,15 +313,16 @@ def _scope(literals: Iterable[Node]) -> Scope:
             comparisons += _comparisons(literal)
         else:
             others.append(literal)
-    return Scope(tuple(atoms), tuple(comparisons), tuple(others))
+    positive = tuple([atom for atom in atoms if atom.sign == 0])
+    return Scope(tuple(atoms), tuple(comparisons), tuple(others), positive)
 
 
 def _atom(literal: Node) -> Atom:
     minus, symbol = sign_and_function(literal.atom.symbol)
-    signature = Signature(symbol.name, len(symbol.arguments), not minus)
-    named = ((at, name_of(term)) for at, term in enumerate(symbol.arguments))
-    known = tuple((at, name) for at, name in named if name is not None)
-    return Atom(signature, symbol.arguments, literal.sign, literal, known)
+    terms = symbol.arguments
+    named = [(at, name) for at, term in enumerate(terms) if (name := name_of(term)) is not None]
+    signature = Signature(symbol.name, len(terms), not minus)
+    return Atom(signature, terms, literal.sign, literal, tuple(named))
 
 
 def _comparisons(literal: Node) -> Iterator[Comparison]:

@@ -1,20 +1,21 @@
 """Rules that others make superfluous: the same rule again, or one that asks for more.
 
 Two rules are compared only where one holds the rarest mark of the other, a predicate of its body or
-a constant in one, so that thousands of rules with one head take no longer than as many with others.
+a constant or function of the rule, so that thousands of rules with one head take no longer than as
+many with others.
 """
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
-from mars_asp.asp.lint.clauses import Clause, kind_of, text_of
+from mars_asp.asp.lint.clauses import Clause, kind_of
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.trees import Kind, Node, below
 
 DUPLICATE, SUBSUMED = "rule-duplicate", "rule-subsumed"
 _Binding = dict[str, str]
-#: What a rule must have in its body to be covered by one that has it.
+#: What a rule must have to be covered by one that has it.
 _Mark: TypeAlias = tuple[object, ...]
 #: What rules with the same head have in common.
 _About: TypeAlias = tuple[object, ...]
@@ -73,13 +74,15 @@ def _by_rarest(
 
 
 def _marks(clause: Clause) -> frozenset[_Mark]:
-    """Return what the body of a rule asks for: predicates, and constants that they have."""
+    """Return what a rule asks for: predicates, and constants and functions that they have."""
     found: set[_Mark] = set(clause.kinds)
-    for literal in clause.node.body:
-        constants = {text_of(each) for each in below(literal) if each.ast_type is Kind.SymbolicTerm}
-        if constants:
-            kind = kind_of(literal)
-            found.update((kind, each) for each in constants)
+    for literal in (clause.node.head, *clause.node.body):
+        kind = kind_of(literal)
+        for each in below(literal):
+            if each.ast_type is Kind.SymbolicTerm:
+                found.add((kind, str(each)))
+            elif each.ast_type is Kind.Function:
+                found.add((kind, each.name, len(each.arguments)))
     return frozenset(found)
 
 
@@ -89,7 +92,7 @@ def _about(clause: Clause) -> _About:
         return (clause.sort, None, "")
     head = clause.heads[0][0]
     first = head.terms[0] if head.terms else None
-    name = text_of(first) if first is not None and first.ast_type is Kind.SymbolicTerm else ""
+    name = str(first) if first is not None and first.ast_type is Kind.SymbolicTerm else ""
     return clause.sort, head.signature, name
 
 
@@ -167,4 +170,4 @@ def _match(general: Node, special: Node, binding: _Binding) -> _Binding | None:
 
 def _own(node: Node) -> list[object]:
     """Return what a node says by itself."""
-    return [v for v in vars(node).values() if isinstance(v, str | int)]
+    return [v for name, v in vars(node).items() if name[0] != "_" and isinstance(v, str | int)]

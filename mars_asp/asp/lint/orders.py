@@ -7,7 +7,7 @@ bound the differences of bases, so the shortest paths between them show whether 
 from collections.abc import Iterable, Mapping, Set
 from typing import NamedTuple
 
-from mars_asp.asp.lint.clauses import Comparison, is_constant, number_of, operation_of, text_of
+from mars_asp.asp.lint.clauses import Comparison, is_constant, number_of, operation_of
 from mars_asp.asp.rules.trees import Node
 
 #: The base of plain numbers.
@@ -54,10 +54,10 @@ def never(comparisons: Iterable[Compared], constants: Set[str] = frozenset()) ->
 def constants_in(comparisons: Iterable[Comparison], replaced: Set[str]) -> frozenset[str]:
     """Return the constants that are compared, which are values of their own; numbers apart."""
     return frozenset(
-        text_of(term)
+        str(term)
         for comparison in comparisons
         for term in (comparison.left, comparison.right)
-        if is_constant(term) and number_of(term) is None and text_of(term) not in replaced
+        if is_constant(term) and number_of(term) is None and str(term) not in replaced
     )
 
 
@@ -75,7 +75,7 @@ def parted(term: Node) -> tuple[str, int]:
         if left is not None and sign == "+":
             base, plus = parted(term.right)
             return base, plus + left
-    return text_of(term), 0
+    return str(term), 0
 
 
 def _paths(given: Iterable[Compared], constants: Set[str]) -> _Distances | None:

@@ -9,7 +9,6 @@ from mars_asp.asp.lint.clauses import (
     name_of,
     number_of,
     operation_of,
-    text_of,
 )
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.orders import parted
@@ -63,12 +62,12 @@ def _growing(
         limited = bounded | _limited(clause, direction) | _met(again)
         if grown <= limited or (name is not None and name in limited):
             continue
-        if any(text_of(meant) == text_of(t) for a in others for t in a.terms):
+        if any(str(meant) == str(t) for a in others for t in a.terms):
             continue
         # What is taken apart as well is put together again.
         if any(name_of(t) is None and names_in(t) & grown for a in again for t in a.terms):
             continue
-        message = f"`{text_of(meant)}` grows with each turn of `{head.signature}`"
+        message = f"`{meant!s}` grows with each turn of `{head.signature}`"
         variable = min(grown - limited)
         advice = f"bound `{variable}`: compare it, or read it from a predicate outside the circle"
         yield found(RECURSION, message, clause.place(term), clause.rule, advice)
@@ -91,7 +90,7 @@ def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, Node]:
 def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[str]) -> bool:
     """Whether some argument goes through known values in one direction."""
     ordered = {
-        frozenset((text_of(each.left), text_of(each.right)))
+        frozenset((str(each.left), str(each.right)))
         for each in clause.body.comparisons
         if each.sign in ("<", ">")
     }
@@ -103,7 +102,7 @@ def _is_led(clause: Clause, head: Atom, again: list[Atom], bounded: frozenset[st
             if one == other and plus != more and names_in(new) & bounded:
                 return True
             known = (names_in(new) | names_in(old)) & bounded
-            if known and frozenset((text_of(new), text_of(old))) in ordered:
+            if known and frozenset((str(new), str(old))) in ordered:
                 return True
     return False
 

@@ -11,7 +11,6 @@ from mars_asp.asp.lint.clauses import (
     name_of,
     number_of,
     operation_of,
-    text_of,
 )
 from mars_asp.asp.lint.found import Fix, Found, found
 from mars_asp.asp.lint.values import Environment, Known, Use, Value, Values, differ_in_unit
@@ -107,7 +106,7 @@ def _aggregated(clause: Clause, environment: Environment, known: Known) -> Itera
             values = known.of(guard, environment)
             units = _units(own), _units(values)
             if all(units) and not set(units[0]) & set(units[1]):
-                message = f"`{text_of(guard)}` is in {_in_words(values)}"
+                message = f"`{guard!s}` is in {_in_words(values)}"
                 message += f" and this aggregate in {_in_words(_numbers(own))}"
                 advice = "bring both to one unit before they are compared"
                 yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
@@ -126,7 +125,7 @@ def _compared(
     if not left or not right or (is_constant(comparison.left) and is_constant(comparison.right)):
         return
     place = clause.place(comparison.node)
-    one, other = text_of(comparison.left), text_of(comparison.right)
+    one, other = str(comparison.left), str(comparison.right)
     units = _units(left), _units(right)
     if all(units) and not set(units[0]) & set(units[1]):
         message = f"`{one}` is in {_in_words(left)} and `{other}` in {_in_words(right)}"
@@ -140,7 +139,7 @@ def _compared(
         return
     for term, values in ((comparison.left, right), (comparison.right, left)):
         if is_constant(term):
-            mistake = _never(clause, term, values, f"`{text_of(_other(comparison, term))}`", known)
+            mistake = _never(clause, term, values, f"`{_other(comparison, term)!s}`", known)
             yield mistake
             return
     always = "not comparable" if is_ordered else "never equal"
@@ -180,7 +179,7 @@ def _wrong_constants(
 
 def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) -> Found:
     """Return what is said of a constant that something never is."""
-    text, values = text_of(term), values or frozenset()
+    text, values = str(term), values or frozenset()
     place = clause.place(term)
     (given,) = known.of(term, {}) or {Value(None)}
     bare = text.strip('"')
@@ -235,7 +234,7 @@ def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Itera
             left, right = known.of(node.left, environment), known.of(node.right, environment)
             one, other = _units(left), _units(right)
             if one and other and all(differ_in_unit(a, b) for a in one for b in other):
-                message = f"`{text_of(node)}` adds {' or '.join(one)} and {' or '.join(other)}"
+                message = f"`{node!s}` adds {' or '.join(one)} and {' or '.join(other)}"
                 if operation_of(node) == "-":
                     message = message.replace(" adds ", " subtracts ")
                 advice = "bring both to one unit first"

@@ -16,10 +16,10 @@ from mars_asp.asp.lint.clauses import (
     Clause,
     Scope,
     is_constant,
+    joined,
     name_of,
     operation_of,
 )
-from mars_asp.asp.lint.clauses import text_of as written
 from mars_asp.asp.rules.declarations import Argument, Declaration
 from mars_asp.asp.rules.trees import Kind, Node
 from mars_asp.asp.signature import Signature
@@ -227,7 +227,7 @@ class Known:
     def _constant(self, term: Node) -> Values:
         if term.ast_type is Kind.Function and (term.arguments or not term.name):
             return frozenset({Value("function", text=f"{term.name}/{len(term.arguments)}")})
-        text = written(term)
+        text = str(term)
         if text in self._replaced:
             return None
         if term.ast_type is Kind.Function or term.symbol.type == SymbolType.Function:
@@ -282,11 +282,7 @@ class Known:
             if not places:
                 continue
             if condition.atoms or shared is None:
-                both = Scope(
-                    clause.body.atoms + condition.atoms,
-                    clause.body.comparisons + condition.comparisons,
-                )
-                shared = self.environment(clause, both)
+                shared = self.environment(clause, joined(clause.body, condition))
             known = self._arguments[signature]
             changed = False
             for at in places:

@@ -18,7 +18,8 @@ def single_variables(clauses: Sequence[Clause], listed: Sequence[Clause]) -> Ite
     """
     rule = clauses[0].rule
     # Of `{ p(X) }` it is the atoms that count, one for each X.
-    counted = frozenset[str]().union(*(_counted(clause.node) for clause in clauses))
+    sets = (clause.node for clause in clauses if clause.has_set)
+    counted = frozenset[str]().union(*map(_counted, sets))
     said = (
         counted | {name for _, text in rule.lists for name, _ in HOLE.findall(text)} | {*rule.holes}
     )

@@ -4,35 +4,28 @@ Clingo's integers wrap at 32 bits without a word. What a rule computes is told w
 literals hold that do not themselves depend on it.
 """
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import clingo
 from clingo import ast
 
 from mars_asp.asp.cache import made_of
-from mars_asp.asp.rules import statements
+from mars_asp.asp.rules import binding, statements
+from mars_asp.asp.rules.binding import AGGREGATES, Conjunct, conjunct, outer, unbound, written
 from mars_asp.asp.rules.statements import (
     ArithmeticReader,
     Operand,
     Operation,
     Place,
-    masked,
     rule_operands,
-    sign_and_function,
-    variables,
     variants,
 )
-from mars_asp.asp.rules.trees import Node, below, plain
+from mars_asp.asp.rules.trees import Node, names_in
 
 _TYPE = ast.ASTType
-_NAME = re.compile(r"_*[A-Z]\w*'*")
-_UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
 #: What never leaves 32 bits where its operands do not.
 _FITS = frozenset({"&", "?", "^", "~", "/", "\\", ""})
-_AGGREGATES = (_TYPE.Aggregate, _TYPE.BodyAggregate, _TYPE.HeadAggregate)
 _SUMS = (ast.AggregateFunction.Sum, ast.AggregateFunction.SumPlus)
 
 
@@ -62,13 +55,13 @@ class _Site(NamedTuple):
     """A tree, the literals that hold beside it, and the one that it is part of, if it can bind."""
 
     node: Node
-    beside: tuple[Node, ...]
-    own: tuple[Node, ...] = ()
+    beside: tuple[Conjunct, ...]
+    own: tuple[Conjunct, ...] = ()
 
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
     """Return what each of some rules computes that could leave 32 bits."""
-    files = map(Path, (__file__, statements.__file__, ast.__file__))
+    files = map(Path, (__file__, binding.__file__, statements.__file__, ast.__file__))
     # Most rules compute nothing.
     asked = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
     return made_of("computations", files, asked, _computations)
@@ -97,73 +90,50 @@ def _computations(text: str) -> tuple[Computed | Summed, ...]:
     found: dict[Computed | Summed, None] = {}
     reader = ArithmeticReader(text)
     for rule in variants(text):
-        for site in _sites(rule):
+        beside = _beside(rule)
+        for site in _sites(rule, beside):
             for operation in reader.outermost(site.node):
                 if isinstance(operation, Operation) and _is_open(operation):
                     told = leaves(operation)
                     body = _body(told, site)
                     if body is not None:
-                        found[Computed(operation, told, _text(body))] = None
-        found.update((summed, None) for summed in _sums(rule, reader))
+                        found[Computed(operation, told, written(body))] = None
+        found.update((summed, None) for summed in _sums(rule, beside, reader))
     return tuple(found)
 
 
-def _sites(rule: Node) -> Iterator[_Site]:
+def _sites(rule: Node, beside: tuple[Conjunct, ...]) -> Iterator[_Site]:
     """Yield the parts of a rule that hold apart from others, each where these do."""
-    body = tuple(rule.body)
-    beside = _beside(rule)
     yield from _head_sites(rule.head, beside)
-    for number, literal in enumerate(body):
+    for number, literal in enumerate(rule.body):
         rest = (*beside[:number], *beside[number + 1 :])
         atom = literal.atom if literal.ast_type == _TYPE.Literal else literal
-        if atom.ast_type in _AGGREGATES:
+        if atom.ast_type in AGGREGATES:
             yield from _aggregate_sites(atom, rest)
         elif literal.ast_type == _TYPE.ConditionalLiteral:
             yield from _element_sites((literal.literal,), literal.condition, rest)
         else:
-            yield _Site(literal, rest, (literal,))
+            yield _Site(literal, rest, (conjunct(literal),))
 
 
-def _beside(rule: Node) -> tuple[Node, ...]:
+def _beside(rule: Node) -> tuple[Conjunct, ...]:
     """Return the body of a rule with other names for what its elements have for themselves.
 
     So they can stand beside an element that has taken its place among them.
     """
-    known = variables(rule)
-    body: tuple[Node, ...] = rule.body
-    shared = frozenset[str]().union(*map(_shared, (rule.head, *rule.body)))
+    known = names_in(rule)
+    body = tuple(map(conjunct, rule.body))
+    shared = frozenset[str]().union(*map(outer, (rule.head, *rule.body)))
     if known == shared:
         return body
     suffix = "_"
     while any(f"{name}{suffix}" in known for name in known):
         suffix += "_"
-    apart = _Renaming({name: f"{name}{suffix}" for name in known - shared})
-    return tuple(plain(apart(literal.tree)) for literal in body)
+    apart = {name: f"{name}{suffix}" for name in known - shared}
+    return tuple(literal.renamed(apart) for literal in body)
 
 
-def _shared(literal: Node) -> frozenset[str]:
-    """Return the variables of a literal, or head, outside of its elements."""
-    atom = literal.atom if literal.ast_type == _TYPE.Literal else literal
-    if atom.ast_type in _AGGREGATES:
-        guards = (guard for guard in (atom.left_guard, atom.right_guard) if guard is not None)
-        return frozenset[str]().union(*map(variables, guards))
-    if atom.ast_type in (_TYPE.ConditionalLiteral, _TYPE.Disjunction):
-        return frozenset()
-    return variables(literal)
-
-
-class _Renaming(ast.Transformer):
-    """Gives variables other names."""
-
-    def __init__(self, names: Mapping[str, str]) -> None:
-        self._names = names
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        name = self._names.get(node.name)
-        return node if name is None else node.update(name=name)
-
-
-def _head_sites(head: Node, body: tuple[Node, ...]) -> Iterator[_Site]:
+def _head_sites(head: Node, body: tuple[Conjunct, ...]) -> Iterator[_Site]:
     match head.ast_type:
         case _TYPE.Aggregate | _TYPE.HeadAggregate:
             yield from _aggregate_sites(head, body)
@@ -174,7 +144,7 @@ def _head_sites(head: Node, body: tuple[Node, ...]) -> Iterator[_Site]:
             yield _Site(head, body)
 
 
-def _aggregate_sites(aggregate: Node, rest: tuple[Node, ...]) -> Iterator[_Site]:
+def _aggregate_sites(aggregate: Node, rest: tuple[Conjunct, ...]) -> Iterator[_Site]:
     for guard in (aggregate.left_guard, aggregate.right_guard):
         if guard is not None:
             yield _Site(guard, rest)
@@ -190,117 +160,55 @@ def _aggregate_sites(aggregate: Node, rest: tuple[Node, ...]) -> Iterator[_Site]
 
 
 def _element_sites(
-    told: Iterable[Node], condition: Sequence[Node], rest: tuple[Node, ...]
+    told: Iterable[Node], condition: Iterable[Node], rest: tuple[Conjunct, ...]
 ) -> Iterator[_Site]:
-    condition = tuple(condition)
+    nodes = tuple(condition)
+    literals = tuple(map(conjunct, nodes))
     for node in told:
-        yield _Site(node, (*rest, *condition))
-    for number, literal in enumerate(condition):
-        others = (*condition[:number], *condition[number + 1 :])
-        yield _Site(literal, (*rest, *others), (literal,))
+        yield _Site(node, (*rest, *literals))
+    for number, node in enumerate(nodes):
+        others = (*literals[:number], *literals[number + 1 :])
+        yield _Site(node, (*rest, *others), (literals[number],))
 
 
-def _sums(rule: Node, reader: ArithmeticReader) -> Iterator[Summed]:
-    beside = _beside(rule)
+def _sums(rule: Node, beside: tuple[Conjunct, ...], reader: ArithmeticReader) -> Iterator[Summed]:
     aggregates = [(rule.head, beside)]
     for number, literal in enumerate(rule.body):
         if literal.ast_type == _TYPE.Literal:
             aggregates.append((literal.atom, (*beside[:number], *beside[number + 1 :])))
     for aggregate, rest in aggregates:
-        if aggregate.ast_type not in _AGGREGATES or aggregate.ast_type == _TYPE.Aggregate:
+        if aggregate.ast_type not in AGGREGATES or aggregate.ast_type == _TYPE.Aggregate:
             continue
         if aggregate.function not in _SUMS:
             continue
-        names, texts = sorted(variables(aggregate)), set(map(str, rest))
+        names, outside = sorted(names_in(aggregate)), frozenset(rest)
         # An element without a term weighs nothing.
         for element in filter(lambda each: each.terms, aggregate.elements):
             condition = element.condition
             if aggregate.ast_type == _TYPE.HeadAggregate:
                 condition = condition.condition
             terms = tuple(map(str, element.terms))
-            kept = _body(terms, _Site(aggregate, (*rest, *condition)))
+            kept = _body(terms, _Site(aggregate, (*rest, *map(conjunct, condition))))
             if kept is not None:
-                outside = tuple(literal for literal in kept if str(literal) in texts)
-                shared = tuple(name for name in names if name not in _unbound((name,), outside))
+                varying = unbound(names, [each for each in kept if each in outside])
+                shared = tuple(name for name in names if name not in varying)
                 negative = aggregate.function == ast.AggregateFunction.Sum
-                yield Summed(reader.place(aggregate), negative, terms, shared, _text(kept))
+                yield Summed(reader.place(aggregate), negative, terms, shared, written(kept))
 
 
-def _body(values: Sequence[str], site: _Site) -> tuple[Node, ...] | None:
+def _body(values: Sequence[str], site: _Site) -> tuple[Conjunct, ...] | None:
     """Return literals beside a tree that bind all values; `None` where none do.
 
     Left out are those with a variable that nothing else binds than what is computed.
     """
     kept = site.beside
     for own in ((), site.own):
-        while unbound := _unbound(values, (*kept, *own)):
-            bound = tuple(literal for literal in kept if not variables(literal) & unbound)
+        while missing := unbound(values, (*kept, *own)):
+            bound = tuple(literal for literal in kept if not literal.names & missing)
             if len(bound) == len(kept):
                 break
             kept = bound
         else:
             return (*kept, *own)
     whole = (*site.beside, *site.own)
-    return None if _unbound(values, whole) else whole
-
-
-def _unbound(values: Sequence[str], literals: Iterable[Node]) -> frozenset[str]:
-    """Return the variables that clingo would say nothing binds."""
-    literals = tuple(literals)
-    if _are_plain(literals) and {*_named_in(values), *_used(literals)} <= _bound(literals):
-        return frozenset()
-    said: list[str] = []
-    control = clingo.Control(["--warn=none"], lambda _, note: said.append(note))
-    try:
-        rule = f"_computed({','.join(values)}) :- {_text(literals)}."
-        control.add("base", [], masked(rule))
-        control.ground([("nothing", [])])
-    except RuntimeError:
-        # What is anonymous can be bound by nothing else.
-        return frozenset({"_"}.union(*map(_UNSAFE.findall, said)))
-    return frozenset()
-
-
-def _are_plain(literals: Iterable[Node]) -> bool:
-    """Whether literals are such of which it shows which variables they bind."""
-    for literal in literals:
-        if literal.ast_type is not _TYPE.Literal:
-            return False
-        kind = literal.atom.ast_type
-        if kind is _TYPE.Comparison and any(_is_anonymous(each) for each in below(literal)):
-            return False
-        if kind not in (_TYPE.SymbolicAtom, _TYPE.Comparison):
-            return False
-    return True
-
-
-def _is_anonymous(node: Node) -> bool:
-    return node.ast_type is _TYPE.Variable and node.name == "_"
-
-
-def _named_in(values: Iterable[str]) -> Iterator[str]:
-    """Yield the variables among values; of one that is more than a name, what nothing binds."""
-    return (value if _NAME.fullmatch(value) else "" for value in values)
-
-
-def _used(literals: Iterable[Node]) -> frozenset[str]:
-    return frozenset[str]().union(*map(variables, literals))
-
-
-def _bound(literals: Iterable[Node]) -> frozenset[str]:
-    """Return the variables that positive atoms bind by arguments that only take values apart."""
-    found: set[str] = set()
-    for literal in literals:
-        if literal.atom.ast_type is _TYPE.SymbolicAtom and literal.sign == ast.Sign.NoSign:
-            rest = list(sign_and_function(literal.atom.symbol)[1].arguments)
-            while rest:
-                term = rest.pop()
-                if term.ast_type is _TYPE.Function and not term.external:
-                    rest += term.arguments
-                elif term.ast_type is _TYPE.Variable:
-                    found.add(term.name)
-    return frozenset(found)
-
-
-def _text(literals: Iterable[Node]) -> str:
-    return "; ".join(map(str, literals)) or "#true"
+    return None if unbound(values, whole) else whole

@@ -165,19 +165,24 @@ def _wrong_lists(rules: Iterable[Rule]) -> Iterator[Diagnostic]:
 
     What it says of the rule above which that stands, it is not asked again.
     """
+    concerned = [rule for rule in rules if rule.lists or rule.listed is not None]
+    whole = "\n".join(rule.text for rule in concerned)
+    # All at once, which takes less than one by one, for hardly ever is there something to say.
+    if not concerned or not _refused(whole, concerned[0].span.path):
+        return
     said: set[str] = set()
-    for rule in rules:
+    for rule in concerned:
         if rule.listed is None:
-            said = {each.message for each in _refused(rule)} if rule.lists else set()
+            said = {each.message for each in _refused(rule.text, rule.span.path)}
         else:
-            found = (each for each in _refused(rule) if each.message not in said)
+            refused = _refused(rule.text, rule.span.path)
+            found = (each for each in refused if each.message not in said)
             yield from (replace(each, span=rule.listed) for each in found)
 
 
-def _refused(rule: Rule) -> tuple[Diagnostic, ...]:
+def _refused(text: str, path: str) -> tuple[Diagnostic, ...]:
     # Of some numbers that do not fit clingo itself ends the process.
-    found = tuple(overflows(rule.text, rule.span.path))
-    return found or tuple(refused_rules(rule.text, rule.span.path))
+    return tuple(overflows(text, path)) or tuple(refused_rules(text, path))
 
 
 #: Folders of one name that are told apart.

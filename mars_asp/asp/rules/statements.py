@@ -51,6 +51,8 @@ _UNARY = {
 _OPERANDS = (_TYPE.SymbolicTerm, _TYPE.BinaryOperation, _TYPE.UnaryOperation)
 #: Terms with others inside, the negation of which is no operation.
 _COMPOUND = (_TYPE.Function, _TYPE.Pool)
+#: How clingo writes that a literal is not negated, negated once, or twice.
+_SIGNS = ("", "not ", "not not ")
 _NO_PLACE: Place = (1, 1)
 _NONE: frozenset[str] = frozenset()
 #: What stands in any operation, or in any number that does not fit into 32 bits.
@@ -130,6 +132,12 @@ class Literal(NamedTuple):
         """Whether the predicate is classically negated."""
         return not self.signature.positive
 
+    @property
+    def text(self) -> str:
+        """Return it as clingo writes it, without `not`."""
+        inside = ",".join([term.text for term in self.terms])
+        return f"{self.signature.signed}({inside})" if inside else self.signature.signed
+
 
 class Scope(NamedTuple):
     """Literals that share their variables: the positive ones, which bind them, and the others."""
@@ -161,16 +169,16 @@ class Head(NamedTuple):
 class Statement:
     """A rule, constraint or cost without pools.
 
-    `written` are the texts of the head and of each literal of the body; `place` is where the head
-    begins. `inner` are the elements of aggregates and conditions in its body; `assigned` are terms
-    of the body that have a value made of what the elements, by their numbers, have in a term.
+    `written` are the texts of the head, or of the weight of a cost, and of each literal of the
+    body; `place` is where the head begins. `inner` are the elements of aggregates and conditions in
+    its body; `assigned` are terms of the body that have a value made of what the elements, by their
+    numbers, have in a term.
 
     `forces` is whether it forces one atom, `offers` whether it may leave its atoms out, `known`
     whether it holds nothing but literals and aggregates of known sorts and, as its head, one atom,
     a choice or none.
     """
 
-    text: str
     written: tuple[str, ...]
     place: Place
     heads: tuple[Head, ...]
@@ -181,6 +189,15 @@ class Statement:
     offers: bool
     known: bool
     cost: Cost | None
+
+    @property
+    def text(self) -> str:
+        """Return it as clingo writes it."""
+        if self.cost is None:
+            return self.with_body(())
+        weight, *body = self.written
+        terms = "".join(f",{term.text}" for term in self.cost.terms)
+        return f":~ {'; '.join(body)}. [{weight}@{self.cost.level.partition('/')[0]}{terms}]"
 
     @property
     def head(self) -> Literal:
@@ -647,22 +664,20 @@ def _may_compute(text: str) -> bool:
 
 def _statement(node: Node, place: Callable[[Node], Place]) -> Statement:
     reader = _Reader(place)
-    for literal in node.body:
-        reader.read(literal)
+    body = [reader.read(literal) for literal in node.body]
     cost, where = None, node
     heads: list[Head] = []
     forces = offers = False
     if node.ast_type == _TYPE.Minimize:
         terms = tuple(map(_term, node.terms))
         cost = Cost(terms, f"{node.priority}/{len(terms)}")
-        written = (str(node.weight), *map(str, node.body))
+        head = str(node.weight)
     else:
         where = node.head
         heads, forces, offers = reader.head(node.head)
-        written = (str(node.head), *map(str, node.body))
+        head = heads[0].literal.text if forces else str(node.head)
     return Statement(
-        str(node),
-        written,
+        (head, *body),
         place(where),
         tuple(heads),
         Scope(tuple(reader.positive), tuple(reader.others)),
@@ -715,8 +730,8 @@ class _Reader:
                 self.known = False
         return heads, False, head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate)
 
-    def read(self, literal: Node) -> None:
-        """Read a literal of the body."""
+    def read(self, literal: Node) -> str:
+        """Read a literal of the body, and return its text."""
         if literal.ast_type == _TYPE.ConditionalLiteral:
             condition = self._scope(literal.condition)
             self.known &= _is_plain(literal.literal)
@@ -733,8 +748,10 @@ class _Reader:
         elif _is_symbolic(literal):
             found = self.literal(literal)
             (self.positive if found.binds else self.others).append(found)
+            return f"{_SIGNS[literal.sign]}{found.text}"
         else:
             self.known &= _is_plain(literal)
+        return str(literal)
 
     def _read_aggregate(self, literal: Node) -> None:
         elements = []
@@ -782,7 +799,7 @@ def _term(term: Node) -> Pattern:
     if kind == _TYPE.Variable:
         return _variable(term.name)
     if kind == _TYPE.SymbolicTerm:
-        return Pattern(str(term.symbol), True, False, True, _NONE, None)
+        return Pattern(str(term), True, False, True, _NONE, None)
     if kind != _TYPE.Function or term.external:
         return Pattern(str(term), False, False, False, _NONE, None)
     inside = tuple(map(_term, term.arguments))

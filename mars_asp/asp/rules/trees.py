@@ -6,6 +6,7 @@ time that it takes to read rules.
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 from clingo import Symbol, ast
@@ -25,33 +26,18 @@ _Leaf: TypeAlias = Callable[[Any, int], Any]
 class Node:
     """A node of a syntax tree: the attributes that clingo's has, lists of nodes as tuples.
 
-    `children` are the nodes directly below it in their order, `extent` is where it stands, if it
-    has a place. Clingo's own is that of `tree`, or `inside` it, which keeps it alive.
+    `children` are the nodes directly below it in their order. Clingo's own is that of `tree`, or
+    `inside` it, which keeps it alive.
     """
-
-    __slots__ = (
-        "__dict__",
-        "_below",
-        "_inside",
-        "_text",
-        "_tree",
-        "ast_type",
-        "children",
-        "extent",
-        "names",
-    )
 
     ast_type: ast.ASTType
     children: "list[Node]"
-    extent: Extent
-    #: The variables in it, but for `_`; known when they have been asked for.
-    names: frozenset[str] | None
-    _text: str | None
-    _below: "list[Node] | None"
+    _names: frozenset[str] | None = None
+    _text: str | None = None
+    _below: "list[Node] | None" = None
 
     def __init__(self, tree: ast.AST, inside: Any = None) -> None:
         self._tree, self._inside = tree, inside
-        self.names = self._text = self._below = None
 
     def __getattr__(self, name: str) -> Any:
         """Refuse an attribute that the node does not have; for checkers of types, it has any."""
@@ -62,9 +48,20 @@ class Node:
         """Return clingo's node."""
         return self._tree if self._inside is None else _wrap(self._inside)
 
+    @property
+    def extent(self) -> Extent:
+        """Return where it begins and ends."""
+        return _place(self._tree if self._inside is None else self._inside)
+
     def __str__(self) -> str:
         if self._text is None:
-            self._text = str(self.tree)
+            match self.ast_type:
+                case Kind.Variable:
+                    self._text = self.name
+                case Kind.SymbolicTerm:
+                    self._text = str(self.symbol)
+                case _:
+                    self._text = str(self.tree)
         return self._text
 
 
@@ -72,7 +69,8 @@ class Reader(NamedTuple):
     """Reads one of clingo's nodes with all below it, or only where it begins and ends."""
 
     read: Callable[[ast.AST], Node]
-    place: Callable[[ast.AST], Extent]
+    #: Takes what the library knows a node by, too.
+    place: Callable[[Any], Extent]
     #: Returns clingo's node for what its library knows it by.
     wrap: Callable[[Any], ast.AST]
 
@@ -89,12 +87,17 @@ def extent_of(node: Node | ast.AST) -> Extent:
 
 def names_in(node: Node) -> frozenset[str]:
     """Return the names of the variables in a tree, but for `_`."""
-    if node.names is None:
+    if node._names is None:
         if node.ast_type is Kind.Variable:
-            node.names = frozenset() if node.name == "_" else frozenset((node.name,))
+            node._names = _named(node.name)
         else:
-            node.names = _NONE.union(*map(names_in, node.children))
-    return node.names
+            node._names = _NONE.union(*map(names_in, node.children)) if node.children else _NONE
+    return node._names
+
+
+@lru_cache(maxsize=1024)
+def _named(name: str) -> frozenset[str]:
+    return _NONE if name == "_" else frozenset((name,))
 
 
 def below(node: Node) -> Sequence[Node]:
@@ -120,18 +123,16 @@ def public_reader() -> Reader:
         node = Node(tree)
         node.ast_type, node.children = tree.ast_type, []
         for name in tree.keys():  # noqa: SIM118 -- a node is no mapping
-            value: Any = getattr(tree, name)
             if name == "location":
-                node.extent = place(tree)
-            elif isinstance(value, ast.AST):
-                node.__dict__[name] = read(value)
-                node.children.append(node.__dict__[name])
+                continue
+            value: Any = getattr(tree, name)
+            if isinstance(value, ast.AST):
+                value = read(value)
+                node.children.append(value)
             elif isinstance(value, _LISTS):
-                inside = [read(each) if isinstance(each, ast.AST) else each for each in value]
-                node.__dict__[name] = tuple(inside)
-                node.children += (each for each in inside if isinstance(each, Node))
-            else:
-                node.__dict__[name] = value
+                value = tuple(read(each) if isinstance(each, ast.AST) else each for each in value)
+                node.children += (each for each in value if isinstance(each, Node))
+            setattr(node, name, value)
         return node
 
     return Reader(read, place, lambda tree: tree)
@@ -175,23 +176,19 @@ def _raw_reader(
     def inner(tree: Any, rep: Any) -> Node:
         # The whole keeps its parts, so that none of them needs a value of Python's.
         node = Node(tree, rep)
-        own = node.__dict__
         node.children = children = []
         get_type(rep, kind_at) or check(False)
         kind = kind_at[0]
         node.ast_type = kinds[kind]
+        value: Any
         for name, attribute, form, leaf in forms[kind]:
             if leaf is not None:
                 value = leaf(rep, attribute)
-                if name == "location":
-                    node.extent = value
-                else:
-                    own[name] = value
             elif form == one:
                 get_node(rep, attribute, inside) or check(False)
-                own[name] = child = inner(tree, inside[0])
-                children.append(child)
-                release(child._inside)
+                value = inner(tree, inside[0])
+                children.append(value)
+                release(value._inside)
             elif form == many:
                 get_size(rep, attribute, size) or check(False)
                 found = []
@@ -199,17 +196,18 @@ def _raw_reader(
                     get_at(rep, attribute, at, inside) or check(False)
                     found.append(inner(tree, inside[0]))
                     release(found[-1]._inside)
-                own[name] = tuple(found)
+                value = tuple(found)
                 children += found
             elif form == other:
                 get_other(rep, attribute, inside) or check(False)
-                own[name] = None
+                value = None
                 if inside[0] != ffi.NULL:
-                    own[name] = child = inner(tree, inside[0])
-                    children.append(child)
-                    release(child._inside)
+                    value = inner(tree, inside[0])
+                    children.append(value)
+                    release(value._inside)
             else:
-                own[name] = tuple(getattr(node.tree, name))
+                value = tuple(getattr(node.tree, name))
+            setattr(node, name, value)
         return node
 
     return read
@@ -220,7 +218,7 @@ def _placer(lib: Any, leaves: Mapping[int, _Leaf]) -> Callable[[Any], Extent]:
     location = lib.clingo_ast_attribute_location
 
     def place(tree: Any) -> Extent:
-        found: Extent = extent(tree._rep, location)
+        found: Extent = extent(getattr(tree, "_rep", tree), location)
         return found
 
     return place
@@ -292,6 +290,8 @@ def _forms(
                 leaves.get(each.type),
             )
             for each in (made.constructors[kind].arguments[at] for at in range(size))
+            # Hardly any place is asked for.
+            if each.type != lib.clingo_ast_attribute_type_location
         ]
         for kind in range(made.size)
         for size in (made.constructors[kind].size,)

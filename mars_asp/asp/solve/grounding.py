@@ -325,7 +325,9 @@ class Grounding:
         stated: dict[tuple[str, bool], list[TermId]] = {}
         for (name, _, positive), terms in atoms.items():
             stated.setdefault((name, positive), []).extend(terms)
-        state(self.control, stated)
+        # Clingo makes its program anew for whatever is to be stated, even for nothing.
+        if stated:
+            state(self.control, stated)
 
     @property
     def facts(self) -> frozenset[int]:

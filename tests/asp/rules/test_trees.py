@@ -15,8 +15,12 @@ a; b : c :- #count { X } = Y, &t(X) { u : v } < 3.
 
 
 def shape(node: Node) -> list[object]:
-    own = {key: value for key, value in vars(node).items() if not isinstance(value, Node | tuple)}
-    extent = getattr(node, "extent", None)
+    own = {
+        key: value
+        for key, value in vars(node).items()
+        if key[0] != "_" and not isinstance(value, Node | tuple | list)
+    }
+    extent = node.extent if "location" in node.tree.keys() else None  # noqa: SIM118
     return [node.ast_type, str(node), own, extent, list(map(shape, node.children))]
 
 
