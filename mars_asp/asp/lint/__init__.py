@@ -87,13 +87,19 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     functions = Functions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
     is_large = partial(_is_large, known=known, things=host.things)
+    said: set[tuple[str, str]] = set()
     for number in range(begin, len(rules)):
         rule, listed = rules[number], _listed(rules, read, number)
         if rule.listed is None:
+            said = set()
             yield from single_variables(read[number], listed)
             yield from missing_examples(rule, host.exists)
         for clause in read[number]:
-            yield from wrong_values(clause, known, declared)
+            for each in wrong_values(clause, known, declared):
+                what = each.diagnostic.code, each.diagnostic.message
+                if rule.listed is None or what not in said:
+                    yield each
+                said.add(what)
             if rule.listed is not None:
                 # Of its body all is said where that stands.
                 continue

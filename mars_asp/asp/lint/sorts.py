@@ -174,8 +174,8 @@ def _wrong_constants(
             yield from _too_small(clause, term, values)
             continue
         declaration = names.get(signature)
-        name = declaration.arguments[at].name if declaration else f"argument {at + 1}"
-        yield _never(clause, term, values, f"`{name}` of `{signature}`", known)
+        name = f"`{declaration.arguments[at].name}`" if declaration else f"argument {at + 1}"
+        yield _never(clause, term, values, f"{name} of `{signature}`", known)
 
 
 def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) -> Found:
@@ -220,9 +220,9 @@ def _wrong_heads(
         given = environment.get(name) if name is not None else None
         if values and given and not known.meet(values, given):
             units = _units(values) and _units(given)
-            message = (
-                f"`{name}` is {_in_words(given)}, and the head gives it as {_in_words(values)}"
-            )
+            how = "in " if units else ""
+            message = f"`{name}` is {how}{_in_words(given)}"
+            message += f", and the head gives it {how or 'as '}{_in_words(values)}"
             advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
             place = clause.place(head.node)
             yield found(UNIT if units else SORT, message, place, clause.rule, advice)
@@ -270,7 +270,13 @@ def _in_words(values: Values) -> str:
         each.sort or (f"`{each.text}`" if each.text else _WORDS[each.form or "name"])
         for each in values or ()
     )
-    first = texts[0] if texts else "nothing"
-    article = "" if first.startswith(("`", "a ")) or first in UNITS else "a "
     more = f" or {len(texts) - 4} others" if len(texts) > 5 else ""
-    return f"{article}{' or '.join(texts[:4] if more else texts)}{more}"
+    shown = map(_with_article, texts[:4] if more else texts)
+    return f"{' or '.join(shown) or 'nothing'}{more}"
+
+
+def _with_article(text: str) -> str:
+    """Return a sort with its article; what is written, and measures, have none."""
+    if text.startswith(("`", "a ")) or text in UNITS:
+        return text
+    return f"{'an' if text[0] in 'aeiou' else 'a'} {text}"
