@@ -108,7 +108,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             yield from wrong_recursion(clause, circle)
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
-            yield from wrong_holes(clause, known)
+            yield from wrong_holes(clause, known, host.things)
     yield from superfluous(clauses, judged)
     own = (
         rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts

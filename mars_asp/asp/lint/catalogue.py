@@ -186,11 +186,13 @@ PAGES = (
     ),
     Page(
         "rule-hole",
-        "A hole in the wrong unit",
-        "Reports a hole `{T:millihertz}` whose variable is of another sort.",
-        "The number would be shown in a unit in which it does not count.",
-        f"{_LENGTH}%! because: `{{R}}` takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",
-        f"{_LENGTH}%! because: `{{R}}` takes {{T:milliseconds}}\nfinding(R, T) :- lasts(R, T).\n",
+        "A hole that tells readers nothing",
+        "Reports a hole `{T:millihertz}` whose variable is of another sort, a hole whose value is the "
+        "number of a relationship or an annotation, and a brace without its counterpart.",
+        "The number would be shown in a unit in which it does not count, or is one that readers do "
+        "not know.",
+        f"{_LENGTH}%! because: some road takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",
+        f"{_LENGTH}%! because: some road takes {{T:milliseconds}}\nfinding(R, T) :- lasts(R, T).\n",
     ),
     Page(
         "rule-example",

@@ -1,6 +1,6 @@
 """What metadata says: messages that depend on chance, and files and words that do not exist."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Atom, Clause
 from mars_asp.asp.lint.found import Found, found
@@ -106,19 +106,32 @@ class Functions:
         return plain and bool(given) and len(set(rows)) == len(rows)
 
 
-def wrong_holes(clause: Clause, known: Known) -> Iterator[Found]:
-    """Yield the holes that are to be written in the unit of another sort than they have."""
+def wrong_holes(clause: Clause, known: Known, things: Set[str]) -> Iterator[Found]:
+    """Yield the holes that are to be written in the unit of another sort than they have.
+
+    And those of which the value is a number that stands for one of the `things`, and braces that do
+    not match.
+    """
     rule = clause.rule
-    texts = filter(None, (rule.because, rule.effect, rule.help))
-    holes = [hole for text in texts for hole in HOLE.findall(text) if hole[1] in UNITS]
+    holes = [(key, *hole) for key, text in rule.sentences for hole in HOLE.findall(text)]
     environment = known.environment(clause, clause.body) if holes else {}
-    for name, sort in holes:
-        values = environment.get(name)
-        if values and not known.meet(values, frozenset({Value("number", sort)})):
+    for key, name, sort in holes:
+        values, place = environment.get(name), rule.place_of(key)
+        numbered = sorted({each.sort for each in values or ()})
+        if sort in UNITS and values and not known.meet(values, frozenset({Value("number", sort)})):
             own = " or ".join(sorted({each.sort or each.text for each in values}))
-            message = f"`{{{name}:{sort}}}` writes what is {own} as {sort}"
+            message = f"`{{{name}:{sort}}}` writes what is in {own} as {sort}"
             advice = f"write `{{{name}:{own}}}`" if own in UNITS else f"write `{{{name}}}`"
-            yield found(HOLES, message, rule.span, rule, advice)
+            yield found(HOLES, message, place, rule, advice)
+        elif values and all(each.form == "number" and each.sort in things for each in values):
+            message = f"`{{{name}}}` is the number of a {' or '.join(numbered)}"
+            advice = "readers do not know these numbers: name what it is about"
+            yield found(HOLES, message, place, rule, advice)
+    for key, text in rule.sentences:
+        rest = HOLE.sub("", text)
+        if "{" in rest or "}" in rest:
+            message = f"a brace in `{key}` has no counterpart, so it is written as it is"
+            yield found(HOLES, message, rule.place_of(key), rule, "write `{Variable}`")
 
 
 def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Found]:
@@ -126,4 +139,4 @@ def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Fou
     if rule.example is not None and not exists(rule):
         message = f"the example `{rule.example}` is not a file"
         advice = "name a case by its path, from the folder of the rule or from here"
-        yield found(EXAMPLE, message, rule.span, rule, advice)
+        yield found(EXAMPLE, message, rule.place_of("example"), rule, advice)
