@@ -23,9 +23,9 @@ from mars_asp.asp.lint.messages import (
     wrong_holes,
 )
 from mars_asp.asp.lint.names import declared_in, shared_names
-from mars_asp.asp.lint.predicates import undefined, unused
+from mars_asp.asp.lint.predicates import undefined, unfounded, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
-from mars_asp.asp.lint.sorts import wrong_values
+from mars_asp.asp.lint.sorts import mixed_units, wrong_values
 from mars_asp.asp.lint.values import Form, Known
 from mars_asp.asp.lint.variables import single_variables
 from mars_asp.asp.rules.rule import Rule
@@ -109,14 +109,17 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
             yield from wrong_holes(clause, known, host.things)
+    yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)
     own = (
         rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts
     )
-    yield from unused(clauses, judged, _public(rulebook))
+    yield from unused(clauses, judged, _public(rulebook), circle)
+    yield from unfounded(clauses, judged, circle)
     at = declared_in(rulebook, own)
     documented = {s for s, each in declared.items() if each.words or each.origin}
-    yield from undefined(clauses, at, documented)
+    attributes = {s for s, each in declared.items() if each.attribution and not each.public}
+    yield from undefined(clauses, at, documented, attributes)
     yield from risks(rules[begin:], host.unbounded)
     yield from shared_names(rulebook)
 

@@ -139,17 +139,19 @@ PAGES = (
         "rule-unused",
         "A predicate that nothing reads",
         "Reports a predicate that is derived, or declared by `#defined`, but that no other rule "
-        "reads, no `#show` names, and no cost rests on.",
+        "reads but those it rests on itself, no `#show` names, and no cost rests on; and an "
+        "attribute that no rule reads.",
         "It costs time, and often another name was meant.",
         f"{_CITY}large(C) :- city(C).\n",
         f"{_CITY}large(C) :- city(C).\n#show large/1.\n",
     ),
     Page(
         "rule-undefined",
-        "A constraint on what nothing gives",
+        "A premise that nothing gives",
         "Reports a predicate that is declared by `#defined` without documentation, that no rule "
-        "derives and only constraints read.",
-        "The constraint never excludes anything, or always everything.",
+        "derives and only constraints read; and predicates that are derived from each other alone.",
+        "The constraint never excludes anything, or always everything. What rests on itself alone "
+        "never holds.",
         '#defined closed/1.\n:- closed(C), C != "Ulm".\n',
         f'{_CITY}closed(C) :- city(C).\n:- closed(C), C != "Ulm".\n',
     ),
@@ -187,8 +189,8 @@ PAGES = (
     Page(
         "rule-hole",
         "A hole that tells readers nothing",
-        "Reports a hole `{T:millihertz}` whose variable is of another sort, a hole whose value is the "
-        "number of a relationship or an annotation, and a brace without its counterpart.",
+        "Reports a hole `{T:millihertz}` whose variable is of another sort, a hole whose value is "
+        "the number of a relationship or an annotation, and a brace without its counterpart.",
         "The number would be shown in a unit in which it does not count, or is one that readers do "
         "not know.",
         f"{_LENGTH}%! because: some road takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",

@@ -1,6 +1,6 @@
 """Values in rules that can never be: of the wrong sort, misspelt, in another form or unit."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
     Atom,
@@ -103,6 +103,13 @@ def _aggregated(clause: Clause, environment: Environment, known: Known) -> Itera
     """Yield the aggregates that are compared with numbers of another unit, or with small ones."""
     for aggregate in clause.aggregates:
         own = known.aggregated(aggregate, environment)
+        inside = [_units(_numbers(each)) for each in known.of_elements(aggregate, environment)]
+        is_measured = aggregate.function != "count" and len(inside) > 1 and all(inside)
+        if is_measured and not set(inside[0]).intersection(*inside):
+            measures = sorted({each[0] for each in inside})
+            message = f"this aggregate is over numbers in {' and in '.join(measures)}"
+            advice = "bring all of them to one unit, or use one aggregate for each"
+            yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
         for _, guard in aggregate.guards:
             values = known.of(guard, environment)
             units = _units(own), _units(values)
@@ -226,6 +233,30 @@ def _wrong_heads(
             advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
             place = clause.place(head.node)
             yield found(UNIT if units else SORT, message, place, clause.rule, advice)
+
+
+def mixed_units(clauses: Sequence[Clause], judged: Set[int], known: Known) -> Iterator[Found]:
+    """Yield the rules that give numbers of another unit than an earlier rule to one argument.
+
+    `judged` are the numbers of the clauses that are looked at. What an argument is declared to be,
+    it is.
+    """
+    first: dict[tuple[Signature, int], str] = {}
+    for number, clause in enumerate(clauses):
+        for head, _ in clause.heads:
+            signature = head.signature.unsigned
+            every = known.arguments(signature)
+            mixed = [at for at in known.derived[signature] if len(_units(_numbers(every[at]))) > 1]
+            environment = known.environment(clause, clause.body) if mixed else {}
+            for at in mixed:
+                given = _units(_numbers(known.of(head.terms[at], environment)))
+                before = first.setdefault((signature, at), given[0]) if given else ""
+                if number in judged and given and before not in given:
+                    message = f"argument {at + 1} of `{signature}` is in {given[0]} here"
+                    message += f", and in {before} elsewhere"
+                    advice = "bring both to one unit, or declare what it holds: `%*! ... *%`"
+                    place = clause.place(head.terms[at])
+                    yield found(UNIT, message, place, clause.rule, advice)
 
 
 def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:

@@ -191,7 +191,7 @@ def wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
                     rule.place_of(key),
                     help=f"did you mean `{{{hole}:{near}}}`?"
                     if near
-                    else f"one of {', '.join(sorted(UNITS))}",
+                    else "name a measure, such as `milliseconds`",
                 )
 
 
