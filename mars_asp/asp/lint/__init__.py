@@ -16,6 +16,7 @@ from mars_asp.asp.lint.copies import superfluous
 from mars_asp.asp.lint.found import Found
 from mars_asp.asp.lint.graph import Dependencies
 from mars_asp.asp.lint.joins import paired
+from mars_asp.asp.lint.keys import apart_by_keys
 from mars_asp.asp.lint.messages import (
     Functions,
     missing_examples,
@@ -104,6 +105,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
                 # Of its body all is said where that stands.
                 continue
             yield from wrong_bodies(clause, replaced)
+            yield from apart_by_keys(clause, declared, replaced)
             yield from wrong_aggregates(clause)
             yield from wrong_recursion(clause, circle)
             yield from paired(clause, is_large)

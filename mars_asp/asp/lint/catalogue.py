@@ -80,7 +80,8 @@ PAGES = (
         "rule-contradiction",
         "A body that never holds",
         "Reports literals and comparisons that are never true together: `p(X), not p(X)`, "
-        "`X < Y, Y < X`, `X = a, X = b`, `#count { ... } < 0`.",
+        "`X < Y, Y < X`, `X = a, X = b`, `#count { ... } < 0`, and two facts where a `key` allows "
+        "one.",
         "The rule never fires.",
         f"{_CITY}odd(C) :- city(C), not city(C).\n#show odd/1.\n",
         f"{_CITY}{_ROAD}odd(C) :- city(C), not road(_, C, _, _).\n#show odd/1.\n",
