@@ -133,9 +133,15 @@ def _rule(head: str, body: str) -> str:
 
 
 def _is_above(rule: Rule, expansion: Expansion) -> bool:
-    """Whether a rule derives what a list may stand above, and nothing else."""
-    first, *others = rule.statements
-    return not others and first.forces and first.head.signature == expansion.of
+    """Whether a rule derives what a list may stand above, and nothing else.
+
+    Its body may have pools: each way to read them derives the same.
+    """
+    first = rule.statements[0]
+    return first.forces and all(
+        each.forces and each.head.signature == expansion.of and each.head.terms == first.head.terms
+        for each in rule.statements
+    )
 
 
 def wrong(
@@ -171,7 +177,8 @@ def wrong(
         return
     for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
         alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
-        if not _is_rule(made.text, place.path) or not _is_rule(alone, place.path):
+        pools = len(rule.statements)
+        if not _is_rule(made.text, place.path, pools) or not _is_rule(alone, place.path):
             message = f"`{key}` cannot be read: it means `{made.text}`"
             yield _wrong(message, place, advice)
             return
@@ -196,14 +203,14 @@ def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterat
         yield _wrong(message, place, "name a variable of the rule or of the label's condition")
 
 
-def _is_rule(text: str, shown: str) -> bool:
-    """Whether a text is one rule without pools, and nothing else."""
+def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
+    """Whether a text is one rule with so many readings of its pools, and nothing else."""
     try:
         check_text(text, shown)
         sorts = [piece.sort for piece in pieces(text) if piece.sort != "begin"]
     except (MarsError, RuleSyntaxError):
         return False
-    return sorts == ["rule"] and len(statements(text)) == 1
+    return sorts == ["rule"] and len(statements(text)) == readings
 
 
 def _elements(written: str) -> Iterator[_Element]:

@@ -54,6 +54,13 @@ def test_a_list_stands_for_rules_with_the_body_of_the_rule_below() -> None:
     ]
 
 
+def test_the_body_of_a_rule_may_have_pools() -> None:
+    listed = "%! via: X, Y; Z@K : weight(Y, Z, K)\n"
+    (first, second, third) = made(f"{listed}loop(N, X) :- name(N, (X; Y)), edge(X, Y), K' = (1; 2).")
+    assert first.text == "through(N,0,X) :- name(N,(X;Y)); edge(X,Y); K' = (1;2)."
+    assert len(second.statements) == len(third.statements) == 4
+
+
 def test_what_is_listed_stands_where_its_rule_does_under_its_id() -> None:
     rules = made(f"\n%! id: g/loop\n%! via: X, Y\n{RULE} p.\n%! near: Y\n  {RULE}")
     assert [(rule.id, rule.span.line, rule.span.column) for rule in rules] == [
