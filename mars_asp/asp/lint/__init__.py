@@ -21,6 +21,7 @@ from mars_asp.asp.lint.messages import (
     Functions,
     missing_examples,
     open_messages,
+    rival_messages,
     wrong_holes,
 )
 from mars_asp.asp.lint.names import declared_in, shared_names
@@ -111,6 +112,7 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
             yield from wrong_holes(clause, known, host.things)
+    yield from rival_messages(clauses, judged, reported)
     yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)
     own = (

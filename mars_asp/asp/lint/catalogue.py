@@ -99,8 +99,9 @@ PAGES = (
     Page(
         "rule-aggregate",
         "An aggregate that counts too little",
-        "Reports a sum whose equal weights are added once, a count in which nothing varies, and a "
-        "variable of a tuple that is bound outside of the aggregate.",
+        "Reports a sum whose equal weights are added once, a count in which nothing varies, a "
+        "variable of a tuple that is bound outside of the aggregate, and a choice in which nothing "
+        "varies.",
         "An aggregate is over a set of tuples. Two elements with equal tuples count once, and a "
         "variable that the body binds has a single value in it.",
         f"{_ROAD}{_LENGTH}whole(N) :- N = #sum {{ T : lasts(R, T), road(R, _, _, _) }}.\n"

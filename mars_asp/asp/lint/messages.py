@@ -1,8 +1,10 @@
 """What metadata says: messages that depend on chance, and files and words that do not exist."""
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from functools import partial
 
-from mars_asp.asp.lint.clauses import Atom, Clause
+from mars_asp.asp.lint.clauses import Atom, Clause, is_constant, text_of
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.values import Known, Value
 from mars_asp.asp.rules.declarations import Declaration
@@ -12,6 +14,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS
 
 MESSAGE, HOLES, EXAMPLE = "rule-message", "rule-hole", "rule-example"
+_VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 
 
 def open_messages(
@@ -30,6 +33,60 @@ def open_messages(
             message = f"`{{{hole}}}` may be several things for one `{head.text}`"
             advice = f"put `{hole}` into the head, or choose one: `{hole} = #min {{ ... }}`"
             yield found(MESSAGE, message, rule.span, rule, advice)
+
+
+def rival_messages(
+    clauses: Sequence[Clause], judged: Set[int], reported: frozenset[Signature]
+) -> Iterator[Found]:
+    """Yield the rules that give a finding another message than an earlier rule gives to it.
+
+    Whether two bodies hold together is not known: such as ask for different constants, negate what
+    the other one asks for, both compare, or rest on what rules derive, are taken to be apart.
+    """
+    derived = {head.signature for clause in clauses for head, _ in clause.heads}
+    earlier: dict[str, list[Clause]] = {}
+    for number, clause in enumerate(clauses):
+        rule = clause.rule
+        if rule.because is None or clause.sort != "rule" or not clause.heads:
+            continue
+        head = clause.heads[0][0]
+        if head.signature.unsigned not in reported or not is_constant(head.terms[-1]):
+            continue
+        if any(atom.signature in derived for atom in clause.read):
+            continue
+        names: dict[str, str] = {}
+        told = _VARIABLE.sub(partial(_numbered, names), head.text)
+        same = earlier.setdefault(told, [])
+        for other in same if number in judged else ():
+            if other.rule.because != rule.because and not _are_apart(clause, other):
+                message = f"`{head.text}` has another message where both rules hold"
+                labels = ((other.rule.span, "this one"),)
+                advice = "tell the two apart by the case, the last argument"
+                yield found(MESSAGE, message, rule.span, rule, advice, labels=labels)
+                break
+        same.append(clause)
+
+
+def _numbered(names: dict[str, str], match: re.Match[str]) -> str:
+    """Return a name for a variable by its number; a string stays as it is."""
+    text = match[0]
+    return text if text.startswith('"') else names.setdefault(text, f"V{len(names)}")
+
+
+def _are_apart(one: Clause, other: Clause) -> bool:
+    """Whether two bodies seem to be for different things."""
+    if one.body.comparisons and other.body.comparisons:
+        return True
+    return any(
+        left.sign != right.sign or _constants(left) != _constants(right)
+        for left in one.body.atoms
+        for right in other.body.atoms
+        if left.signature == right.signature
+    )
+
+
+def _constants(atom: Atom) -> list[str]:
+    return [text_of(term) if is_constant(term) else "" for term in atom.terms]
 
 
 class Functions:
