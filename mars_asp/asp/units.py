@@ -70,6 +70,13 @@ WRITTEN: Mapping[str, Mapping[str, int]] = {
     "millionths": {"%": 10_000},
     "thousandths": {"%": 10},
 }
+#: The sorts by how their units are written, in small letters.
+OF_UNITS: Mapping[str, str] = {
+    unit.lower(): sort
+    for sort, units in WRITTEN.items()
+    for unit, count in units.items()
+    if count == 1 and sort != "instant"
+}
 #: A unit behind its number, from which no line break may part it.
 UNIT = r"(?:m?[ms]|k?(?:Hz|Wh|Ah|[mgNWJVAB])|deg|%)(?!\w)"
 #: The sorts of whole numbers.

@@ -25,7 +25,7 @@ from mars_asp.asp.lint.messages import (
     wrong_holes,
 )
 from mars_asp.asp.lint.names import declared_in, shared_names
-from mars_asp.asp.lint.predicates import undefined, unfounded, unused
+from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
 from mars_asp.asp.lint.sorts import mixed_units, wrong_values
 from mars_asp.asp.lint.values import Form, Known
@@ -122,6 +122,11 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     yield from unfounded(clauses, judged, circle)
     at = declared_in(rulebook, own)
     documented = {s for s, each in declared.items() if each.words or each.origin}
+    if rulebook.packs:
+        files = rulebook.documented[len(rulebook.documented) - rulebook.packs :]
+        here = [each for file in files for each in file.declarations]
+        known_before = {*at, *rulebook.built_in.declarations}
+        yield from documented_in_vain(clauses, here, known_before)
     attributes = {s for s, each in declared.items() if each.attribution and not each.public}
     yield from undefined(clauses, at, documented, attributes)
     yield from risks(rules[begin:], host.unbounded)

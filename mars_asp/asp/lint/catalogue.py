@@ -181,7 +181,9 @@ PAGES = (
         "rule-message",
         "A message that depends on the derivation",
         "Reports a hole in the message of a finding whose value the head does not settle. "
-        "`key: R` in the documentation of a predicate states that R settles its other arguments.",
+        "`key: R` in the documentation of a predicate states that R settles its other arguments. "
+        "Also reports a finding without a message, and two rules with the same premises and head "
+        "but unlike messages.",
         "Where several derivations give one finding, only one of them is shown.",
         f"{_CITY}{_ROAD}%! because: `{{C}}` is joined to `{{D}}`\n"
         "finding(C) :- road(_, C, D, _).\n",
@@ -192,7 +194,7 @@ PAGES = (
         "rule-hole",
         "A hole that tells readers nothing",
         "Reports a hole `{T:millihertz}` whose variable is of another sort, a hole whose value is "
-        "the number of a relationship or an annotation, and a brace without its counterpart.",
+        "a number by which rules tell things apart, and a brace without its counterpart.",
         "The number would be shown in a unit in which it does not count, or is one that readers do "
         "not know.",
         f"{_LENGTH}%! because: some road takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",

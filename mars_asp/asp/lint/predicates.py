@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Clause
 from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
@@ -89,6 +90,22 @@ def _begins(
         needed += condition.positive if head.signature == signature else ()
     own = circle[signature]
     return all(each.signature in founded or circle.get(each.signature) != own for each in needed)
+
+
+def documented_in_vain(
+    clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
+) -> Iterator[Found]:
+    """Yield what is documented though nothing gives, declares or derives it."""
+    known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
+    for each in own:
+        signature = each.signature.unsigned
+        if signature not in known and each.origin is None:
+            message = f"`{signature}` is documented, and nothing gives or derives it"
+            others = sorted(f"`{other}`" for other in known if other.name == signature.name)
+            advice = (
+                f"did you mean {' or '.join(others)}?" if others else "leave it out, or derive it"
+            )
+            yield found(UNDEFINED, message, each.span, None, advice)
 
 
 def undefined(
