@@ -32,8 +32,8 @@ FILES = {
         "declarations metadata read namespaces rulebook consistency"
     ),
     "asp/lint": (
-        "clauses found values orders graph catalogue sorts variables bodies aggregates recursion "
-        "joins predicates copies messages arithmetic names allow"
+        "clauses found values orders keys graph catalogue sorts variables bodies aggregates "
+        "recursion joins predicates copies messages arithmetic names allow"
     ),
     "asp/slice": "magic reach shapes linked portions",
     "asp/trace": (

@@ -18,6 +18,10 @@ LEAST_COST = 10
 SEVERITIES: tuple[Severity, ...] = ("note", "warning", "error")
 #: What rules find: kind, severity, subject and case.
 CONSEQUENCE = Signature("consequence", 4)
+#: What is wrong with a specification: the number of the clause that fails, and what tells apart.
+VIOLATION = Signature("violation", 2)
+#: The clauses below are ours.
+FIRST_CLAUSE = 100
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:
@@ -30,8 +34,8 @@ def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
     return frozenset().union(*(kinds_of(rule) or () for rule in rulebook.rules))
 
 
-def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield the severities in the heads of a rule that are none.
+def wrong_constants(rule: Sequence[Statement], text: str, span: Span) -> Iterator[Diagnostic]:
+    """Yield the severities in the heads of a rule that are none, and clauses that are not free.
 
     `text` is that of the rule, `span` where it stands.
     """
@@ -40,6 +44,15 @@ def wrong_severities(rule: Sequence[Statement], text: str, span: Span) -> Iterat
             term = statement.head.terms[1]
             if not term.variables and term.text not in SEVERITIES:
                 yield no_severity(term.text, severity_place(text, span, number))
+        elif statement.derives == {VIOLATION}:
+            term = statement.head.terms[0]
+            if not term.variables and not (
+                term.text.isdecimal() and int(term.text) >= FIRST_CLAUSE
+            ):
+                message = f"`{term.text}` is not a clause of a rule pack"
+                advice = f"number the clauses of a pack from {FIRST_CLAUSE} on"
+                place = placed(span, argument_place(text, number, 0))
+                yield Diagnostic("rule-clause", "error", message, place, help=advice)
 
 
 #: Why there is no consequence or node of a kind for a subject.
@@ -56,7 +69,7 @@ EXPANSIONS = {
 CONTRACT = Contract(
     CONSEQUENCE,
     "consequences",
-    wrong_severities,
+    wrong_constants,
     EXPANSIONS,
     choosing=frozenset({"resolve"}),
     free_below=LEAST_COST,

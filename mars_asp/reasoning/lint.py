@@ -11,9 +11,10 @@ from mars_asp.asp.lint import lint as lint_rules
 from mars_asp.asp.lint.found import Found
 from mars_asp.asp.lint.recursion import RECURSION
 from mars_asp.asp.rules.consistency import INCONSISTENT
-from mars_asp.asp.rules.declarations import declarations, wrong_references
+from mars_asp.asp.rules.declarations import declarations, misspelt_sorts, wrong_references
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.units import NUMBERS, OF_UNITS
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import FORMS, THINGS, unbounded
@@ -52,6 +53,11 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     for file in own:
         tuple(declarations(file.docstrings, file.path, misread))
     misread += wrong_references(rulebook.declarations.values())
+    documented = [each for file in own for each in file.declarations]
+    if rulebook.packs:
+        given = rulebook.built_in.declarations.values()
+        sorts = {sort for each in given for argument in each.arguments for sort in argument.sorts}
+        misread += misspelt_sorts(documented, {*sorts, *FORMS, *NUMBERS}, OF_UNITS)
     others += (replace(each, severity="warning") for each in misread)
     host = Host(
         CONSEQUENCE,

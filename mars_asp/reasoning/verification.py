@@ -26,10 +26,11 @@ from mars_asp.reasoning.facts.compile import (
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
+from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 
-_VIOLATION, _CAUTION = Signature("violation", 2), Signature("caution", 1)
+_CAUTION = Signature("caution", 1)
 _STAGE = "verify"
 _CONVERTERS = frozenset({"converts"})
 #: What the predicates that facts of a specification give begin with.
@@ -121,12 +122,12 @@ def _clause(head: clingo.Symbol, rule: Rule) -> int:
     if head.arguments[0].type == clingo.SymbolType.Number:
         return head.arguments[0].number
     message = f"`{head.arguments[0]}` is not the number of a clause"
-    advice = "number the clauses of a pack from 100 on"
+    advice = f"number the clauses of a pack from {FIRST_CLAUSE} on"
     raise MarsError((Diagnostic("rule-clause", "error", message, rule.span, help=advice),))
 
 
 def _is_judge(rule: Rule) -> bool:
-    return rule.derives(_VIOLATION) or rule.derives(_CAUTION)
+    return rule.derives(VIOLATION) or rule.derives(_CAUTION)
 
 
 def _judged_by(

@@ -1,7 +1,9 @@
+import re
+
 import pytest
 
 from mars_asp.asp.messages import fill
-from mars_asp.asp.units import UNITS, measured
+from mars_asp.asp.units import UNIT, UNITS, WRITTEN, measured
 
 
 @pytest.mark.parametrize(
@@ -22,6 +24,10 @@ from mars_asp.asp.units import UNITS, measured
         (1000, "thousandths", "100 %"),
         (125_000, "millionths", "12.5 %"),
         (5, "thousandths", "0.5 %"),
+        (90, "seconds", "90 s"),
+        (-1_500, "milliwatts", "-1.5 W"),
+        (3, "kilowatts", "3 kW"),
+        (250, "centimetres", "2.5 m"),
     ],
 )
 def test_numbers_are_written_in_units_of_people(number: int, sort: str, text: str) -> None:
@@ -35,4 +41,16 @@ def test_holes_of_messages_can_name_a_unit() -> None:
 
 
 def test_each_divisor_is_a_power_of_ten() -> None:
-    assert all(set(str(divisor)[1:]) == {"0"} for divisor, _ in UNITS.values())
+    assert all(set(str(divisor)[1:]) <= {"0"} for divisor, _ in UNITS.values())
+
+
+def test_each_sort_is_written_in_its_own_unit_and_in_larger_ones() -> None:
+    assert WRITTEN["milliwatts"] == {"mW": 1, "W": 1000, "kW": 1_000_000}
+    assert WRITTEN["seconds"] == {"s": 1, "min": 60}
+    assert WRITTEN["centimetres"] == {"cm": 1, "m": 100, "km": 100_000}
+    assert WRITTEN["millihertz"] == {"mHz": 1, "Hz": 1000, "kHz": 1_000_000}
+
+
+def test_no_line_break_parts_a_number_and_a_unit_that_is_shown() -> None:
+    shown = {unit.strip() for _, unit in UNITS.values()} - {"a second"}
+    assert {unit for unit in shown if not re.fullmatch(UNIT, unit)} == set()

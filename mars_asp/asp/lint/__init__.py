@@ -16,16 +16,18 @@ from mars_asp.asp.lint.copies import superfluous
 from mars_asp.asp.lint.found import Found
 from mars_asp.asp.lint.graph import Dependencies
 from mars_asp.asp.lint.joins import paired
+from mars_asp.asp.lint.keys import apart_by_keys
 from mars_asp.asp.lint.messages import (
     Functions,
     missing_examples,
     open_messages,
+    rival_messages,
     wrong_holes,
 )
 from mars_asp.asp.lint.names import declared_in, shared_names
-from mars_asp.asp.lint.predicates import undefined, unused
+from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
-from mars_asp.asp.lint.sorts import wrong_values
+from mars_asp.asp.lint.sorts import mixed_units, wrong_values
 from mars_asp.asp.lint.values import Form, Known
 from mars_asp.asp.lint.variables import single_variables
 from mars_asp.asp.rules.rule import Rule
@@ -87,30 +89,46 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
     functions = Functions(clauses, declared)
     reported = frozenset({host.finding} if host.finding else ())
     is_large = partial(_is_large, known=known, things=host.things)
+    said: set[tuple[str, str]] = set()
     for number in range(begin, len(rules)):
         rule, listed = rules[number], _listed(rules, read, number)
         if rule.listed is None:
+            said = set()
             yield from single_variables(read[number], listed)
             yield from missing_examples(rule, host.exists)
         for clause in read[number]:
-            yield from wrong_values(clause, known, declared)
+            for each in wrong_values(clause, known, declared):
+                what = each.diagnostic.code, each.diagnostic.message
+                if rule.listed is None or what not in said:
+                    yield each
+                said.add(what)
             if rule.listed is not None:
                 # Of its body all is said where that stands.
                 continue
             yield from wrong_bodies(clause, replaced)
+            yield from apart_by_keys(clause, declared, replaced)
             yield from wrong_aggregates(clause)
             yield from wrong_recursion(clause, circle)
             yield from paired(clause, is_large)
             yield from open_messages(clause, reported, functions)
-            yield from wrong_holes(clause, known)
+            yield from wrong_holes(clause, known, host.things)
+    yield from rival_messages(clauses, judged, reported)
+    yield from mixed_units(clauses, judged, known)
     yield from superfluous(clauses, judged)
     own = (
         rulebook.texts[len(rulebook.texts) - rulebook.packs :] if rulebook.packs else rulebook.texts
     )
-    yield from unused(clauses, judged, _public(rulebook))
+    yield from unused(clauses, judged, _public(rulebook), circle)
+    yield from unfounded(clauses, judged, circle)
     at = declared_in(rulebook, own)
     documented = {s for s, each in declared.items() if each.words or each.origin}
-    yield from undefined(clauses, at, documented)
+    if rulebook.packs:
+        files = rulebook.documented[len(rulebook.documented) - rulebook.packs :]
+        here = [each for file in files for each in file.declarations]
+        known_before = {*at, *rulebook.built_in.declarations}
+        yield from documented_in_vain(clauses, here, known_before)
+    attributes = {s for s, each in declared.items() if each.attribution and not each.public}
+    yield from undefined(clauses, at, documented, attributes)
     yield from risks(rules[begin:], host.unbounded)
     yield from shared_names(rulebook)
 

@@ -12,6 +12,7 @@ _SUMS = ("sum", "sum+")
 
 def wrong_aggregates(clause: Clause) -> Iterator[Found]:
     """Yield the elements of aggregates in which equal tuples count once, by accident."""
+    yield from _fixed_choice(clause)
     for number, aggregate in enumerate(clause.aggregates):
         bound = clause.bound
         for element in aggregate.elements:
@@ -29,6 +30,24 @@ def wrong_aggregates(clause: Clause) -> Iterator[Found]:
                 message = f"`{name}` is the value of the aggregate and a variable in it"
                 advice = "use two variables: what is in the braces is another thing"
                 yield found(AGGREGATE, message, clause.place(guard), clause.rule, advice)
+
+
+def _fixed_choice(clause: Clause) -> Iterator[Found]:
+    """Yield a choice between the instances of one atom, all variables of which the body binds."""
+    if clause.sort != "choice" or len(clause.heads) != 1:
+        return
+    ((head, condition),) = clause.heads
+    names = frozenset[str]().union(*(names_in(each.node) for each in condition.atoms))
+    bound = frozenset[str]().union(*(names_in(each.node) for each in clause.body.positive))
+    own = names_in(head.node)
+    if own and names and own | names <= bound:
+        variables = " and ".join(f"`{name}`" for name in sorted(own))
+        are = "are" if len(own) > 1 else "is"
+        message = (
+            f"{variables} {are} bound outside of the braces, so that `{head.text}` is one atom"
+        )
+        advice = "use another variable in the braces, or move the condition to the body"
+        yield found(AGGREGATE, message, clause.place(head.node), clause.rule, advice)
 
 
 def _is_bound_elsewhere(clause: Clause, name: str, others: tuple[Aggregate, ...]) -> bool:

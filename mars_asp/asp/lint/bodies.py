@@ -78,7 +78,7 @@ def _contradiction(
         message = f"{said} are never true together"
     else:
         message = f"{said or 'what this aggregate is compared with'} never holds"
-        advice = advice.replace("one of the two", "it")
+        advice = advice.replace("leave out one of the two", "leave it out")
     if least and bounds and not never(list(map(compared, least)), constants):
         message += " with the bounds of an aggregate"
     return found(CONTRADICTION, message, clause.place(places[-1]), clause.rule, advice)

@@ -80,7 +80,8 @@ PAGES = (
         "rule-contradiction",
         "A body that never holds",
         "Reports literals and comparisons that are never true together: `p(X), not p(X)`, "
-        "`X < Y, Y < X`, `X = a, X = b`, `#count { ... } < 0`.",
+        "`X < Y, Y < X`, `X = a, X = b`, `#count { ... } < 0`, and two facts where a `key` allows "
+        "one.",
         "The rule never fires.",
         f"{_CITY}odd(C) :- city(C), not city(C).\n#show odd/1.\n",
         f"{_CITY}{_ROAD}odd(C) :- city(C), not road(_, C, _, _).\n#show odd/1.\n",
@@ -98,8 +99,9 @@ PAGES = (
     Page(
         "rule-aggregate",
         "An aggregate that counts too little",
-        "Reports a sum whose equal weights are added once, a count in which nothing varies, and a "
-        "variable of a tuple that is bound outside of the aggregate.",
+        "Reports a sum whose equal weights are added once, a count in which nothing varies, a "
+        "variable of a tuple that is bound outside of the aggregate, and a choice in which nothing "
+        "varies.",
         "An aggregate is over a set of tuples. Two elements with equal tuples count once, and a "
         "variable that the body binds has a single value in it.",
         f"{_ROAD}{_LENGTH}whole(N) :- N = #sum {{ T : lasts(R, T), road(R, _, _, _) }}.\n"
@@ -139,17 +141,19 @@ PAGES = (
         "rule-unused",
         "A predicate that nothing reads",
         "Reports a predicate that is derived, or declared by `#defined`, but that no other rule "
-        "reads, no `#show` names, and no cost rests on.",
+        "reads but those it rests on itself, no `#show` names, and no cost rests on; and an "
+        "attribute that no rule reads.",
         "It costs time, and often another name was meant.",
         f"{_CITY}large(C) :- city(C).\n",
         f"{_CITY}large(C) :- city(C).\n#show large/1.\n",
     ),
     Page(
         "rule-undefined",
-        "A constraint on what nothing gives",
+        "A premise that nothing gives",
         "Reports a predicate that is declared by `#defined` without documentation, that no rule "
-        "derives and only constraints read.",
-        "The constraint never excludes anything, or always everything.",
+        "derives and only constraints read; and predicates that are derived from each other alone.",
+        "The constraint never excludes anything, or always everything. What rests on itself alone "
+        "never holds.",
         '#defined closed/1.\n:- closed(C), C != "Ulm".\n',
         f'{_CITY}closed(C) :- city(C).\n:- closed(C), C != "Ulm".\n',
     ),
@@ -177,7 +181,9 @@ PAGES = (
         "rule-message",
         "A message that depends on the derivation",
         "Reports a hole in the message of a finding whose value the head does not settle. "
-        "`key: R` in the documentation of a predicate states that R settles its other arguments.",
+        "`key: R` in the documentation of a predicate states that R settles its other arguments. "
+        "Also reports a finding without a message, and two rules with the same premises and head "
+        "but unlike messages.",
         "Where several derivations give one finding, only one of them is shown.",
         f"{_CITY}{_ROAD}%! because: `{{C}}` is joined to `{{D}}`\n"
         "finding(C) :- road(_, C, D, _).\n",
@@ -186,11 +192,13 @@ PAGES = (
     ),
     Page(
         "rule-hole",
-        "A hole in the wrong unit",
-        "Reports a hole `{T:millihertz}` whose variable is of another sort.",
-        "The number would be shown in a unit in which it does not count.",
-        f"{_LENGTH}%! because: `{{R}}` takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",
-        f"{_LENGTH}%! because: `{{R}}` takes {{T:milliseconds}}\nfinding(R, T) :- lasts(R, T).\n",
+        "A hole that tells readers nothing",
+        "Reports a hole `{T:millihertz}` whose variable is of another sort, a hole whose value is "
+        "a number by which rules tell things apart, and a brace without its counterpart.",
+        "The number would be shown in a unit in which it does not count, or is one that readers do "
+        "not know.",
+        f"{_LENGTH}%! because: some road takes {{T:millihertz}}\nfinding(R, T) :- lasts(R, T).\n",
+        f"{_LENGTH}%! because: some road takes {{T:milliseconds}}\nfinding(R, T) :- lasts(R, T).\n",
     ),
     Page(
         "rule-example",

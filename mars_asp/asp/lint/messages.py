@@ -1,8 +1,10 @@
 """What metadata says: messages that depend on chance, and files and words that do not exist."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from functools import partial
 
-from mars_asp.asp.lint.clauses import Atom, Clause
+from mars_asp.asp.lint.clauses import Atom, Clause, is_constant, text_of
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.values import Known, Value
 from mars_asp.asp.rules.declarations import Declaration
@@ -12,17 +14,24 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS
 
 MESSAGE, HOLES, EXAMPLE = "rule-message", "rule-hole", "rule-example"
+_VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 
 
 def open_messages(
     clause: Clause, reported: frozenset[Signature], functions: "Functions"
 ) -> Iterator[Found]:
-    """Yield the holes in the message of a finding that two derivations of it may fill unlike."""
+    """Yield the holes in the message of a finding that two derivations of it may fill unlike.
+
+    And a finding without a message.
+    """
     rule = clause.rule
-    if rule.because is None or clause.sort != "rule":
+    if clause.sort != "rule" or clause.heads[0][0].signature.unsigned not in reported:
         return
     head = clause.heads[0][0]
-    if head.signature.unsigned not in reported:
+    if rule.because is None:
+        message = f"`{head.signature.unsigned}` is derived without a message"
+        advice = "write `%! because: ...` above the rule: else users read the atom"
+        yield found(MESSAGE, message, rule.span, rule, advice)
         return
     fixed = functions.closed(clause, names_in(head.node))
     for hole in rule.holes:
@@ -30,6 +39,60 @@ def open_messages(
             message = f"`{{{hole}}}` may be several things for one `{head.text}`"
             advice = f"put `{hole}` into the head, or choose one: `{hole} = #min {{ ... }}`"
             yield found(MESSAGE, message, rule.span, rule, advice)
+
+
+def rival_messages(
+    clauses: Sequence[Clause], judged: Set[int], reported: frozenset[Signature]
+) -> Iterator[Found]:
+    """Yield the rules that give a finding another message than an earlier rule gives to it.
+
+    Whether two bodies hold together is not known: such as ask for different constants, negate what
+    the other one asks for, both compare, or rest on what rules derive, are taken to be apart.
+    """
+    derived = {head.signature for clause in clauses for head, _ in clause.heads}
+    earlier: dict[str, list[Clause]] = {}
+    for number, clause in enumerate(clauses):
+        rule = clause.rule
+        if rule.because is None or clause.sort != "rule" or not clause.heads:
+            continue
+        head = clause.heads[0][0]
+        if head.signature.unsigned not in reported or not is_constant(head.terms[-1]):
+            continue
+        if any(atom.signature in derived for atom in clause.read):
+            continue
+        names: dict[str, str] = {}
+        told = _VARIABLE.sub(partial(_numbered, names), head.text)
+        same = earlier.setdefault(told, [])
+        for other in same if number in judged else ():
+            if other.rule.because != rule.because and not _are_apart(clause, other):
+                message = f"`{head.text}` has another message where both rules hold"
+                labels = ((other.rule.span, "this one"),)
+                advice = "tell the two apart by the case, the last argument"
+                yield found(MESSAGE, message, rule.span, rule, advice, labels=labels)
+                break
+        same.append(clause)
+
+
+def _numbered(names: dict[str, str], match: re.Match[str]) -> str:
+    """Return a name for a variable by its number; a string stays as it is."""
+    text = match[0]
+    return text if text.startswith('"') else names.setdefault(text, f"V{len(names)}")
+
+
+def _are_apart(one: Clause, other: Clause) -> bool:
+    """Whether two bodies seem to be for different things."""
+    if one.body.comparisons and other.body.comparisons:
+        return True
+    return any(
+        left.sign != right.sign or _constants(left) != _constants(right)
+        for left in one.body.atoms
+        for right in other.body.atoms
+        if left.signature == right.signature
+    )
+
+
+def _constants(atom: Atom) -> list[str]:
+    return [text_of(term) if is_constant(term) else "" for term in atom.terms]
 
 
 class Functions:
@@ -106,19 +169,32 @@ class Functions:
         return plain and bool(given) and len(set(rows)) == len(rows)
 
 
-def wrong_holes(clause: Clause, known: Known) -> Iterator[Found]:
-    """Yield the holes that are to be written in the unit of another sort than they have."""
+def wrong_holes(clause: Clause, known: Known, things: Set[str]) -> Iterator[Found]:
+    """Yield the holes that are to be written in the unit of another sort than they have.
+
+    And those of which the value is a number that stands for one of the `things`, and braces that do
+    not match.
+    """
     rule = clause.rule
-    texts = filter(None, (rule.because, rule.effect, rule.help))
-    holes = [hole for text in texts for hole in HOLE.findall(text) if hole[1] in UNITS]
+    holes = [(key, *hole) for key, text in rule.sentences for hole in HOLE.findall(text)]
     environment = known.environment(clause, clause.body) if holes else {}
-    for name, sort in holes:
-        values = environment.get(name)
-        if values and not known.meet(values, frozenset({Value("number", sort)})):
+    for key, name, sort in holes:
+        values, place = environment.get(name), rule.place_of(key)
+        numbered = sorted({each.sort for each in values or ()})
+        if sort in UNITS and values and not known.meet(values, frozenset({Value("number", sort)})):
             own = " or ".join(sorted({each.sort or each.text for each in values}))
-            message = f"`{{{name}:{sort}}}` writes what is {own} as {sort}"
+            message = f"`{{{name}:{sort}}}` writes what is in {own} as {sort}"
             advice = f"write `{{{name}:{own}}}`" if own in UNITS else f"write `{{{name}}}`"
-            yield found(HOLES, message, rule.span, rule, advice)
+            yield found(HOLES, message, place, rule, advice)
+        elif values and all(each.form == "number" and each.sort in things for each in values):
+            message = f"`{{{name}}}` is the number of a {' or '.join(numbered)}"
+            advice = "readers do not know these numbers: name what it is about"
+            yield found(HOLES, message, place, rule, advice)
+    for key, text in rule.sentences:
+        rest = HOLE.sub("", text)
+        if "{" in rest or "}" in rest:
+            message = f"a brace in `{key}` has no counterpart, so it is written as it is"
+            yield found(HOLES, message, rule.place_of(key), rule, "write `{Variable}`")
 
 
 def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Found]:
@@ -126,4 +202,4 @@ def missing_examples(rule: Rule, exists: Callable[[Rule], bool]) -> Iterator[Fou
     if rule.example is not None and not exists(rule):
         message = f"the example `{rule.example}` is not a file"
         advice = "name a case by its path, from the folder of the rule or from here"
-        yield found(EXAMPLE, message, rule.span, rule, advice)
+        yield found(EXAMPLE, message, rule.place_of("example"), rule, advice)

@@ -4,24 +4,37 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import Clause
 from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
 UNUSED, UNDEFINED = "rule-unused", "rule-undefined"
 
 
-def unused(clauses: Sequence[Clause], judged: Set[int], public: Set[Signature]) -> Iterator[Found]:
+def unused(
+    clauses: Sequence[Clause],
+    judged: Set[int],
+    public: Set[Signature],
+    circle: Mapping[Signature, int],
+) -> Iterator[Found]:
     """Yield the predicates that some rules derive and nothing reads, each once.
 
     `judged` are the numbers of the clauses that are looked at; all read. `public` are predicates
-    that others read.
+    that others read, `circle` tells which rest on each other: what only these read, nothing does.
     """
     read: set[Signature] = set(public)
     for clause in clauses:
-        own = {head.signature.unsigned for head, _ in clause.heads}
-        read |= {atom.signature.unsigned for atom in clause.read} - (
-            own if len(own) == 1 else set()
-        )
+        heads = [head.signature for head, _ in clause.heads]
+        circles = {circle.get(head) for head in heads}
+        own = circles.pop() if len(circles) == 1 else None
+        read |= {
+            atom.signature.unsigned
+            for atom in clause.read
+            if own is None or circle.get(atom.signature) != own
+        }
+    # Who reads one of a circle reads all of it.
+    wanted = {number for each, number in circle.items() if each.unsigned in read}
+    read |= {each.unsigned for each, number in circle.items() if number in wanted}
     told: set[Signature] = set()
     for number in sorted(judged):
         for head, _ in clauses[number].heads:
@@ -34,14 +47,77 @@ def unused(clauses: Sequence[Clause], judged: Set[int], public: Set[Signature]) 
                 yield found(UNUSED, message, place, clauses[number].rule, advice)
 
 
+def unfounded(
+    clauses: Sequence[Clause], judged: Set[int], circle: Mapping[Signature, int]
+) -> Iterator[Found]:
+    """Yield the predicates that are derived from each other alone, so that none ever holds."""
+    rules: dict[Signature, list[int]] = {}
+    for number, clause in enumerate(clauses):
+        for head, _ in clause.heads:
+            # What is a premise of itself is reported as such.
+            again = head.text in {atom.text for atom in clause.body.positive}
+            if head.signature in circle and not again:
+                rules.setdefault(head.signature, []).append(number)
+    founded: set[Signature] = set()
+    waiting = True
+    while waiting:
+        more = {
+            signature
+            for signature, numbers in rules.items()
+            if signature not in founded
+            and any(_begins(clauses[number], signature, circle, founded) for number in numbers)
+        }
+        founded |= more
+        waiting = bool(more)
+    told: set[int] = set()
+    for signature, numbers in rules.items():
+        if signature not in founded and numbers[0] in judged and circle[signature] not in told:
+            told.add(circle[signature])
+            clause = clauses[numbers[0]]
+            others = sorted(f"`{each}`" for each in rules if circle[each] == circle[signature])
+            what = " and ".join(others) if len(others) > 1 else "itself"
+            message = f"`{signature}` is derived from {what} alone, so it never holds"
+            place = clause.place(clause.node)
+            yield found(UNDEFINED, message, place, clause.rule, "add a rule to begin with")
+
+
+def _begins(
+    clause: Clause, signature: Signature, circle: Mapping[Signature, int], founded: Set[Signature]
+) -> bool:
+    """Whether a rule can derive a predicate from what is known not to rest on that alone."""
+    needed = [*clause.body.positive]
+    for head, condition in clause.heads:
+        needed += condition.positive if head.signature == signature else ()
+    own = circle[signature]
+    return all(each.signature in founded or circle.get(each.signature) != own for each in needed)
+
+
+def documented_in_vain(
+    clauses: Sequence[Clause], own: Sequence[Declaration], given: Set[Signature]
+) -> Iterator[Found]:
+    """Yield what is documented though nothing gives, declares or derives it."""
+    known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
+    for each in own:
+        signature = each.signature.unsigned
+        if signature not in known and each.origin is None:
+            message = f"`{signature}` is documented, and nothing gives or derives it"
+            others = sorted(f"`{other}`" for other in known if other.name == signature.name)
+            advice = (
+                f"did you mean {' or '.join(others)}?" if others else "leave it out, or derive it"
+            )
+            yield found(UNDEFINED, message, each.span, None, advice)
+
+
 def undefined(
     clauses: Sequence[Clause],
     declared: Mapping[Signature, Span],
     documented: Set[Signature],
+    attributes: Set[Signature],
 ) -> Iterator[Found]:
     """Yield what is declared by `#defined` though nothing reads it, or constraints alone do.
 
-    `declared` says where that is, `documented` are predicates that somebody gives.
+    `declared` says where that is, `documented` are predicates that somebody gives, `attributes`
+    those of them that users state for these rules alone.
     """
     derived = {head.signature.unsigned for clause in clauses for head, _ in clause.heads}
     read: dict[Signature, set[str]] = {}
@@ -49,6 +125,10 @@ def undefined(
         for atom in clause.read:
             read.setdefault(atom.signature.unsigned, set()).add(clause.sort)
     for signature, place in declared.items():
+        if signature in attributes and signature not in read:
+            message = f"nothing reads `{signature}`, which users are to state"
+            advice = "read it in a rule, or let other packs read it: `packs: read`"
+            yield found(UNUSED, message, place, None, advice)
         if signature in derived or signature in documented:
             continue
         if signature not in read:

@@ -1,6 +1,6 @@
 """Values in rules that can never be: of the wrong sort, misspelt, in another form or unit."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
     Atom,
@@ -102,6 +102,13 @@ def _aggregated(clause: Clause, environment: Environment, known: Known) -> Itera
     """Yield the aggregates that are compared with numbers of another unit, or with small ones."""
     for aggregate in clause.aggregates:
         own = known.aggregated(aggregate, environment)
+        inside = [_units(_numbers(each)) for each in known.of_elements(aggregate, environment)]
+        is_measured = aggregate.function != "count" and len(inside) > 1 and all(inside)
+        if is_measured and not set(inside[0]).intersection(*inside):
+            measures = sorted({each[0] for each in inside})
+            message = f"this aggregate is over numbers in {' and in '.join(measures)}"
+            advice = "bring all of them to one unit, or use one aggregate for each"
+            yield found(UNIT, message, clause.place(aggregate.node), clause.rule, advice)
         for _, guard in aggregate.guards:
             values = known.of(guard, environment)
             units = _units(own), _units(values)
@@ -173,8 +180,8 @@ def _wrong_constants(
             yield from _too_small(clause, term, values)
             continue
         declaration = names.get(signature)
-        name = declaration.arguments[at].name if declaration else f"argument {at + 1}"
-        yield _never(clause, term, values, f"`{name}` of `{signature}`", known)
+        name = f"`{declaration.arguments[at].name}`" if declaration else f"argument {at + 1}"
+        yield _never(clause, term, values, f"{name} of `{signature}`", known)
 
 
 def _never(clause: Clause, term: Node, values: Values, what: str, known: Known) -> Found:
@@ -219,12 +226,36 @@ def _wrong_heads(
         given = environment.get(name) if name is not None else None
         if values and given and not known.meet(values, given):
             units = _units(values) and _units(given)
-            message = (
-                f"`{name}` is {_in_words(given)}, and the head gives it as {_in_words(values)}"
-            )
+            how = "in " if units else ""
+            message = f"`{name}` is {how}{_in_words(given)}"
+            message += f", and the head gives it {how or 'as '}{_in_words(values)}"
             advice = f"`rules show {head.signature.unsigned}` shows what its arguments are"
             place = clause.place(head.node)
             yield found(UNIT if units else SORT, message, place, clause.rule, advice)
+
+
+def mixed_units(clauses: Sequence[Clause], judged: Set[int], known: Known) -> Iterator[Found]:
+    """Yield the rules that give numbers of another unit than an earlier rule to one argument.
+
+    `judged` are the numbers of the clauses that are looked at. What an argument is declared to be,
+    it is.
+    """
+    first: dict[tuple[Signature, int], str] = {}
+    for number, clause in enumerate(clauses):
+        for head, _ in clause.heads:
+            signature = head.signature.unsigned
+            every = known.arguments(signature)
+            mixed = [at for at in known.derived[signature] if len(_units(_numbers(every[at]))) > 1]
+            environment = known.environment(clause, clause.body) if mixed else {}
+            for at in mixed:
+                given = _units(_numbers(known.of(head.terms[at], environment)))
+                before = first.setdefault((signature, at), given[0]) if given else ""
+                if number in judged and given and before not in given:
+                    message = f"argument {at + 1} of `{signature}` is in {given[0]} here"
+                    message += f", and in {before} elsewhere"
+                    advice = "bring both to one unit, or declare what it holds: `%*! ... *%`"
+                    place = clause.place(head.terms[at])
+                    yield found(UNIT, message, place, clause.rule, advice)
 
 
 def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
@@ -269,7 +300,13 @@ def _in_words(values: Values) -> str:
         each.sort or (f"`{each.text}`" if each.text else _WORDS[each.form or "name"])
         for each in values or ()
     )
-    first = texts[0] if texts else "nothing"
-    article = "" if first.startswith(("`", "a ")) or first in UNITS else "a "
     more = f" or {len(texts) - 4} others" if len(texts) > 5 else ""
-    return f"{article}{' or '.join(texts[:4] if more else texts)}{more}"
+    shown = map(_with_article, texts[:4] if more else texts)
+    return f"{' or '.join(shown) or 'nothing'}{more}"
+
+
+def _with_article(text: str) -> str:
+    """Return a sort with its article; what is written, and measures, have none."""
+    if text.startswith(("`", "a ")) or text in UNITS:
+        return text
+    return f"{'an' if text[0] in 'aeiou' else 'a'} {text}"

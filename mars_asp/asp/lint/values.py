@@ -6,6 +6,7 @@ that a variable of two never has a value.
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from fractions import Fraction
 from typing import Literal, NamedTuple, TypeAlias
 
 from clingo import SymbolType
@@ -18,12 +19,13 @@ from mars_asp.asp.lint.clauses import (
     is_constant,
     joined,
     name_of,
+    number_of,
     operation_of,
 )
 from mars_asp.asp.rules.declarations import Argument, Declaration
 from mars_asp.asp.rules.trees import Kind, Node
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.units import UNITS
+from mars_asp.asp.units import UNITS, times_as_many
 
 #: What values are made of.
 Form: TypeAlias = Literal["number", "string", "name", "function"]
@@ -174,17 +176,21 @@ class Known:
         if aggregate.function in ("count", "set"):
             return NUMBERS
         found: frozenset[Value] = _NOTHING
-        for element in aggregate.elements:
-            inside = dict(environment)
-            for name, values in self._named(element.scope):
-                inside[name] = self.meet(inside.get(name), values)
-            given = self.of(element.terms[0], inside) if element.terms else None
+        for given in self.of_elements(aggregate, environment):
             if given is None:
                 return NUMBERS if aggregate.function.startswith("sum") else None
             found |= given
         if aggregate.function.startswith("sum"):
             return frozenset(Value("number", each.sort) for each in found if each.form == "number")
         return found | {Value("name", text="#inf"), Value("name", text="#sup")}
+
+    def of_elements(self, aggregate: Aggregate, environment: Environment) -> Iterator[Values]:
+        """Yield what each element of an aggregate adds or compares."""
+        for element in aggregate.elements:
+            inside = dict(environment)
+            for name, values in self._named(element.scope):
+                inside[name] = self.meet(inside.get(name), values)
+            yield self.of(element.terms[0], inside) if element.terms else None
 
     def _named(self, scope: Scope) -> Iterator[tuple[str, Values]]:
         """Yield the variables of the atoms of a scope with what these say of them."""
@@ -221,7 +227,9 @@ class Known:
             rest = [is_plain for one, is_plain in zip(sorts, plain, strict=True) if not one]
             if named and all(one == named[0] for one in named) and all(rest):
                 if len(named) == 1 or sign in ("+", "-"):
-                    return frozenset(Value("number", sort) for sort in named[0])
+                    factors = number_of(term.left), number_of(term.right)
+                    converted = _converted(named[0], sign, *factors)
+                    return frozenset(Value("number", sort) for sort in named[0] | converted)
         return NUMBERS
 
     def _constant(self, term: Node) -> Values:
@@ -300,6 +308,25 @@ class Known:
 
 def _of_any_text(values: Values) -> Values:
     return values and frozenset(each._replace(text="") for each in values)
+
+
+def _converted(
+    sorts: Set[str], sign: str | None, left: int | None, right: int | None
+) -> frozenset[str]:
+    """Return the measures that numbers are in when they are multiplied or divided by a number.
+
+    1000 times as many as there are seconds are milliseconds.
+    """
+    factor = right if sign in ("*", "/") and right else left if sign == "*" else None
+    if not factor:
+        return frozenset()
+    return frozenset(
+        other
+        for other in UNITS
+        for sort in sorts & UNITS.keys()
+        if (times := times_as_many(sort, other)) is not None
+        and times == (factor if sign == "*" else Fraction(1, factor))
+    )
 
 
 def differ_in_unit(one: str, other: str) -> bool:

@@ -26,6 +26,7 @@ white space.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
@@ -49,6 +50,8 @@ _ARGUMENT = r"(?s)([A-Z_][A-Za-z0-9_]*'*|[a-z_]*\(.*\))\s*(?::\s*(.+))?"
 _SORT = r"[a-z][a-z_]*"
 _CONSTANTS = r"\{([^{}]*)\}"
 _LINE = r"([a-z]+):\s*(.*)"
+#: So much alike are a misspelt sort and the one that is meant.
+_LIKENESS = 0.8
 #: Of a comment that cannot be read so much is shown.
 _MOST_SHOWN = 60
 #: The keys of the lines behind the words, and what each can say.
@@ -274,6 +277,25 @@ def wrong_references(declared: Iterable[Declaration]) -> Iterator[Diagnostic]:
                     message = f"`{match[1]}` has no argument that `{each.name}` also has"
                     advice = "call the argument by which its fact is found the same"
                     yield _problem(message, each.span, advice)
+
+
+def misspelt_sorts(
+    own: Iterable[Declaration], known: Iterable[str], units: Mapping[str, str]
+) -> Iterator[Diagnostic]:
+    """Yield the sorts that occur in one declaration alone and are spelt nearly as known ones.
+
+    `units` are known sorts by how their unit is written: `ms`.
+    """
+    own, known = tuple(own), frozenset(known)
+    uses = Counter(sort for each in own for sort in {s for a in each.arguments for s in a.sorts})
+    for each in own:
+        for argument in each.arguments:
+            for sort in sorted(s for s in argument.sorts - known if uses[s] == 1):
+                near = units.get(sort) or nearest(sort, known, _LIKENESS)
+                if near is not None:
+                    message = f"`{argument.name}` of `{each.signature}` is of the sort `{sort}`, "
+                    message += "which nothing else is"
+                    yield _problem(message, each.span, f"did you mean `{near}`?")
 
 
 def _split(written: str) -> Iterator[str]:

@@ -24,7 +24,7 @@ from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.rules.computed import computations, leaves
 from mars_asp.asp.rules.gate import check_text
-from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.rules.statements import (
     Operation,
     RuleSyntaxError,
@@ -35,13 +35,13 @@ from mars_asp.asp.rules.statements import (
     variables,
 )
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.units import UNITS
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|.', re.DOTALL)
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 _VARIABLE = re.compile(r"(?<!\w)_*[A-Z]\w*'*")
 _LABELLED = re.compile(r'(.*\S)\s+"((?:\\.|[^"\\])*)"', re.DOTALL)
-_HOLE = re.compile(r"\{([^{}]*)\}")
 
 
 #: A list holds so many terms at most, each of which is a rule.
@@ -86,7 +86,7 @@ class Label(NamedTuple):
     @property
     def holes(self) -> tuple[str, ...]:
         """Return the variables that the message names, each once."""
-        return tuple(dict.fromkeys(_HOLE.findall(self.text)))
+        return tuple(dict.fromkeys(name for name, _ in HOLE.findall(self.text)))
 
 
 def expanded(
@@ -133,9 +133,15 @@ def _rule(head: str, body: str) -> str:
 
 
 def _is_above(rule: Rule, expansion: Expansion) -> bool:
-    """Whether a rule derives what a list may stand above, and nothing else."""
-    first, *others = rule.statements
-    return not others and first.forces and first.head.signature == expansion.of
+    """Whether a rule derives what a list may stand above, and nothing else.
+
+    Its body may have pools: each way to read them derives the same.
+    """
+    first = rule.statements[0]
+    return first.forces and all(
+        each.forces and each.head.signature == expansion.of and each.head.terms == first.head.terms
+        for each in rule.statements
+    )
 
 
 def wrong(
@@ -171,7 +177,8 @@ def wrong(
         return
     for element, made in zip(elements, expanded(rule, key, written, place, expansion), strict=True):
         alone = _rule(f"x({element.order or 0},{element.term})", element.condition)
-        if not _is_rule(made.text, place.path) or not _is_rule(alone, place.path):
+        pools = len(rule.statements)
+        if not _is_rule(made.text, place.path, pools) or not _is_rule(alone, place.path):
             message = f"`{key}` cannot be read: it means `{made.text}`"
             yield _wrong(message, place, advice)
             return
@@ -190,20 +197,25 @@ def wrong(
 
 def _wrong_label(element: _Element, made: Rule, key: str, place: Span) -> Iterator[Diagnostic]:
     """Yield the holes of a label that no variable of the rule made for its element fills."""
-    names = set(_HOLE.findall(element.label or ""))
+    holes = HOLE.findall(element.label or "")
+    names = {name for name, _ in holes}
+    for hole, sort in holes:
+        if sort and sort not in UNITS:
+            message = f"`{{{hole}:{sort}}}` in a label of `{key}` names no sort with a unit"
+            yield _wrong(message, place, "name a measure, such as `milliseconds`")
     for hole in sorted(names - bound_variables(made.text) if names else ()):
         message = f"`{{{hole}}}` in a label of `{key}` is not a variable of the rule's body"
         yield _wrong(message, place, "name a variable of the rule or of the label's condition")
 
 
-def _is_rule(text: str, shown: str) -> bool:
-    """Whether a text is one rule without pools, and nothing else."""
+def _is_rule(text: str, shown: str, readings: int = 1) -> bool:
+    """Whether a text is one rule with so many readings of its pools, and nothing else."""
     try:
         check_text(text, shown)
         sorts = [piece.sort for piece in pieces(text) if piece.sort != "begin"]
     except (MarsError, RuleSyntaxError):
         return False
-    return sorts == ["rule"] and len(statements(text)) == 1
+    return sorts == ["rule"] and len(statements(text)) == readings
 
 
 def _elements(written: str) -> Iterator[_Element]:

@@ -150,6 +150,7 @@ def _rule(
             for key, (text, place) in metadata.items()
             if key.startswith(f"{_ALLOW} ")
         ),
+        places=tuple((key, place) for key, (_, place) in metadata.items()),
     )
 
 
@@ -176,19 +177,22 @@ def wrong_holes(rule: Rule) -> Iterator[Diagnostic]:
                 "rule-metadata",
                 "error",
                 f"`{{{hole}}}` in the message of `{rule.id}` is not a variable of the rule's body",
-                rule.span,
+                rule.place_of_hole(hole),
                 help=f"did you mean `{{{near}}}`?" if near else None,
             )
-    for hole, sort in HOLE.findall(f"{rule.because or ''}{rule.help or ''}"):
-        if sort and sort not in UNITS:
-            near = nearest(sort, UNITS) or next(iter(UNITS))
-            yield Diagnostic(
-                "rule-metadata",
-                "error",
-                f"`{{{hole}:{sort}}}` in the message of `{rule.id}` names no sort with a unit",
-                rule.span,
-                help=f"did you mean `{{{hole}:{near}}}`?",
-            )
+    for key, text in rule.sentences:
+        for hole, sort in HOLE.findall(text):
+            if sort and sort not in UNITS:
+                near = nearest(sort, UNITS)
+                yield Diagnostic(
+                    "rule-metadata",
+                    "error",
+                    f"`{{{hole}:{sort}}}` in the message of `{rule.id}` names no sort with a unit",
+                    rule.place_of(key),
+                    help=f"did you mean `{{{hole}:{near}}}`?"
+                    if near
+                    else "name a measure, such as `milliseconds`",
+                )
 
 
 def _unbound(metadata: dict[str, tuple[str, Span]]) -> list[Diagnostic]:
@@ -210,12 +214,15 @@ def repeated_ids(
     """Yield the names that rules have twice; `known` are names of others with their places."""
     first = dict(known)
     for rule in rules:
-        earlier = first.setdefault(rule.id, rule.span)
-        if earlier is not rule.span:
+        # What lines of metadata stand for is named after the rule that they are above.
+        place = rule.place_of("id")
+        earlier = first.setdefault(rule.id, place)
+        if earlier is not place and rule.listed is None:
             yield Diagnostic(
                 "rule-metadata",
                 "error",
                 f"rule id `{rule.id}` is used twice",
-                rule.span,
+                place,
                 ((earlier, "first used here"),),
+                help="give each rule an id of its own",
             )

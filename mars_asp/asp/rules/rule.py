@@ -1,7 +1,7 @@
 """One rule of a file: what stands above it, its text, and what it says."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
@@ -46,6 +46,8 @@ class Rule:
     effect: str | None = None
     #: The lints that have nothing to say of the rule.
     allows: tuple[Allow, ...] = ()
+    #: Where each line of metadata is, by its key.
+    places: tuple[tuple[str, Span], ...] = ()
 
     @cached_property
     def ast(self) -> Tree:
@@ -112,5 +114,23 @@ class Rule:
     @property
     def holes(self) -> tuple[str, ...]:
         """Return the variables that `because`, `help` and `effect` name, each once."""
-        said = HOLE.findall(f"{self.because or ''}{self.help or ''}{self.effect or ''}")
-        return tuple(dict.fromkeys(name for name, _ in said))
+        said = (HOLE.findall(text) for _, text in self.sentences)
+        return tuple(dict.fromkeys(name for names in said for name, _ in names))
+
+    @property
+    def sentences(self) -> Iterator[tuple[str, str]]:
+        """Yield what the rule says to users, by the keys of the lines that hold it."""
+        for key, text in (("because", self.because), ("help", self.help), ("effect", self.effect)):
+            if text:
+                yield key, text
+
+    def place_of(self, key: str) -> Span:
+        """Return where the line of metadata with a key is; without one, where the rule is."""
+        return dict(self.places).get(key, self.span)
+
+    def place_of_hole(self, hole: str) -> Span:
+        """Return where the first line is that names a variable."""
+        for key, text in self.sentences:
+            if any(name == hole for name, _ in HOLE.findall(text)):
+                return self.place_of(key)
+        return self.span

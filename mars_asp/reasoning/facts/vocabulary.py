@@ -6,6 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from mars_asp.asp.units import NUMBERS
+
 if TYPE_CHECKING:
     # Who reads a configuration alone needs no rules.
     from mars_asp.asp.lint.values import Form
@@ -117,4 +119,9 @@ def _given_by(each: "Declaration", origin: "Origin") -> Given:
 def unbounded(declared: "Iterable[Declaration]") -> "Mapping[Signature, tuple[int, ...]]":
     """Return the positions from 0 of numbers that a user states, however large."""
     stated = (each for each in declared if each.origin == "stated")
-    return {each.signature: places for each in stated if (places := each.places(*UNBOUNDED))}
+    return {each.signature: places for each in stated if (places := _unbounded(each))}
+
+
+def _unbounded(each: "Declaration") -> tuple[int, ...]:
+    # Of an attribute of a pack any number may be stated.
+    return each.places(*UNBOUNDED, *(NUMBERS if each.attribution else ()))

@@ -54,6 +54,14 @@ def test_a_list_stands_for_rules_with_the_body_of_the_rule_below() -> None:
     ]
 
 
+def test_the_body_of_a_rule_may_have_pools() -> None:
+    listed = "%! via: X, Y; Z@K : weight(Y, Z, K)\n"
+    rule = "loop(N, X) :- name(N, (X; Y)), edge(X, Y), K' = (1; 2)."
+    (first, second, third) = made(listed + rule)
+    assert first.text == "through(N,0,X) :- name(N,(X;Y)); edge(X,Y); K' = (1;2)."
+    assert len(second.statements) == len(third.statements) == 4
+
+
 def test_what_is_listed_stands_where_its_rule_does_under_its_id() -> None:
     rules = made(f"\n%! id: g/loop\n%! via: X, Y\n{RULE} p.\n%! near: Y\n  {RULE}")
     assert [(rule.id, rule.span.line, rule.span.column) for rule in rules] == [
@@ -146,7 +154,7 @@ def test_without_a_host_no_key_lists_anything() -> None:
 
 
 def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
-    listed = '%! near: X "from {X}, {Y}"; Z "by: {K}; {N}" : weight(Y, Z, K); Y\n'
+    listed = '%! near: X "from {X}, {Y}"; Z "by: {K:milliwatts}; {N}" : weight(Y, Z, K); Y\n'
     book, problems = read(f"{listed}{RULE}")
     assert problems == []
     assert [rule.text for rule in book.rules[1:]] == [
@@ -162,7 +170,7 @@ def test_a_term_may_have_a_label_that_the_rule_of_its_body_fills() -> None:
     control.add("base", [], f"{facts}\n{book.text('base')}\n{RULE}\n{made}")
     control.ground()
     found = [(str(as_symbol(f.term)), f.text) for f in labelled(control, "base", said)]
-    assert found == [("a", "from a, b"), ("c", "by: 7; l")]
+    assert found == [("a", "from a, b"), ("c", "by: 0.007 W; l")]
 
 
 @pytest.mark.parametrize(

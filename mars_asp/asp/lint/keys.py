@@ -1,0 +1,94 @@
+"""Premises that are one fact, by the key of their predicate, and yet are to differ."""
+
+from collections.abc import Iterator, Mapping, Sequence, Set
+from itertools import combinations
+
+from mars_asp.asp.lint.clauses import Atom, Clause, Comparison, Scope, is_constant, joined, text_of
+from mars_asp.asp.lint.found import Found, found
+from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
+from mars_asp.asp.rules.declarations import Declaration
+from mars_asp.asp.rules.trees import Node
+from mars_asp.asp.signature import Signature
+
+CONTRADICTION = "rule-contradiction"
+
+
+def apart_by_keys(
+    clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
+) -> Iterator[Found]:
+    """Yield what never holds as a predicate holds once for each value of its key."""
+    first = _apart(clause, Scope(), clause.body, declared, replaced)
+    if first is not None:
+        yield first
+        return
+    for inner in clause.inner:
+        found_ = _apart(clause, clause.body, inner, declared, replaced)
+        if found_ is not None:
+            yield found_
+
+
+def _apart(
+    clause: Clause,
+    outer: Scope,
+    inner: Scope,
+    declared: Mapping[Signature, Declaration],
+    replaced: Set[str],
+) -> Found | None:
+    scope = joined(outer, inner)
+    for one, other in combinations(scope.positive, 2):
+        declaration = declared.get(one.signature)
+        if declaration is None or one.signature != other.signature:
+            continue
+        if one in outer.atoms and other in outer.atoms and not inner.comparisons:
+            continue
+        for key in declaration.keys:
+            if not _is_one(one, other, key):
+                continue
+            why = _unlike(one, other, scope.comparisons, replaced)
+            if why:
+                names = " and ".join(f"`{declaration.arguments[at].name}`" for at in key)
+                facts = f"`{one.text}` and `{other.text}` are one fact"
+                message = f"{facts}, as there is one for each {names}" if key else facts
+                advice = "so this never holds: leave out one of the two"
+                advice += f", or let them differ in {names}" if key else ""
+                if why == "-":
+                    message = message.replace("are one fact", "are never true together")
+                else:
+                    message += f", so {why} never holds"
+                place = clause.place(max(one.node, other.node, key=lambda node: node.extent))
+                return found(CONTRADICTION, message, place, clause.rule, advice)
+    return None
+
+
+def _is_one(one: Atom, other: Atom, key: Sequence[int]) -> bool:
+    keys = [(text_of(one.terms[at]), text_of(other.terms[at])) for at in key]
+    return all(left == right and left != "_" for left, right in keys)
+
+
+def _unlike(one: Atom, other: Atom, comparisons: Sequence[Comparison], replaced: Set[str]) -> str:
+    """Return the comparisons that two atoms of one fact contradict, `-` where they do it alone."""
+    pairs = [
+        (left, right)
+        for left, right in zip(one.terms, other.terms, strict=True)
+        if text_of(left) != text_of(right) and "_" not in (text_of(left), text_of(right))
+    ]
+    if any(_are_two(left, right, replaced) for left, right in pairs):
+        return "-"
+    bases = ((parted(left), parted(right)) for left, right in pairs)
+    equal = [Compared(a, "=", b, plus - more) for (a, plus), (b, more) in bases]
+    constants = constants_in(comparisons, replaced)
+    if not equal or never(map(compared, comparisons), constants):
+        return ""
+    least = list(comparisons)
+    if not never([*map(compared, least), *equal], constants):
+        return ""
+    for each in comparisons:
+        rest = [other for other in least if other is not each]
+        if never([*map(compared, rest), *equal], constants):
+            least = rest
+    return " and ".join(f"`{each.text}`" for each in least)
+
+
+def _are_two(left: Node, right: Node, replaced: Set[str]) -> bool:
+    both = {text_of(left), text_of(right)}
+    return is_constant(left) and is_constant(right) and both.isdisjoint(replaced)
