@@ -106,8 +106,8 @@ FILES = {
         "completion lenses questions protocol workers desk server"
     ),
     "cli": (
-        "deliver encode layout arguments lines live watch pace progress outputs report extract "
-        "limits settings trace_document schemas worker reason perform ignores baseline "
+        "deliver encode layout arguments again lines live watch pace progress outputs report "
+        "extract limits settings trace_document schemas worker reason perform ignores baseline "
         "selection results github sarif_fixes sarif publish alternatives analyse can completion "
         "draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "

@@ -22,7 +22,16 @@ class Blocks(NamedTuple):
 
 
 def read_blocks(path: str, text: str) -> Blocks:
-    """Read every module block of a `.mars` text."""
+    """Read every module block of a `.mars` text; two of one name are an error."""
+    found = _read_blocks(path, text)
+    if len({module.name for module in found.modules}) == len(found.modules):
+        return found
+    from mars_asp.annotations.files import repeated  # noqa: PLC0415 -- needed for what is wrong
+
+    return found._replace(diagnostics=(*found.diagnostics, *repeated(found.modules)))
+
+
+def _read_blocks(path: str, text: str) -> Blocks:
     if _START.search(text) is None:
         return Blocks((), (), ())
     # Only a file with blocks pays for the reading of declarations.

@@ -66,7 +66,7 @@ def extract(paths: Sequence[Path]) -> Extraction:
         found, wrong = _read(path, status)
         modules += found
         problems += wrong
-    problems += _repeated(modules)
+    problems += repeated(modules)
     return Extraction(tuple(modules), by_place(problems))
 
 
@@ -227,7 +227,7 @@ def _about(shown: str, code: str, severity: Severity, reason: str, help_text: st
     return Diagnostic(code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text)
 
 
-def _repeated(modules: Iterable[Module]) -> Iterator[Diagnostic]:
+def repeated(modules: Iterable[Module]) -> Iterator[Diagnostic]:
     """Yield one error for each name that several modules have."""
     found: dict[str, list[Module]] = {}
     for module in modules:

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 
+from mars_asp.cli.again import command_on_one
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, compared, counted, wrapped
 from mars_asp.cli.reason import rulebook_for
@@ -50,12 +51,12 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     if is_json:
         print(encoded({"subject": subject, **_json(found)}))
     else:
-        for line in _text(found, columns(sys.stdout)):
+        for line in _text(found, arguments, columns(sys.stdout)):
             print(visible(line))
     return int(selection.has_errors(project, found.analysis))
 
 
-def _text(found: Alternatives, width: int) -> Iterator[str]:
+def _text(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
     yield from wrapped(_head(found), width)
     yield from _table(found.needs[:_MOST_NEEDS], width)
     if len(found.needs) > _MOST_NEEDS:
@@ -63,7 +64,7 @@ def _text(found: Alternatives, width: int) -> Iterator[str]:
     told = " ".join(_levels(found))
     if told:
         yield from wrapped(told, width)
-    yield from _example(found, width)
+    yield from _example(found, arguments, width)
     for number, other in enumerate(found.others, 1):
         yield ""
         yield f"{number}. {_price(other)}"
@@ -207,19 +208,22 @@ def _relationships(found: Alternatives) -> str:
     return f"{', '.join(told[:-1])}, and {told[-1]}"
 
 
-def _example(found: Alternatives, width: int) -> Iterator[str]:
+def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
     """Yield the command that shows a need, and what it will say."""
     for need in found.needs[:_MOST_NEEDS]:
         for reason in need.reasons:
             if reason.why is not None and reason.lines and need.names:
                 path = found.analysis.configuration.path
-                command = f"See it break: mars-asp verify --without {need.names[0]} {path}"
+                asked = command_on_one("verify", arguments, "--without", need.names[0])
+                if asked is None:
+                    return
+                asked = f"See it break: {asked}"
                 told = f"->  clause {reason.clause} at {places(reason.lines, path)}"
                 # A command is not broken.
-                if cells(command) + len(_GAP) + cells(told) <= width:
-                    yield f"{command}{_GAP}{told}"
+                if cells(asked) + len(_GAP) + cells(told) <= width:
+                    yield f"{asked}{_GAP}{told}"
                 else:
-                    yield command
+                    yield asked
                     yield from wrapped(told, width, _GAP, _GAP * 3)
                 return
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
+from mars_asp.cli.again import command
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
@@ -55,6 +56,9 @@ def run(arguments: argparse.Namespace) -> int:
         is_told = not (arguments.quiet or arguments.write_baseline)
         for line in _text(analysis, selected, coloured, width, is_told):
             print(line)
+        if is_told:
+            for line in _closing(analysis, selected, arguments, width):
+                print(line)
     return status
 
 
@@ -133,8 +137,15 @@ def _text(
         yield "nothing to report"
     if selected.hidden:
         yield hidden_text(Counter(each.by for each in selected.hidden))
+
+
+def _closing(
+    analysis: Analysis, selected: Selected, arguments: argparse.Namespace, width: int
+) -> Iterator[str]:
+    """Yield how to go on, and what could not be checked."""
     if selected.has_errors:
-        yield "`mars-asp explain FILE --repair` looks for edits that remove the errors"
+        # A command is not broken.
+        yield f"For edits that remove the errors: {command('explain', arguments, '--repair')}"
     if analysis.unchecked:
         names = ", ".join(f"`{name}`" for name in analysis.unchecked)
         told = visible(f"no annotations found for {names}, so these were not checked")

@@ -2,7 +2,6 @@
 
 import argparse
 import pickle
-import shlex
 import sys
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp import __version__
+from mars_asp.cli.again import command
 from mars_asp.cli.arguments import positive
 from mars_asp.cli.deliver import add_line, grow_file, write_file
 from mars_asp.cli.limits import load_freely
@@ -20,7 +20,6 @@ from mars_asp.cli.reason import STANDARD_INPUT, add_file, check_inputs, read_pro
 from mars_asp.cli.report import report
 from mars_asp.cli.schemas import add_schema, campaign_schema
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
-from mars_asp.output import visible
 
 if TYPE_CHECKING:
     from mars_asp.cli.campaign_runner import Outcome
@@ -331,12 +330,7 @@ def _command(result: Mapping[str, Any], arguments: argparse.Namespace) -> str:
     """Return the command that repeats a run."""
     from mars_asp.execution.scenario.vary import written_change
 
-    words = ["mars-asp", "run", *arguments.files, "--scenario", arguments.scenario]
-    words += ["--seed", str(result["seed"])]
+    words = ["--scenario", arguments.scenario, "--seed", str(result["seed"])]
     for key, value in result["vary"].items():
         words += ["--vary", written_change(key, value)]
-    for option, values in (("--sources", arguments.sources), ("--rules", arguments.rules)):
-        words += [word for value in values for word in (option, value)]
-    if arguments.from_format:
-        words += ["--from", arguments.from_format]
-    return visible(shlex.join(words))
+    return command("run", arguments, *words)

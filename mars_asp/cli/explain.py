@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
+from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, compared, counted, wrapped
@@ -247,8 +248,7 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         print(encoded(_why_not_json(answer)))
     else:
-        packs = "".join(f" --rules {visible(path)}" for path in arguments.rules)
-        first, *others = _why_not_text(answer, packs, project.format)
+        first, *others = _why_not_text(answer, arguments, project.format)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
@@ -274,7 +274,9 @@ def _why_not_json(answer: "WhyNot") -> dict[str, object]:
     }
 
 
-def _why_not_text(answer: "WhyNot", packs: str, format: str | None) -> Iterator[Sequence[str]]:
+def _why_not_text(
+    answer: "WhyNot", arguments: argparse.Namespace, format: str | None
+) -> Iterator[Sequence[str]]:
     """Yield the lines of the answer, then those that it speaks of and what would give one."""
     width = columns(sys.stdout)
 
@@ -295,12 +297,11 @@ def _why_not_text(answer: "WhyNot", packs: str, format: str | None) -> Iterator[
         yield below(f"To get one{where}: {answer.to_get}")
     if answer.extra is not None:
         yield below(_price(answer.extra))
-    path = answer.analysis.configuration.path
     if answer.obstacles:
-        command = f"mars-asp explain {visible(path)}{packs} --repair"
-        yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{command}"]
+        asked = command("explain", arguments, "--repair")
+        yield [f"{BELOW}To see what would fix that:", f"{BELOW}{BELOW}{asked}"]
     if answer.see is not None:
-        yield [f"{BELOW}Why: mars-asp explain {visible(path)}{packs} '{visible(answer.see)}'"]
+        yield [f"{BELOW}Why: {command('explain', arguments, answer.see)}"]
 
 
 def _price(extra: Mapping[int, int]) -> str:

@@ -132,6 +132,9 @@ def _parse(
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
+        # What moves comes after who commands it: a robot in URDF has no architecture.
+        files.sort(key=lambda file: file.format == "urdf")
+        first = files[0]
         return read_foreign(files), first.text, first.format
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
@@ -245,6 +248,6 @@ def add_file(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="a `.mars` file, or files of others that are one robot: of muxes, graphs, dataflows;"
-        " `-` for standard input",
+        help="a `.mars` file, or files of others that are one robot: URDF, muxes, graphs, "
+        "dataflows; `-` for standard input",
     )

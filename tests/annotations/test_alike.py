@@ -78,8 +78,10 @@ def test_files_are_read_as_all_blocks_together() -> None:
 
 
 def test_a_block_with_another_name_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("A", "B_1", "/robot/front-left", "Ä")
-    text = "".join(block.format(name=name) for name in names for block in (BLOCK, FULL))
+    words = ("A", "B_1", "/robot/front-left", "Ä")
+    names = [name for word in words for name in (word, f"{word}2")]
+    blocks = zip(names, (BLOCK, FULL) * 4, strict=True)
+    text = "".join(block.format(name=name) for name, block in blocks)
     read: list[Source] = []
 
     def counted(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, ...]]:
@@ -89,7 +91,7 @@ def test_a_block_with_another_name_is_not_read_again(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("mars_asp.annotations.alike.read_modules", counted)
     found = read_blocks("a.mars", text)
     assert len(read) == 2
-    assert [module.name for module in found.modules] == [name for name in names for _ in range(2)]
+    assert [module.name for module in found.modules] == names
     assert found == blocks_together("a.mars", text)
 
 

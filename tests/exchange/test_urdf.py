@@ -1,5 +1,6 @@
 """URDF: what a document says as mounts and functions, and the same frames after a round trip."""
 
+import json
 import math
 import re
 from decimal import Decimal
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytransform3d.urdf import UrdfTransformManager
 
+from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError, point
 from mars_asp.exchange.urdf import MOST_BYTES, export_urdf, import_urdf
 from mars_asp.exchange.urdf.angles import rotation_of, turns_of
@@ -428,3 +430,48 @@ def test_mistakes(words: list[str], text: str | None, mentions: str) -> None:
     assert done.returncode == 2
     assert mentions in done.stderr
     assert "Traceback" not in done.stderr
+
+
+TURNTABLE = """\
+<?xml version="1.0"?>
+<!-- A plate that turns under a sensor. -->
+<robot name="r">
+  <link name="base"/>
+  <link name="plate"/>
+  <joint name="turn" type="continuous">
+    <parent link="base"/><child link="plate"/><axis xyz="0 0 1"/>
+  </joint>
+  <link name="loose"/>
+</robot>
+"""
+MUX = """\
+twist_mux:
+  ros__parameters:
+    topics:
+      joy: {topic: a, priority: 2, timeout: 0.5}
+      nav: {topic: b, priority: 1, timeout: 0.5}
+"""
+
+
+def test_a_document_is_a_file_of_every_verb(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, other, mux = (tmp_path / name for name in ("r.urdf", "other.xml", "mux.yaml"))
+    file.write_text(TURNTABLE)
+    other.write_text(TURNTABLE)
+    mux.write_text(MUX)
+    assert run_here(["analyse", str(file), "--format", "json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["consequences"]
+    assert (found["kind"], found["subject"]) == ("unused_module", "loose")
+    assert found["locations"][0]["path"] == str(file)
+    assert run_here(["can", str(file), "Rotn_Z of plate"]) == 0
+    assert f"{file}:6" in capsys.readouterr().out
+    assert run_here(["synthesise", str(file)]) == 0
+    assert capsys.readouterr().out.endswith("@module_name plate\n@Rotn_Z\n@module_end\n")
+    for files in ([file, mux], [mux, file]):
+        assert run_here(["synthesise", *map(str, files), "--quiet"]) == 0
+        specified = capsys.readouterr().out
+        assert specified.startswith("@specification hierarchical\n")
+        assert "plate is_mounted_on base\n" in specified
+    assert run_here(["check", str(file), str(other)]) == 2
+    assert "is a second document" in " ".join(capsys.readouterr().err.split())

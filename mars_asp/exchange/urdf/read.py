@@ -2,13 +2,13 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
 import numpy as np
 
-from mars_asp.diagnostic import Diagnostic, point
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.urdf.angles import (
     QUARTER,
     Turns,
@@ -21,6 +21,7 @@ from mars_asp.exchange.urdf.angles import (
 )
 from mars_asp.exchange.urdf.document import Joint, read_document
 from mars_asp.language import Parsed
+from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
     Function,
@@ -44,6 +45,20 @@ class _Placed:
     carrier: str
     turns: Turns
     shift: tuple[Decimal, Decimal, Decimal]
+
+
+def import_robot(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of the one URDF document of a robot, each file a text and its path.
+
+    Raises:
+        MarsError: there are several, or what is wrong with the one.
+    """
+    (text, path), *others = files
+    if others:
+        message = f"`{others[0][1]}` is a second document, and a robot has one in URDF"
+        place = point(others[0][1], 1, 1)
+        raise MarsError((Diagnostic("usage", "error", message, place, help="give one of them"),))
+    return import_urdf(text, path)
 
 
 def import_urdf(text: str, path: str) -> Parsed:
@@ -77,7 +92,7 @@ def import_urdf(text: str, path: str) -> Parsed:
         declared=tuple(described),
     )
     warnings = [warning for joint in document.joints for warning in _remarks(joint)]
-    return Parsed(configuration, tuple(warnings))
+    return Parsed(configuration, tuple(warnings), tuple(map(print_module, described)))
 
 
 def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> Iterator[_Placed]:

@@ -32,6 +32,12 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
     ),
     "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
 }
+#: The places of the two modules among all that facts state of a relationship.
+RELATIONSHIPS = {
+    "uses_data_from": (False, True, True),
+    "is_controlled_by": (False, True, True),
+    "is_mounted_on": (False, True, False, True, False),
+}
 _CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
 
 
@@ -163,8 +169,26 @@ class Vocabulary:
             )
         kind = signature_of(found).unsigned
         if kind not in self._predicates:
-            raise self._other_arity(kind)
+            found = self._relationship(found)
+            if found is None:
+                raise self._other_arity(kind)
         return clingo.Function(found.name, list(map(self._known, found.arguments)), found.positive)
+
+    def _relationship(self, asked: clingo.Symbol) -> clingo.Symbol | None:
+        """Return a relationship of which its two modules alone are named, with all else open."""
+        shape = RELATIONSHIPS.get(asked.name)
+        if shape is None or len(asked.arguments) != 2:
+            return None
+        ends = map(self._end, asked.arguments)
+        return clingo.Function(asked.name, [next(ends) if end else hole() for end in shape])
+
+    def _end(self, term: clingo.Symbol) -> clingo.Symbol:
+        """Return the module at an end of a relationship, whatever its name is written like."""
+        if is_hole(term):
+            name = term.arguments[0].string
+            return term if name == "_" else self._string(name, self._modules)
+        is_word = term.type == clingo.SymbolType.Function and not term.arguments
+        return self._string(term.name, self._modules) if is_word else term
 
     def _known(self, term: clingo.Symbol) -> clingo.Symbol:
         """Check the constants of a term; a variable with the name of a module is that module."""
@@ -179,6 +203,8 @@ class Vocabulary:
         if term.type != clingo.SymbolType.Function:
             return term
         known = self._in_rules[0]
+        if not term.arguments and term.name in self._modules - known:
+            return clingo.String(term.name)
         if term.name and term.name not in known and term.name not in self._constants:
             raise self._unknown("constant", term.name, self._constants)
         return clingo.Function(term.name, list(map(self._known, term.arguments)), term.positive)
@@ -186,6 +212,9 @@ class Vocabulary:
     def _string(self, name: str, known: set[str]) -> clingo.Symbol:
         if name not in known:
             near = nearest(name, self._modules) or nearest(name, known)
+            if near is None and name in self._other_names:
+                message = f"`@modules` does not name `{name}`, so nothing follows from it by itself"
+                raise self._wrong(message, "ask about a module that takes part in a relationship")
             help_text = f"did you mean `{near}`?" if near else "name a module, or write `_` for any"
             raise self._wrong(f"there is no name `{name}`", help_text)
         return clingo.String(name)
@@ -196,8 +225,10 @@ class Vocabulary:
         if not same:
             return self._unknown_predicate(name)
         return self._wrong(
-            f"no rule and no fact gives `{name}` with {arity} arguments",
-            f"there is {' and '.join(f'`{kind}`' for kind in same)}",
+            f"no rule and no fact gives `{name}` with {arity} argument{'s' * (arity != 1)}",
+            f"write `{name}(NAME, NAME)`"
+            if name in RELATIONSHIPS
+            else f"there is {' and '.join(f'`{kind}`' for kind in same)}",
         )
 
     def _unknown_predicate(self, name: str) -> MarsError:
@@ -214,7 +245,7 @@ class Vocabulary:
         return self._unknown("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown(self, what: str, name: str, known: Iterable[str]) -> MarsError:
-        near = nearest(name, known)
+        near = nearest(name, known, 0.75)
         help_text = f"did you mean `{near}`?" if near else "see `mars-asp rules list`"
         return self._wrong(f"there is no {what} `{name}`", help_text)
 

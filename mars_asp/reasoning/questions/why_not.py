@@ -23,7 +23,7 @@ from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.analysis import Analysis, read_consequences
 from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
 from mars_asp.reasoning.project import Project, port_names
-from mars_asp.reasoning.questions.asked import Question, Vocabulary, at_module
+from mars_asp.reasoning.questions.asked import RELATIONSHIPS, Question, Vocabulary, at_module
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
@@ -270,6 +270,8 @@ def _present(
     def trace() -> Trace:
         return evidence.explainer.why([held])[held]
 
+    if question.kind is None and held.name in RELATIONSHIPS:
+        spans = tuple(leaf.span for leaf in leaves_of(trace()) if leaf.span is not None)
     return WhyNot(
         question.shown,
         answer,
