@@ -132,10 +132,14 @@ class Literal(NamedTuple):
 
 
 class Scope(NamedTuple):
-    """Literals that share their variables: the positive ones, which bind them, and the others."""
+    """Literals that share their variables: the positive ones, which bind them, and the others.
+
+    Of the literal that is `counted`, each instance is an element of an aggregate.
+    """
 
     positive: tuple[Literal, ...]
     others: tuple[Literal, ...] = ()
+    counted: Literal | None = None
 
     @property
     def literals(self) -> tuple[Literal, ...]:
@@ -728,8 +732,10 @@ class _Reader:
             if literal.atom.ast_type == _TYPE.BodyAggregate:
                 self._read_aggregate(literal)
             else:
-                elements = literal.atom.elements
-                self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
+                for element in literal.atom.elements:
+                    scope = self._scope((*element.condition, element.literal))
+                    counted = self.literal(element.literal) if _is_symbolic(element.literal) else None
+                    self.inner.append(scope._replace(counted=counted))
         elif _is_symbolic(literal):
             found = self.literal(literal)
             (self.positive if found.binds else self.others).append(found)

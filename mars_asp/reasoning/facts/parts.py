@@ -39,7 +39,8 @@ class Parts:
         `wanted`.
         """
         self._compiler = Compiler(configuration, modules, None)
-        self._connected = vocabulary.connected
+        #: The arguments of given predicates that a fact brings together.
+        self.connected = vocabulary.connected
         #: The names of predicates whose facts are about no part, or told everywhere.
         self._of_all = {
             each.name
@@ -104,7 +105,7 @@ class Parts:
 
     def given(self, names: Set[str]) -> Set[str]:
         """Return the given predicates of some."""
-        return {each.name for each in self._connected if each.name in names}
+        return {each.name for each in self.connected if each.name in names}
 
     def absent(self, wanted: Set[str]) -> Set[str]:
         """Return the given predicates of some that are told of all together and have no fact."""
@@ -134,7 +135,7 @@ class Parts:
 
     def _is_about(self, fact: Fact, things: Set[Term]) -> bool:
         told = fact.atom.arguments
-        connected = self._connected[Signature(fact.atom.name, len(told))]
+        connected = self.connected[Signature(fact.atom.name, len(told))]
         return any(told[at] in things for at in connected)
 
     def annotations(self, name: str) -> range:
@@ -184,7 +185,7 @@ class Parts:
         found: list[Hashable] = []
         for fact in told:
             values = fact.atom.arguments
-            connected = self._connected[Signature(fact.atom.name, len(values))]
+            connected = self.connected[Signature(fact.atom.name, len(values))]
             plain: list[Hashable] = list(values)
             for at in connected:
                 value = values[at]
