@@ -4,8 +4,8 @@ Two islands are alike when facts tell the same of them but for names and identif
 for one of them follows for the other, unless the order of names or identifiers has to do with it.
 """
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence, Set
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence, Set
+from typing import NamedTuple, TypeAlias, TypeVar
 
 from mars_asp.asp.solve.atoms import term_text
 from mars_asp.model.declarations import (
@@ -17,6 +17,9 @@ from mars_asp.model.declarations import (
     ends_of,
 )
 from mars_asp.reasoning.facts.parts import Parts
+
+_Key = TypeVar("_Key", bound=Hashable)
+_Value = TypeVar("_Value")
 
 
 class Island(NamedTuple):
@@ -115,17 +118,22 @@ class Map:
         ]
 
 
-class Saying(NamedTuple):
-    """What a line says of a module that no other line names, and of the one that it relates it to.
+#: What a line says of a module that no other names: numbers for what is told of that module by
+#: itself, for what the line says besides names, and for what is told of the module beside it; and
+#: whether that comes second.
+Saying: TypeAlias = tuple[int, int, int, bool]
 
-    Numbers stand for what is told of each module by itself, and for what the line says besides
-    their names; `is_left` is whether the one that no other names comes first.
-    """
 
-    leaf: int
-    said: int
-    other: int
-    is_left: bool
+class _Once(dict[_Key, _Value]):
+    """What is found of each key, once."""
+
+    def __init__(self, find: Callable[[_Key], _Value]) -> None:
+        super().__init__()
+        self._find = find
+
+    def __missing__(self, key: _Key) -> _Value:
+        found = self[key] = self._find(key)
+        return found
 
 
 class Forms:
@@ -133,24 +141,30 @@ class Forms:
 
     def __init__(self, map_: Map, parts: Parts, wanted: Set[str]) -> None:
         """Take the relationships, and who tells facts of the predicates."""
-        self._map, self._line, self._ends = map_, map_.line, map_.ends
+        self._map, self._ends = map_, map_.ends
         self._parts, self._wanted = parts, wanted
-        self._known: dict[Hashable, int] = {}
-        self._kinds: dict[int, int] = {}
-        self._kind_of: dict[str, int] = {}
-        self._said: dict[int, int] = {}
+        #: Numbers for what is told of things: equal ones for what is equal.
+        self._number: _Once[Hashable, int] = _Once(lambda _: len(self._number))
+        #: What is told of a module by itself, and what a line says besides names.
+        self._kind: _Once[str, int] = _Once(self._told_alone)
+        self._saying: _Once[int, int] = _Once(lambda n: self._number[_said(n, map_.line[n])])
+        self._alone: dict[int, int] = {}
         self._seen: Mapping[Saying, Hashable] = {}
-        self._untold = self._number(())
+        self._leaf: _Once[Saying, int] = _Once(self._seen_of)
+        self._untold = self._number[()]
 
     def see(self, seen: Mapping[Saying, Hashable]) -> None:
         """Take what makes a difference of some sayings: those with the same are alike from now on."""
         self._seen = seen
+        self._leaf.clear()
 
-    def sayings(self, island: Island) -> Iterator[tuple[int, Saying]]:
-        """Yield the lines of an island that say something of a module that no other names."""
+    def sayings(self, island: Island) -> list[Saying]:
+        """Return what the leaves of an island say, in their order."""
         kind, said = self._kind, self._saying
-        for number, leaf, other, is_left in self._map.leaves(island)[0]:
-            yield number, Saying(kind(leaf), said(number), kind(other), is_left)
+        return [
+            (kind[leaf], said[number], kind[other], is_left)
+            for number, leaf, other, is_left in self._map.leaves(island)[0]
+        ]
 
     def key(self, island: Island, kinds: tuple[type[Relationship], ...]) -> Hashable:
         """Return what is equal for islands that count as one while answers are unique.
@@ -166,18 +180,17 @@ class Forms:
             return island
         leaves, inner = self._map.leaves(island)
         beside: dict[str, list[int]] = {}
-        for (_, _, other, _), (_, saying) in zip(leaves, self.sayings(island), strict=True):
-            told = saying.leaf, self._seen.get(saying, saying.said), saying.is_left
-            beside.setdefault(other, []).append(self._number(told))
+        for (_, _, other, _), saying in zip(leaves, self.sayings(island), strict=True):
+            beside.setdefault(other, []).append(self._leaf[saying])
         kinds = {
-            module: self._number((self._kind(module), *sorted(each)))
+            module: self._number[(self._kind[module], *sorted(each))]
             for module, each in beside.items()
         }
         if not inner:
             return tuple(kinds.values())
         for number in inner:
             for module in self._ends[number]:
-                kinds.setdefault(module, self._kind(module))
+                kinds.setdefault(module, self._kind[module])
         return self._arranged(*self._canonical(kinds, inner), kinds)
 
     def _arranged(
@@ -191,14 +204,14 @@ class Forms:
         told = []
         for number in lines:
             left, right = self._ends[number]
-            told.append((place[left], place[right], self._saying(number)))
+            told.append((place[left], place[right], self._saying[number]))
         return tuple(map(kinds.__getitem__, modules)), tuple(told)
 
     def order(self, island: Island) -> Hashable:
         """Return what is told of an island, and how its names and identifiers compare."""
         if self._parts.has_ports or self._parts.has_muxes:
             return island
-        kinds = {module: self._kind(module) for module in island.modules}
+        kinds = {module: self._kind[module] for module in island.modules}
         modules, lines = self._canonical(kinds, island.lines)
         # Of whom no fact tells anything by themselves, annotations have no identifier in any.
         described = [module for module in modules if kinds[module] != self._untold]
@@ -218,13 +231,13 @@ class Forms:
         beside: dict[str, list[tuple[int, int, str]]] = {module: [] for module in kinds}
         for number in numbers:
             left, right = self._ends[number]
-            said = self._saying(number)
+            said = self._saying[number]
             beside[left].append((said, 0, right))
             beside[right].append((said, 1, left))
         colour = {
-            module: self._number(
+            module: self._number[
                 (kinds[module], *sorted([(said, side, kinds[o]) for said, side, o in others]))
-            )
+            ]
             for module, others in beside.items()
         }
         modules = sorted(kinds, key=colour.__getitem__)
@@ -236,25 +249,15 @@ class Forms:
 
         return modules, sorted(numbers, key=between)
 
-    def _number(self, told: Hashable) -> int:
-        return self._known.setdefault(told, len(self._known))
+    def _told_alone(self, name: str) -> int:
+        kind = self._parts.kind(name)
+        if kind not in self._alone:
+            self._alone[kind] = self._number[self._parts.told_alone(name, self._wanted)]
+        return self._alone[kind]
 
-    def _kind(self, name: str) -> int:
-        """Return a number for what is told of a module by itself."""
-        known = self._kind_of.get(name)
-        if known is None:
-            kind = self._parts.kind(name)
-            if kind not in self._kinds:
-                self._kinds[kind] = self._number(self._parts.told_alone(name, self._wanted))
-            known = self._kind_of[name] = self._kinds[kind]
-        return known
-
-    def _saying(self, number: int) -> int:
-        """Return a number for all that a line says besides the names of modules."""
-        known = self._said.get(number)
-        if known is None:
-            known = self._said[number] = self._number(_said(number, self._line[number]))
-        return known
+    def _seen_of(self, saying: Saying) -> int:
+        leaf, said, _, is_left = saying
+        return self._number[(leaf, self._seen.get(saying, said), is_left)]
 
 
 def _said(number: int, line: Relationship) -> Hashable:

@@ -34,8 +34,10 @@ def differences(
     """
     first: dict[Saying, int] = {}
     for island in islands:
-        for number, saying in forms.sayings(island):
-            if saying.is_left:
+        for (number, _, _, is_left), saying in zip(
+            map_.leaves(island)[0], forms.sayings(island), strict=True
+        ):
+            if is_left:
                 first.setdefault(saying, number)
     if parts.has_ports or parts.has_muxes or len(first) * _WORTH > len(islands):
         return {}
