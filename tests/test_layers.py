@@ -72,8 +72,8 @@ FILES = {
     ),
     "reasoning/questions": (
         "sharing account needs subject alternatives annotation_edits changes behind evidence "
-        "islands sayings counted preceding vicinity blame edits explain diff near_miss repair fix why_not "
-        "absences without"
+        "islands sayings counted preceding vicinity blame edits explain diff near_miss repair fix "
+        "why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "

@@ -733,8 +733,9 @@ class _Reader:
                 self._read_aggregate(literal)
             else:
                 for element in literal.atom.elements:
-                    scope = self._scope((*element.condition, element.literal))
-                    counted = self.literal(element.literal) if _is_symbolic(element.literal) else None
+                    each = element.literal
+                    counted = self.literal(each) if _is_symbolic(each) else None
+                    scope = self._scope((*element.condition, each))
                     self.inner.append(scope._replace(counted=counted))
         elif _is_symbolic(literal):
             found = self.literal(literal)

@@ -16,14 +16,13 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
-from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
 from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
-from mars_asp.reasoning.questions.sayings import differences, grounded
+from mars_asp.reasoning.questions.sayings import Reading, differences, grounded
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
 
 #: So many islands are counted together at least.
@@ -98,9 +97,8 @@ class Counter:
         self._forms = Forms(told.map, told.parts, self.wanted)
         # Of the first nodes too few are counted to be worth it.
         if self.relating == (Data,) and sought[1] > _TOGETHER:
-            self._forms.see(
-                differences(told.map, told.parts, self._forms, self.islands, self._base, counting)
-            )
+            reading = Reading(counting, self._base, self.wanted)
+            self._forms.see(differences(told.map, told.parts, self._forms, self.islands, reading))
 
     def of(self, number: int) -> Mapping[str, int] | None:
         """Return how many nodes of each kind an island has; `None` where time does not suffice."""

@@ -29,6 +29,18 @@ class Island(NamedTuple):
     lines: tuple[int, ...]
 
 
+class _Once(dict[_Key, _Value]):
+    """What is found of each key, once."""
+
+    def __init__(self, find: Callable[[_Key], _Value]) -> None:
+        super().__init__()
+        self._find = find
+
+    def __missing__(self, key: _Key) -> _Value:
+        found = self[key] = self._find(key)
+        return found
+
+
 #: A line, a module that no other names, the one beside it, and whether that comes second.
 Leaf: TypeAlias = tuple[int, str, str, bool]
 
@@ -46,6 +58,9 @@ class Map:
         self.ends = {number: ends_of(line) for number, line in self.line.items()}
         number_of = {id(line): number for number, line in self.line.items()}
         self._lines = [(number_of[id(line)], line) for line in configuration.relationships]
+        #: A number for all that a line says besides the names of modules.
+        self.saying: _Once[int, int] = _Once(lambda n: numbers[_said(n, self.line[n])])
+        numbers: _Once[Hashable, int] = _Once(lambda _: len(numbers))
         self._leaves: dict[Sequence[int], tuple[Sequence[Leaf], Sequence[int]]] = {}
 
     def islands(self, kinds: tuple[type[Relationship], ...]) -> list[Island]:
@@ -124,18 +139,6 @@ class Map:
 Saying: TypeAlias = tuple[int, int, int, bool]
 
 
-class _Once(dict[_Key, _Value]):
-    """What is found of each key, once."""
-
-    def __init__(self, find: Callable[[_Key], _Value]) -> None:
-        super().__init__()
-        self._find = find
-
-    def __missing__(self, key: _Key) -> _Value:
-        found = self[key] = self._find(key)
-        return found
-
-
 class Forms:
     """What facts of some predicates tell of islands but for names and identifiers."""
 
@@ -145,16 +148,16 @@ class Forms:
         self._parts, self._wanted = parts, wanted
         #: Numbers for what is told of things: equal ones for what is equal.
         self._number: _Once[Hashable, int] = _Once(lambda _: len(self._number))
-        #: What is told of a module by itself, and what a line says besides names.
+        #: What is told of a module by itself.
         self._kind: _Once[str, int] = _Once(self._told_alone)
-        self._saying: _Once[int, int] = _Once(lambda n: self._number[_said(n, map_.line[n])])
+        self._saying = map_.saying
         self._alone: dict[int, int] = {}
         self._seen: Mapping[Saying, Hashable] = {}
         self._leaf: _Once[Saying, int] = _Once(self._seen_of)
         self._untold = self._number[()]
 
     def see(self, seen: Mapping[Saying, Hashable]) -> None:
-        """Take what makes a difference of some sayings: those with the same are alike from now on."""
+        """Take what is seen of some sayings: from now on those are alike of which it is equal."""
         self._seen = seen
         self._leaf.clear()
 

@@ -4,7 +4,8 @@ Many ways to ask for a service need the same node. So lines are compared by what
 where the rules show that it follows from a line and its two modules alone.
 """
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence, Set
+from typing import NamedTuple
 
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -25,32 +26,39 @@ _WORTH = 8
 _TELLING = 2
 
 
-def differences(
-    map_: Map, parts: Parts, forms: Forms, islands: Sequence[Island], base: Rulebook, who: Portion
-) -> Mapping[Saying, Hashable]:
-    """Return what a portion sees of sayings, by what the base derives; nothing where it may see all.
+class Reading(NamedTuple):
+    """Who reads what follows from lines: a portion, the base behind it, and the facts of both."""
 
-    Each is one of a client that no other line names, so the line and its modules say all of it.
+    portion: Portion
+    base: Rulebook
+    wanted: Set[str]
+
+
+def differences(
+    map_: Map, parts: Parts, forms: Forms, islands: Sequence[Island], reading: Reading
+) -> Mapping[Saying, Hashable]:
+    """Return what is seen of sayings, of those where it may be less than all.
+
+    They are those of clients that no other line names: the line and its modules say all of them.
     """
     first: dict[Saying, int] = {}
     for island in islands:
-        for (number, _, _, is_left), saying in zip(
-            map_.leaves(island)[0], forms.sayings(island), strict=True
-        ):
+        leaves, _ = map_.leaves(island)
+        for (number, _, _, is_left), saying in zip(leaves, forms.sayings(island), strict=True):
             if is_left:
                 first.setdefault(saying, number)
     if parts.has_ports or parts.has_muxes or len(first) * _WORTH > len(islands):
         return {}
-    statements = [s for each in statements_of(r.text for r in base.rules).values() for s in each]
+    base = statements_of(rule.text for rule in reading.base.rules)
+    statements = [statement for each in base.values() for statement in each]
     clients = {signature: _of_clients(signature.name) for signature in parts.connected}
-    seen = seen_apart(statements, who.sights, parts.connected, clients)
+    seen = seen_apart(statements, reading.portion.sights, parts.connected, clients)
     if seen is None:
         return {}
-    lines = [*first.values()]
-    modules = {end for number in lines for end in map_.ends[number]}
-    wanted = parts.given({each.name for rule in base.rules for each in rule.reads})
-    grounding = grounded(parts.facts(modules, {*lines}, wanted), base)
-    found = _found(grounding, seen, [_things(map_, parts, number) for number in lines])
+    modules = {end for number in first.values() for end in map_.ends[number]}
+    facts = parts.facts(modules, {*first.values()}, reading.wanted)
+    things = [_things(map_, parts, number) for number in first.values()]
+    found = _found(grounded(facts, reading.base), seen, things)
     return {} if found is None else dict(zip(first, found, strict=True))
 
 
