@@ -4,7 +4,6 @@ Python's own reader keeps no places; another one finds them, in texts that are w
 """
 
 import re
-import tomllib
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -31,6 +30,8 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
     Raises:
         MarsError: it is no TOML.
     """
+    import tomllib  # noqa: PLC0415 -- most commands read no TOML
+
     deep = _DEEP.search(text)
     if deep is not None:
         line = text.count("\n", 0, deep.start()) + 1

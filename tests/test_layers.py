@@ -35,7 +35,7 @@ FILES = {
         "clauses found values orders keys graph catalogue sorts variables bodies aggregates "
         "recursion joins predicates copies messages arithmetic names allow"
     ),
-    "asp/slice": "magic reach shapes linked portions",
+    "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
@@ -71,9 +71,9 @@ FILES = {
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account needs subject asked alternatives annotation_edits changes behind evidence "
-        "islands counted preceding vicinity blame edits explain diff near_miss repair fix why_not "
-        "absences without"
+        "sharing account needs subject asked alternatives annotation_edits changes behind "
+        "evidence islands sayings counted preceding vicinity blame edits explain diff near_miss "
+        "repair fix why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "

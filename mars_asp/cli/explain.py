@@ -11,7 +11,6 @@ from mars_asp.asp.trace import DEPTH
 from mars_asp.cli.account import BELOW, FURTHER, account_lines
 from mars_asp.cli.again import command
 from mars_asp.cli.deliver import write_file
-from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, compared, counted, wrapped
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.outputs import ending
@@ -246,6 +245,8 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
+        from mars_asp.cli.encode import encoded
+
         print(encoded(_why_not_json(answer)))
     else:
         first, *others = _why_not_text(answer, arguments, project.format)

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
 
 #: The formats of an explanation that have a schema each.
@@ -47,5 +46,7 @@ def campaign_schema() -> str:
 
 
 def _text(name: str) -> str:
+    from importlib.resources import files
+
     schema = files("mars_asp.cli") / f"{name}.schema.json"
     return schema.read_text(encoding="utf-8")

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence, Set
 from itertools import combinations
 
-from mars_asp.asp.lint.clauses import Atom, Clause, Comparison, Scope, is_constant, joined, text_of
+from mars_asp.asp.lint.clauses import Atom, Clause, Comparison, Scope, is_constant, joined
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
 from mars_asp.asp.rules.declarations import Declaration
@@ -61,7 +61,7 @@ def _apart(
 
 
 def _is_one(one: Atom, other: Atom, key: Sequence[int]) -> bool:
-    keys = [(text_of(one.terms[at]), text_of(other.terms[at])) for at in key]
+    keys = [(str(one.terms[at]), str(other.terms[at])) for at in key]
     return all(left == right and left != "_" for left, right in keys)
 
 
@@ -70,7 +70,7 @@ def _unlike(one: Atom, other: Atom, comparisons: Sequence[Comparison], replaced:
     pairs = [
         (left, right)
         for left, right in zip(one.terms, other.terms, strict=True)
-        if text_of(left) != text_of(right) and "_" not in (text_of(left), text_of(right))
+        if str(left) != str(right) and "_" not in (str(left), str(right))
     ]
     if any(_are_two(left, right, replaced) for left, right in pairs):
         return "-"
@@ -90,5 +90,5 @@ def _unlike(one: Atom, other: Atom, comparisons: Sequence[Comparison], replaced:
 
 
 def _are_two(left: Node, right: Node, replaced: Set[str]) -> bool:
-    both = {text_of(left), text_of(right)}
+    both = {str(left), str(right)}
     return is_constant(left) and is_constant(right) and both.isdisjoint(replaced)

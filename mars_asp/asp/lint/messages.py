@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from functools import partial
 
-from mars_asp.asp.lint.clauses import Atom, Clause, is_constant, text_of
+from mars_asp.asp.lint.clauses import Atom, Clause, is_constant
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.values import Known, Value
 from mars_asp.asp.rules.declarations import Declaration
@@ -92,7 +92,7 @@ def _are_apart(one: Clause, other: Clause) -> bool:
 
 
 def _constants(atom: Atom) -> list[str]:
-    return [text_of(term) if is_constant(term) else "" for term in atom.terms]
+    return [str(term) if is_constant(term) else "" for term in atom.terms]
 
 
 class Functions:

@@ -140,10 +140,14 @@ class Literal(NamedTuple):
 
 
 class Scope(NamedTuple):
-    """Literals that share their variables: the positive ones, which bind them, and the others."""
+    """Literals that share their variables: the positive ones, which bind them, and the others.
+
+    Of the literal that is `counted`, each instance is an element of an aggregate.
+    """
 
     positive: tuple[Literal, ...]
     others: tuple[Literal, ...] = ()
+    counted: Literal | None = None
 
     @property
     def literals(self) -> tuple[Literal, ...]:
@@ -743,8 +747,11 @@ class _Reader:
             if literal.atom.ast_type == _TYPE.BodyAggregate:
                 self._read_aggregate(literal)
             else:
-                elements = literal.atom.elements
-                self.inner += (self._scope((*e.condition, e.literal)) for e in elements)
+                for element in literal.atom.elements:
+                    each = element.literal
+                    counted = self.literal(each) if _is_symbolic(each) else None
+                    scope = self._scope((*element.condition, each))
+                    self.inner.append(scope._replace(counted=counted))
         elif _is_symbolic(literal):
             found = self.literal(literal)
             (self.positive if found.binds else self.others).append(found)

@@ -1,6 +1,6 @@
 """What rules promise of the arguments of atoms, and which literals are thereby about one part."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import NamedTuple, TypeAlias
 
 from mars_asp.asp.rules.statements import Function, Literal, Scope, Statement
@@ -115,3 +115,27 @@ def linked(one: Mapping[str, Shape], other: Mapping[str, Shape]) -> bool:
     """Whether variables with these shapes are about one part, as one of them is in both."""
     common = one.keys() & other.keys()
     return any(shapes.share(one[name], other[name]) for name in common)
+
+
+def is_apart(statement: Statement, own: Shapes, derived: Set[Signature]) -> bool:
+    """Whether each instance of a statement is about one part, or the same for all."""
+    scopes = (Scope(()), *statement.inner, *(condition for _, condition in statement.heads))
+    if not all(_is_about_one(statement.body, inner, own) for inner in scopes):
+        return False
+    main = groups_of(statement.body.positive, own)
+    if not main and any(tells(own, literal.signature) for s in scopes for literal in s.positive):
+        return False
+    if all(tells(own, signature) for signature in statement.derives):
+        return True
+    # What belongs to all parts is the same in each only if no choice has to do with it.
+    negated = any(literal.signature in derived for literal in statement.body.others)
+    return not (main or statement.offers or negated or statement.inner)
+
+
+def _is_about_one(body: Scope, inner: Scope, own: Shapes) -> bool:
+    """Whether all literals of a body and of an element in it are about one part."""
+    found = groups_of((*body.positive, *inner.positive), own)
+    others = [x for x in (*body.others, *inner.others) if tells(own, x.signature)]
+    if not found:
+        return not others
+    return len(found) == 1 and all(linked(bound(x, own), found[0].shapes) for x in others)

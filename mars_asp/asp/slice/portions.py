@@ -22,8 +22,9 @@ from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.statements import Cost, Program, Scope, Statement, program_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice import linked as links
-from mars_asp.asp.slice import shapes
-from mars_asp.asp.slice.linked import Positions, Shapes, bound, groups_of, linked, shapes_of, tells
+from mars_asp.asp.slice import seen, shapes
+from mars_asp.asp.slice.linked import Positions, Shapes, groups_of, is_apart, shapes_of, tells
+from mars_asp.asp.slice.seen import Sight, sights
 from mars_asp.asp.slice.shapes import OWN
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
@@ -32,13 +33,14 @@ class Portion(NamedTuple):
     """Rules, and what they read that they do not derive, by predicate.
 
     `of_parts` has the position of an argument that is a name or identifier of the part to which
-    an atom belongs; what is in `of_all` belongs to every part.
+    an atom belongs; what is in `of_all` belongs to every part. `sights` are how they see all that.
     """
 
     text: str
     derived: frozenset[Signature]
     of_parts: Mapping[Signature, int]
     of_all: frozenset[Signature]
+    sights: frozenset[Sight]
 
 
 class Apart(NamedTuple):
@@ -59,7 +61,7 @@ def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
     `base` and `resolution` are the texts of the rules; `given` says of given predicates which
     arguments are names or identifiers of what a fact connects.
     """
-    makers = (__file__, links.__file__, shapes.__file__, statements.__file__)
+    makers = (__file__, links.__file__, seen.__file__, shapes.__file__, statements.__file__)
     key = (base, resolution, tuple(sorted(given.items())))
     made = made_of("apart", map(Path, makers), [key], lambda _: _apart(base, resolution, given))
     return made[key]
@@ -96,7 +98,7 @@ def _apart(base: str, resolution: str, given: Positions) -> Apart | None:
     if derived & (given.keys() | _derived(derivations.statements)):
         return None
     own = shapes_of((*derivations.statements, *resolving.statements), given)
-    if not all(_is_apart(statement, own, derived) for statement in resolving.statements):
+    if not all(is_apart(statement, own, derived) for statement in resolving.statements):
         return None
     if not _tell_costs_apart(resolving.statements, own):
         return None
@@ -121,33 +123,6 @@ def _derived(each: Iterable[Statement]) -> frozenset[Signature]:
     return frozenset().union(*(statement.derives for statement in each))
 
 
-# ---- Whether a statement is about one part -------------------------------------------------------
-
-
-def _is_apart(statement: Statement, own: Shapes, derived: Set[Signature]) -> bool:
-    """Whether each instance of a statement is about one part, or the same for all."""
-    scopes = (Scope(()), *statement.inner, *(condition for _, condition in statement.heads))
-    if not all(_is_about_one(statement.body, inner, own) for inner in scopes):
-        return False
-    main = groups_of(statement.body.positive, own)
-    if not main and any(tells(own, literal.signature) for s in scopes for literal in s.positive):
-        return False
-    if all(tells(own, signature) for signature in statement.derives):
-        return True
-    # What belongs to all parts is the same in each only if no choice has to do with it.
-    negated = any(literal.signature in derived for literal in statement.body.others)
-    return not (main or statement.offers or negated or statement.inner)
-
-
-def _is_about_one(body: Scope, inner: Scope, own: Shapes) -> bool:
-    """Whether all literals of a body and of an element in it are about one part."""
-    found = groups_of((*body.positive, *inner.positive), own)
-    others = [x for x in (*body.others, *inner.others) if tells(own, x.signature)]
-    if not found:
-        return not others
-    return len(found) == 1 and all(linked(bound(x, own), found[0].shapes) for x in others)
-
-
 def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
     """Whether no tuple is one of two parts, as tuples say at one place whose they are."""
     places: dict[str, set[int]] = {}
@@ -170,7 +145,7 @@ def _everywhere(base: Sequence[Statement], own: Shapes) -> frozenset[Signature]:
     """
     derived = _derived(base)
     read: frozenset[Signature] = frozenset()
-    new = [each for each in base if not _is_apart(each, own, derived)]
+    new = [each for each in base if not is_apart(each, own, derived)]
     while new:
         more = frozenset().union(*(each.reads for each in new)) - read
         read |= more
@@ -228,4 +203,5 @@ def _portion(text: str, each: Iterable[Statement], of_parts: Mapping[Signature, 
     derived = _derived(each)
     read = frozenset().union(*(statement.reads for statement in each)) - derived
     own = {signature: at for signature, at in of_parts.items() if signature in read}
-    return Portion(text, derived, own, read - own.keys())
+    looking = frozenset(sight for sight in sights(each) if sight.signature in read)
+    return Portion(text, derived, own, read - own.keys(), looking)

@@ -360,6 +360,8 @@ class Compiler:
         if service.output is not None and service.output not in self.names.ambiguous:
             self.add(span, "output", number, name, self.names.canonical[service.output])
         self.candidates(number, name, service.output, span)
+        if self.wanted is not None and self.wanted.isdisjoint(("offered_mode", "offered_rate")):
+            return
         for index, mode in enumerate(service.modes):
             term = mode_term(mode)
             self.add(span, "offered_mode", number, index, term)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from functools import cached_property
 from itertools import accumulate
+from operator import attrgetter
 
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Fact, Term
@@ -19,6 +20,11 @@ from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 #: Predicates of which each fact is told of one thing; of others, all facts are told together.
 _OF_THINGS = MODULES | RELATIONSHIPS | ANNOTATIONS
+#: What is told of services, besides their rates, and of functions.
+_OF_SERVICE = attrgetter(
+    *("kind", "function", "output", "inputs", "modes", "commands", "cost", "port", "parameters")
+)
+_OF_FUNCTION = attrgetter("name", "min", "max", "rate")
 
 
 class Parts:
@@ -39,7 +45,8 @@ class Parts:
         `wanted`.
         """
         self._compiler = Compiler(configuration, modules, None)
-        self._connected = vocabulary.connected
+        #: The arguments of given predicates that a fact brings together.
+        self.connected = vocabulary.connected
         #: The names of predicates whose facts are about no part, or told everywhere.
         self._of_all = {
             each.name
@@ -104,7 +111,7 @@ class Parts:
 
     def given(self, names: Set[str]) -> Set[str]:
         """Return the given predicates of some."""
-        return {each.name for each in self._connected if each.name in names}
+        return {each.name for each in self.connected if each.name in names}
 
     def absent(self, wanted: Set[str]) -> Set[str]:
         """Return the given predicates of some that are told of all together and have no fact."""
@@ -134,7 +141,7 @@ class Parts:
 
     def _is_about(self, fact: Fact, things: Set[Term]) -> bool:
         told = fact.atom.arguments
-        connected = self._connected[Signature(fact.atom.name, len(told))]
+        connected = self.connected[Signature(fact.atom.name, len(told))]
         return any(told[at] in things for at in connected)
 
     def annotations(self, name: str) -> range:
@@ -161,16 +168,9 @@ class Parts:
         if module is None:
             is_specification = configuration.kind == "specification"
             return is_named, configuration.node_kind(name) if is_specification else None
-        services = (
-            (s.kind, s.function, s.output, s.inputs, s.modes, s.commands, s.cost, s.port)
-            for s in module.services
-        )
-        parameters = (
-            (service.parameters, service.hz and service.hz.as_integer_ratio())
-            for service in module.services
-        )
-        functions = ((each.name, each.min, each.max, each.rate) for each in module.functions)
-        return is_named, module.guard is not None, *services, *parameters, *functions
+        rates = [service.hz and service.hz.as_integer_ratio() for service in module.services]
+        told = (*map(_OF_SERVICE, module.services), *map(_OF_FUNCTION, module.functions))
+        return is_named, module.guard is not None, *rates, *told
 
     def told_alone(self, name: str, wanted: Set[str]) -> Hashable:
         """Return the facts of predicates `wanted` about a module alone, without identifiers.
@@ -184,7 +184,7 @@ class Parts:
         found: list[Hashable] = []
         for fact in told:
             values = fact.atom.arguments
-            connected = self._connected[Signature(fact.atom.name, len(values))]
+            connected = self.connected[Signature(fact.atom.name, len(values))]
             plain: list[Hashable] = list(values)
             for at in connected:
                 value = values[at]

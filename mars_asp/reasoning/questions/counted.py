@@ -10,21 +10,19 @@ from typing import NamedTuple
 
 import clingo
 
-from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.components import Component
-from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
-from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
+from mars_asp.reasoning.questions.sayings import Reading, differences, grounded
 from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
 
 #: So many islands are counted together at least.
@@ -57,11 +55,9 @@ def is_realisable(told: Told, base: Rulebook, counter: "Counter") -> bool:
     wanted = told.parts.given(names_read(base))
     kinds = _kinds(wanted)
     forms = Forms(told.map, told.parts, wanted)
-    # What is alike for who reads more is alike.
-    is_less = wanted <= counter.wanted and kinds == counter.relating
-    every = counter.unlike() if is_less else told.map.islands(kinds)
-    islands = {_key(forms, each, kinds): each for each in every}
-    grounding = _grounded(told.facts(islands.values(), wanted), base)
+    every = counter.islands if kinds == counter.relating else told.map.islands(kinds)
+    islands = {forms.key(each, kinds): each for each in every}
+    grounding = grounded(told.facts(islands.values(), wanted), base)
     return not any(True for _ in grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 
 
@@ -99,6 +95,10 @@ class Counter:
         self._keys: dict[int, object] = {}
         self._orders: dict[int, object] = {}
         self._forms = Forms(told.map, told.parts, self.wanted)
+        # Of the first nodes too few are counted to be worth it.
+        if self.relating == (Data,) and sought[1] > _TOGETHER:
+            reading = Reading(counting, self._base, self.wanted)
+            self._forms.see(differences(told.map, told.parts, self._forms, self.islands, reading))
 
     def of(self, number: int) -> Mapping[str, int] | None:
         """Return how many nodes of each kind an island has; `None` where time does not suffice."""
@@ -112,7 +112,7 @@ class Counter:
     def _key(self, number: int) -> object:
         known = self._keys.get(number)
         if known is None:
-            known = _key(self._forms, self.islands[number], self.relating)
+            known = self._forms.key(self.islands[number], self.relating)
             self._keys[number] = known
         if known not in self._several:
             return known
@@ -120,19 +120,17 @@ class Counter:
             self._orders[number] = self._forms.order(self.islands[number])
         return known, self._orders[number]
 
-    def unlike(self) -> Sequence[Island]:
-        """Return one of the islands of each form."""
-        return tuple({self._key(n): island for n, island in enumerate(self.islands)}.values())
-
     def _next(self, first: int) -> Sequence[int]:
         """Return the numbers of the next islands that have to be counted.
 
-        They are so many as the node that is sought may well be away, as nodes were found before.
+        They are so many as the node that is sought may well be away, as nodes were found before,
+        and some more; at first, one node an island.
         """
         found: dict[object, int] = {}
         begun = [self._counts[self._key(number)][self._sought[0]] for number in range(first)]
         left = self._sought[1] - sum(begun)
-        behind = first + 1 + (left * len(begun) // sum(begun) if any(begun) else 0)
+        away = left * len(begun) // sum(begun) if any(begun) else left
+        behind = first + 1 + away * 9 // 8
         for number in range(first, len(self.islands)):
             if number > behind and len(found) >= _TOGETHER:
                 break
@@ -144,7 +142,7 @@ class Counter:
     def _count(self, numbers: Sequence[int]) -> bool:
         islands = [self.islands[number] for number in numbers]
         facts = self._told.facts(islands, self.wanted)
-        grounding = _grounded(facts, self._base)
+        grounding = grounded(facts, self._base)
         with costs_of(facts):
             resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)
         if resolution.count is None:
@@ -194,22 +192,6 @@ class Owner:
                 case clingo.SymbolType.String if term in self._number_of:
                     return self._number_of[term]
         return None
-
-
-def _grounded(facts: Iterable[Fact], base: Rulebook) -> Grounding:
-    """Return what rules of the base derive of facts, for nothing but to be counted."""
-    program = [*base.fragments("base"), Fragment(facts_text(facts), "facts")]
-    return Grounding(program, solved=False)
-
-
-def _key(forms: Forms, island: Island, kinds: tuple[type[Relationship], ...]) -> object:
-    """Return what is equal for islands that count as one while answers are unique.
-
-    Of data lines rules compare those alone that relate the same two modules; lines of control are
-    ordered by their identifiers.
-    """
-    form = forms.form(island)
-    return form if kinds == (Data,) else (form, forms.order(island))
 
 
 def _kinds(wanted: Set[str]) -> tuple[type[Relationship], ...]:

@@ -2,6 +2,9 @@
 
 import random
 import re
+from collections.abc import Hashable, Mapping
+from itertools import product
+from typing import Any
 
 import pytest
 
@@ -11,11 +14,13 @@ from mars_asp.language import parse_text
 from mars_asp.model.declarations import Data
 from mars_asp.reasoning.facts.vocabulary import vocabulary
 from mars_asp.reasoning.project import Project, project_parts
+from mars_asp.reasoning.questions import counted, sayings
 from mars_asp.reasoning.questions.behind import for_counting, for_resolution, for_unresolvable
 from mars_asp.reasoning.questions.counted import Counter
 from mars_asp.reasoning.questions.explain import explain
-from mars_asp.reasoning.questions.islands import Forms, Map
+from mars_asp.reasoning.questions.islands import Forms, Map, Saying
 from mars_asp.reasoning.questions.preceding import preceding_evidence
+from mars_asp.reasoning.questions.sayings import differences
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.reasoning.synthesis.test_stretches import RULEBOOK, fleet, read
@@ -25,6 +30,11 @@ from tests.reasoning.synthesis.test_stretches import RULEBOOK, fleet, read
 COMPARING = {"counts_for(X, S, D, F, R) :- may_count(X, S, D, F, _), R = #min {"}
 #: Those that compare what alike islands have alike: rates, places of modes, numbers.
 OTHERS = {"lowered_from", "most_served", "favoured", "carries", "depth", "1 <= "}
+
+
+#: What lines ask for, and what sources offer.
+MODES = ("", "RequestWhenReady", "NotifyAtFrequency 10", "NotifyAtFrequency 5", "NotifyOnChange")
+OFFERS = ("NotifyAtFrequency 25", "NotifyWhenReady", "RequestWhenReady, NotifyAtFrequency 30")
 
 
 def islands(*lines: str, blocks: str = "") -> list[object]:
@@ -123,6 +133,110 @@ def test_nodes_of_alike_robots_are_explained_as_among_all(seed: int) -> None:
         assert one is not None
         assert other is not None
         assert (one.answer, one.cites) == (other.answer, other.cites)
+
+
+@pytest.fixture
+def merging(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let sayings be compared in files of any size; note how many made no difference each time."""
+    merged: list[int] = []
+
+    def noted(*arguments: Any) -> Mapping[Saying, Hashable]:
+        found = differences(*arguments)
+        merged.append(len(found) - len(set(found.values())))
+        return found
+
+    monkeypatch.setattr(counted, "_TOGETHER", 1)
+    monkeypatch.setattr(sayings, "_WORTH", 0)
+    monkeypatch.setattr(counted, "differences", noted)
+    return merged
+
+
+def stars(rng: random.Random) -> str:
+    """Return sources with a few clients each; some clients have several sources or lines."""
+    modes, offer = rng.sample(MODES, 3), rng.choice(OFFERS)
+    inputs = rng.sample(("P x", "Q x", "R x", "P x, Q y"), 2)
+    lines = []
+    blocks = [block("K", "@Converts", "Q turn(P x)"), block("L", "@Converts 2", "Q turn(R x)")]
+    for number in range(30):
+        blocks.append(block(f"S{number}", f"@Sense {offer}", f"{rng.choice('PPR')} look()"))
+        for name in (f"C{number}_{at}" for at in range(rng.choice((1, 1, 2, 3)))):
+            sources = [number]
+            if rng.random() < 0.1:
+                sources.append(rng.choice((number, max(number - 1, 0))))
+            lines += [f"{name} uses_data_from S{each} {rng.choice(modes)}" for each in sources]
+            blocks.append(block(name, "@DataIn", f"void take({rng.choice(inputs)})"))
+    taken = rng.sample(("DataSplitter3", "DataTransformer2"), rng.randint(0, 2))
+    names = sorted({word for line in lines for word in line.split()[:3:2]})
+    heading = ["@configuration flat", f"@modules {', '.join((*names, *taken))}"]
+    return "\n".join((*heading, *dict.fromkeys(map(str.strip, lines)), *blocks))
+
+
+def counts(project: Project, monkeypatch: pytest.MonkeyPatch) -> list[Mapping[str, int] | None]:
+    """Return how many nodes of each kind are counted for each island of data."""
+    found: list[Counter] = []
+    begin = Counter.__init__
+
+    def noted(self: Counter, *arguments: Any) -> None:
+        begin(self, *arguments)
+        found.append(self)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Counter, "__init__", noted)
+        assert preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter999") is None
+    (counter,) = found
+    return [counter.of(number) for number in range(len(counter.islands))]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_islands_have_as_many_nodes_where_what_makes_no_difference_is_not_compared(
+    seed: int, merging: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    project = read(stars(random.Random(seed)))
+    merged = counts(project, monkeypatch)
+    monkeypatch.setattr(counted, "differences", lambda *_: {})
+    assert counts(project, monkeypatch) == merged
+    assert sum(merging) > 0
+
+
+def test_nodes_have_their_names_where_what_makes_no_difference_is_not_compared(
+    merging: list[int],
+) -> None:
+    project = read(stars(random.Random(4)))
+    whole = Reasoner(project, RULEBOOK).synthesis
+    assert whole is not None
+    told = {node.name: node for node in whole.specification.nodes}
+    for name in {node.kind: node.name for node in whole.specification.nodes}.values():
+        part = preceding_evidence(Reasoner(project, RULEBOOK), name)
+        assert part is not None
+        assert part.introduced is not None
+        for node in part.introduced.nodes:
+            assert (node.term, node.kind) == (told[node.name].term, told[node.name].kind)
+    assert sum(merging) > 0
+
+
+def test_ways_to_ask_that_need_the_same_nodes_count_as_one(
+    monkeypatch: pytest.MonkeyPatch, merging: list[int]
+) -> None:
+    asked = ["RequestWhenReady", "NotifyAtFrequency 10", "NotifyAtFrequency 5", "NotifyOnMax"]
+    lines, blocks = [], []
+    for number, (one, other) in enumerate(product(asked, repeat=2)):
+        lines.append(f"A{number} uses_data_from S{number} {one}")
+        lines.append(f"B{number} uses_data_from S{number} {other}")
+        blocks.append(block(f"S{number}", "@Sense NotifyAtFrequency 25", "float look()"))
+    names = ", ".join(f"{word}{number}" for number in range(len(blocks)) for word in "SAB")
+    project = read("\n".join(("@configuration flat", f"@modules {names}", *lines, *blocks)))
+    numbers: list[int] = []
+    count = Counter._count
+
+    def noted(self: Counter, islands: list[object]) -> bool:
+        numbers.append(len(islands))
+        return count(self, islands)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Counter, "_count", noted)
+    assert preceding_evidence(Reasoner(project, RULEBOOK), "DataSplitter16") is not None
+    # A condition needs a filter at the line that states it; which line is which does not matter.
+    assert sum(numbers) == 3
+    assert merging == [2]
 
 
 def test_where_data_is_counted_rules_compare_no_names_but_of_lines_that_say_the_same() -> None:
