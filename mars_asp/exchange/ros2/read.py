@@ -4,12 +4,14 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from itertools import takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
+from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Topic
 from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
@@ -162,7 +164,11 @@ class _Robot:
         nodes: dict[str, tuple[Started, Node]] = {}
         muxes: dict[str, Mux] = {}
         relays: dict[str, Relay] = {}
-        for each in started:
+        find = partial(self.workspace.find, folder=self.workspace.root)
+        for each in with_controllers(started, self._values, find):
+            if isinstance(each, Unread):
+                self.unread.append(each)
+                continue
             match self._node(each):
                 case Mux() as mux:
                     muxes.setdefault(mux.name, mux)
@@ -346,7 +352,8 @@ class _Robot:
         """Return the relay that a node is, if it is one whose topics are known."""
         # A nodelet has two words before its own.
         skipped = 2 if started.arguments[:1] in (("load",), ("standalone",)) else 0
-        found = handed_on(program, started.arguments[skipped:], values)
+        words = tuple(takewhile(lambda word: not word.startswith("--"), started.arguments))
+        found = handed_on(program, words[skipped:], values)
         if found is None:
             return None
         full, source, target = (
