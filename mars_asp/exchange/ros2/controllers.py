@@ -31,6 +31,8 @@ _VALUES = {
     "--namespace": "",
     "--controller-manager-timeout": "",
     "--switch-timeout": "",
+    # What the command line asks for, where a spawner always makes a controller active.
+    "--set-state": "",
     "--service-call-timeout": "",
 }
 

@@ -197,6 +197,8 @@ class Launch:
             return
         within = scope.inner()
         within.conditional = within.conditional or action.conditional
+        if not action.inherits:
+            within.arguments.clear()
         passed = self._parameters(action.arguments, scope, files)
         within.arguments |= {name: each.text for name, each in passed.items()}
         self._walk(actions, within, (*files, found))
