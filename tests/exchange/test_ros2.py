@@ -451,3 +451,28 @@ def test_a_nodelet_mux_names_its_topics_privately() -> None:
     assert [print_relationship(line) for line in lines] == [
         "wheels is_controlled_by /nav 3 hold 500"
     ]
+
+
+def test_a_relative_path_begins_where_the_robot_is_launched(tmp_path: Path) -> None:
+    mux = "Node(package='twist_mux', executable='twist_mux', parameters=['src/arm/mux.yaml'])"
+    written = {
+        "src/arm/package.xml": "<package><name>arm</name></package>",
+        "src/arm/launch/robot.launch.py": PYTHON.format(before="pass", nodes=mux),
+        "src/arm/mux.yaml": (ROOT / "tests/twist_mux/ros2_tied.yaml").read_text(encoding="utf-8"),
+    }
+    for name, text in written.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for root in (tmp_path, tmp_path / "src", tmp_path / "src/arm/launch/robot.launch.py"):
+        text = "" if root.is_dir() else root.read_text(encoding="utf-8")
+        [found] = import_ros2([(text, str(root))]).configuration.muxes
+        assert found.span.path.endswith("mux.yaml")
+
+
+def test_what_starts_nothing_that_can_be_read_is_refused() -> None:
+    manager = "Node(package='controller_manager', executable='ros2_control_node')"
+    first, *notes = refused(PYTHON.format(before="pass", nodes=manager), "x.launch.py")
+    assert first.message == "the launch file starts nothing that can be read as a node"
+    assert [note.message for note in notes] == [
+        "controller managers and spawners not read: 1 (`ros2_control_node`)"
+    ]

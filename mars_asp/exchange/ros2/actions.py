@@ -135,12 +135,16 @@ class SetParameters:
 
 @dataclass(frozen=True, slots=True)
 class Include:
-    """Another launch file, with values of its arguments."""
+    """Another launch file, with values of its arguments.
+
+    `inherits` is whether it also has the arguments of the including file, as in ROS 2.
+    """
 
     path: Text
     span: Span
     arguments: tuple[Parameter, ...] = ()
     conditional: bool = False
+    inherits: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,6 +190,13 @@ def text_of(*parts: Part | Text) -> Text:
             elif each != "":
                 found.append(each)
     return tuple(found)
+
+
+def plain(text: Text) -> str | None:
+    """Return a text that has no open parts."""
+    if not text:
+        return ""
+    return text[0] if len(text) == 1 and isinstance(text[0], str) else None
 
 
 def together(actions: Sequence[Action], conditional: bool) -> Group:

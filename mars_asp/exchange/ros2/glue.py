@@ -1,4 +1,4 @@
-"""Glue that launch files start: what nodes of topic_tools and joy_teleop do, by their parameters.
+"""Glue that launch files start: what topic_tools, joy_teleop and `rostopic pub` are told to do.
 
 How they are called and what they default to: https://github.com/ros-tooling/topic_tools,
 https://github.com/ros/ros_comm (topic_tools), https://github.com/ros-teleop/teleop_tools,
@@ -108,11 +108,35 @@ def _several(values: Mapping[str, Given], name: str) -> tuple[str, ...]:
     return values[name].texts if name in values else ()
 
 
-def steered(program: Program, values: Mapping[str, Given]) -> Interface | None:
-    """Return the topics of a joy_teleop, each of which is a parameter of it."""
+def steered(
+    program: Program, words: Sequence[str], values: Mapping[str, Given]
+) -> Interface | None:
+    """Return the topics of a program that only its call names: its parameters, or its `words`."""
+    if program.package == "rostopic" and list(words[:1]) == ["pub"]:
+        return _published(words[1:])
     if program.package != "joy_teleop" or not program.executable.startswith("joy_teleop"):
         return None
     return Interface(tuple(_steered(values)), (_JOYSTICK,), "joy_teleop")
+
+
+def _published(words: Sequence[str]) -> Interface | None:
+    """Return the topic that `rostopic pub` publishes, as often as it says."""
+    given = iter(words)
+    named: list[str] = []
+    hz = None
+    for word in given:
+        if word in ("-r", "--rate"):
+            rate = read_frequency(next(given, ""))
+            hz = None if isinstance(rate, NumberProblem) else rate
+        elif word in ("-f", "--file"):
+            next(given, None)
+        elif not word.startswith("-"):
+            named.append(word)
+    match named:
+        case [topic, kind, *_] if topic:
+            return Interface((Topic(topic, kind or None, hz=hz),))
+        case _:
+            return None
 
 
 def _steered(values: Mapping[str, Given]) -> Iterator[Topic]:

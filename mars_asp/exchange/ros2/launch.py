@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import MarsError, Span
@@ -40,6 +39,8 @@ _MOST_NODES = 20_000
 _DEEPEST_ARGUMENT = 16
 _MARKUP = frozenset({".xml", ".yaml", ".yml", ".launch", ".test"})
 _PYTHON = re.compile(r"^def generate_launch_description\b", re.MULTILINE)
+#: A word of a command line; blanks in quotes and in what stands for a folder belong to it.
+_WORD = re.compile(r"""(?:\$\([^)]*\)|'[^']*'|"[^"]*"|\S)+""")
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
 
 
@@ -48,7 +49,8 @@ class Started:
     """A node that is started.
 
     `name` is empty where its program decides; `namespace` begins with a slash; `files` are those
-    of its parameters, in the workspace; `conditional` is whether something decides if it starts.
+    of its parameters, in the workspace; `conditional` is whether something decides if it starts;
+    `arguments` are the words behind its program, the unknown ones empty.
     """
 
     package: str
@@ -195,6 +197,8 @@ class Launch:
             return
         within = scope.inner()
         within.conditional = within.conditional or action.conditional
+        if not action.inherits:
+            within.arguments.clear()
         passed = self._parameters(action.arguments, scope, files)
         within.arguments |= {name: each.text for name, each in passed.items()}
         self._walk(actions, within, (*files, found))
@@ -237,14 +241,14 @@ class Launch:
                 given,
                 action.span,
                 scope.conditional or action.conditional,
-                tuple(takewhile(lambda word: not word.startswith("--"), words)),
+                tuple(words),
             )
         )
 
     def _words(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> list[str]:
         """Return the words of the arguments of a program, the unknown ones empty."""
         texts = [self._plain(each, scope, files) or "" for each in action.arguments]
-        return [word for text in texts for word in text.split() or [""]]
+        return [word.strip("'\"") for text in texts for word in _WORD.findall(text) or [""]]
 
     def _argued(self, action: Start, words: Sequence[str]) -> Iterator[tuple[Renaming, Span]]:
         """Yield the remappings among the arguments of a program."""

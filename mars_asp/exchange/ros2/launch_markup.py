@@ -27,6 +27,7 @@ from mars_asp.exchange.ros2.actions import (
     text_of,
     together,
 )
+from mars_asp.exchange.ros2.commands import of_command
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
 
 _DEEPEST = 60
@@ -159,8 +160,11 @@ def _actions(entities: Sequence[_Entity]) -> Iterator[Action]:
                 yield from _argument(entity)
             case "set_parameter" | "rosparam" | "set_parameters_from_file":
                 yield SetParameters(*_given((entity,)))
-            case "test" | "executable":
-                called = entity.attributes.get("name") or entity.attributes.get("cmd", "?")
+            case "executable":
+                command = entity.text("cmd") or UNKNOWN
+                yield of_command((command,), entity.span, is_conditional)
+            case "test":
+                called = entity.attributes.get("name", "?")
                 yield NotRead("programs that are not nodes", called, entity.span)
             case name if name in _PASSED:
                 continue
@@ -212,7 +216,10 @@ def _included(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
         for each in entity.children
         if each.name in ("arg", "let")
     )
-    include = Include(path, entity.span, given, is_conditional)
+    # Only ROS 1 writes `$(find ...)`, and passes arguments on where it is asked to.
+    passed = entity.attributes.get("pass_all_args", "false").lower() in ("true", "1")
+    inherits = passed or "$(find " not in entity.attributes.get("file", "")
+    include = Include(path, entity.span, given, is_conditional, inherits)
     yield Group((PushNamespace(namespace, entity.span), include)) if namespace else include
 
 

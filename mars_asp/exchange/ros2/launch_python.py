@@ -17,8 +17,10 @@ from mars_asp.exchange.ros2.actions import (
     SetParameters,
     SetRemap,
     Start,
+    plain,
     together,
 )
+from mars_asp.exchange.ros2.commands import of_command
 from mars_asp.exchange.ros2.python_evaluate import (
     MOST_STEPS,
     Evaluator,
@@ -44,7 +46,6 @@ from mars_asp.exchange.ros2.python_values import (
     Plain,
     Value,
     items_of,
-    plain,
     text_from,
 )
 
@@ -207,8 +208,7 @@ class _Reader(Evaluator):
                 yield Include(path, call.span, passed, conditional)
             case "ExecuteProcess" | "ExecuteLocal":
                 command = items_of(call.get("cmd", 0))
-                called = " ".join(filter(None, (plain(text_from(word)) for word in command[:4])))
-                yield NotRead("programs that are not nodes", called or "?", call.span)
+                yield of_command(tuple(map(text_from, command)), call.span, conditional)
             case "OpaqueFunction":
                 yield from self.opaque(call, conditional)
             case _:

@@ -2,7 +2,8 @@
 
 What they default to: https://github.com/ros-teleop/twist_mux,
 https://github.com/yujinrobot/yujin_ocs (yocs_cmd_vel_mux),
-https://github.com/kobuki-base/cmd_vel_mux.
+https://github.com/kobuki-base/cmd_vel_mux, https://github.com/mit-racecar/racecar
+(ackermann_cmd_mux).
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,9 @@ from mars_asp.exchange.twist_mux.document import OUTPUT
 from mars_asp.exchange.twist_mux.document import Mux as Parameters
 
 #: Nodes that hand on one of several commands, by their packages.
-_PACKAGES = frozenset({"twist_mux", "ackermann_mux", "yocs_cmd_vel_mux", "cmd_vel_mux"})
+_PACKAGES = frozenset(
+    {"twist_mux", "ackermann_mux", "yocs_cmd_vel_mux", "cmd_vel_mux", "ackermann_cmd_mux"}
+)
 
 
 def is_mux(program: Program) -> bool:

@@ -5,6 +5,7 @@ from mars_asp.exchange.ros2.actions import (
     Argument,
     Here,
     Share,
+    plain,
 )
 from mars_asp.exchange.ros2.python_values import (
     Call,
@@ -17,7 +18,6 @@ from mars_asp.exchange.ros2.python_values import (
     folder_of,
     items_of,
     path_of,
-    plain,
     text_from,
 )
 

@@ -8,6 +8,7 @@ from mars_asp.exchange.ros2.actions import (
     Parameter,
     Remap,
     Text,
+    plain,
 )
 from mars_asp.exchange.ros2.python_values import (
     MOST_ITEMS,
@@ -18,7 +19,6 @@ from mars_asp.exchange.ros2.python_values import (
     Plain,
     Value,
     items_of,
-    plain,
     text_from,
 )
 

@@ -11,6 +11,7 @@ from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.actions import (
     UNKNOWN,
     Text,
+    plain,
     text_of,
 )
 
@@ -98,13 +99,6 @@ def text_from(value: Value) -> Text:
         else:
             found.append(text_from(each))
     return UNKNOWN
-
-
-def plain(text: Text) -> str | None:
-    """Return a text that has no open parts."""
-    if not text:
-        return ""
-    return text[0] if len(text) == 1 and isinstance(text[0], str) else None
 
 
 def items_of(value: Value) -> "list[Value]":

@@ -4,12 +4,14 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from itertools import takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
+from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Topic
 from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
@@ -157,12 +159,18 @@ class _Robot:
             else:
                 launch.launch(path)
         started = launch.started or list(self._alone(paths))
-        if not launch.started:
-            launch.unread += self._nothing(launch, paths, started)
+        if started and not launch.started:
+            message = "no launch file was found, so every program of the packages counts as started"
+            place = point(self.workspace.shown(paths[0]), 1, 1)
+            self.problems.append(Diagnostic("launch", "note", message, place))
         nodes: dict[str, tuple[Started, Node]] = {}
         muxes: dict[str, Mux] = {}
         relays: dict[str, Relay] = {}
-        for each in started:
+        find = partial(self.workspace.find, folder=self.workspace.root)
+        for each in with_controllers(started, self._values, find):
+            if isinstance(each, Unread):
+                self.unread.append(each)
+                continue
             match self._node(each):
                 case Mux() as mux:
                     muxes.setdefault(mux.name, mux)
@@ -172,6 +180,8 @@ class _Robot:
                     self._add(nodes, each, node)
         self._note()
         self.unread += (*launch.unread, *self.workspace.unread)
+        if not (nodes or muxes or relays):
+            raise self._nothing(launch, paths)
         first = self.workspace.shown(paths[0])
         found = tuple(node for _, node in nodes.values())
         return Graph(first, found, tuple(muxes.values()), relays=tuple(relays.values()))
@@ -250,29 +260,22 @@ class _Robot:
                     span, False,
                 )  # fmt: skip
 
-    def _nothing(
-        self, launch: Launch, paths: Sequence[Path], alone: Sequence[Started]
-    ) -> Iterator[Unread]:
-        """Yield nothing where programs were found alone.
-
-        Raises:
-            MarsError: nothing was found.
-        """
+    def _nothing(self, launch: Launch, paths: Sequence[Path]) -> MarsError:
+        """Return what is wrong where nothing was found."""
+        if launch.started:
+            message = "the launch file starts nothing that can be read as a node"
+            help_text = "name the launch file that starts the robot"
+        elif launch.read:
+            message = "the launch file starts no node"
+            help_text = "name the launch file that starts the robot"
+            if any(each.sort == NOT_HERE for each in launch.unread):
+                help_text = "name the workspace that has the launch files it includes"
+        else:
+            message = "the folder has no launch file and no package with a program"
+            help_text = "name a workspace, a package or a launch file"
         place = point(self.workspace.shown(paths[0]), 1, 1)
-        if not alone:
-            if launch.read:
-                message = "the launch file starts no node"
-                help_text = "name the launch file that starts the robot"
-                if any(each.sort == NOT_HERE for each in launch.unread):
-                    help_text = "name the workspace that has the launch files it includes"
-            else:
-                message = "the folder has no launch file and no package with a program"
-                help_text = "name a workspace, a package or a launch file"
-            found = [Diagnostic("ros2", "error", message, place, help=help_text)]
-            raise MarsError((*found, *notes(_once((*launch.unread, *self.unread)))))
-        message = "no launch file was found, so every program of the packages counts as started"
-        self.problems.append(Diagnostic("launch", "note", message, place))
-        return iter(())
+        found = Diagnostic("ros2", "error", message, place, help=help_text)
+        return MarsError((found, *notes(_once(self.unread))))
 
     def _add(self, nodes: dict[str, tuple[Started, Node]], started: Started, node: Node) -> None:
         """Add a node; one that stands in two branches is one."""
@@ -324,7 +327,7 @@ class _Robot:
         relay = self._relay(program, started, name, values)
         if relay is not None:
             return relay
-        interface = interface or steered(program, values)
+        interface = interface or steered(program, started.arguments, values)
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
@@ -346,7 +349,8 @@ class _Robot:
         """Return the relay that a node is, if it is one whose topics are known."""
         # A nodelet has two words before its own.
         skipped = 2 if started.arguments[:1] in (("load",), ("standalone",)) else 0
-        found = handed_on(program, started.arguments[skipped:], values)
+        words = tuple(takewhile(lambda word: not word.startswith("--"), started.arguments))
+        found = handed_on(program, words[skipped:], values)
         if found is None:
             return None
         full, source, target = (

@@ -156,7 +156,9 @@ class Workspace:
         if not path or "\0" in path or len(path) > 4096:
             return None
         match = _SHARE.match(path)
-        candidates: Sequence[Path] = (folder / path,)
+        # A relative path begins where the launch file is started: mostly above `src`.
+        above = self.root.parent if self.root.name == "src" else self.root
+        candidates: Sequence[Path] = (folder / path, above / path)
         if match:
             package = self.package(match[1])
             if package is None:

@@ -1,0 +1,76 @@
+"""Command lines that launch files run beside their nodes: some start nodes, or launch a file."""
+
+import re
+from collections.abc import Sequence
+
+from mars_asp.diagnostic import Span
+from mars_asp.exchange.ros2.actions import (
+    Action,
+    Include,
+    NotRead,
+    Parameter,
+    Part,
+    Share,
+    Start,
+    Text,
+    plain,
+    text_of,
+)
+
+_BLANKS = re.compile(r"\s+")
+_SHOWN = 4
+
+
+def of_command(texts: Sequence[Text], span: Span, conditional: bool) -> Action:
+    """Return what a command line does, each text of which may hold several words."""
+    words = [word for text in texts for word in _words(text)]
+    known = [plain(word) for word in words]
+    match known:
+        case ["ros2", "run", _, _, *_]:
+            package, executable, *arguments = words[2:]
+        case ["rosrun", _, _, *_]:
+            package, executable, *arguments = words[1:]
+        case ["ros2", "control", "load_controller" | "load_start_controller", *_]:
+            # It asks the manager for what a spawner asks it for.
+            package, executable = text_of("controller_manager"), text_of("spawner")
+            arguments = words[3:]
+        case ["ros2", "launch", _, *_]:
+            return _launched(words[2:], span, conditional)
+        case ["roslaunch", _, *_]:
+            return _launched(words[1:], span, conditional)
+        case _:
+            called = " ".join(filter(None, known[:_SHOWN])) or "?"
+            return NotRead("programs that are not nodes", called, span)
+    return Start(span, package, executable, arguments=tuple(arguments), conditional=conditional)
+
+
+def _launched(words: Sequence[Text], span: Span, conditional: bool) -> Include:
+    """Return the launch file that a command launches: a path, or a package and a file of it."""
+    given: list[Parameter] = []
+    named: list[Text] = []
+    for word in words:
+        first = word[0] if isinstance(word[0], str) else ""
+        name, sign, value = first.partition(":=")
+        if sign:
+            whole = text_of(value, *word[1:])
+            given.append(Parameter(((text_of(name), span),), whole, span))
+        elif not first.startswith("-"):
+            named.append(word)
+    match named:
+        case [package, file, *_]:
+            path = text_of(Share(package), "/launch/", file)
+        case [path]:
+            pass
+        case _:
+            path = ()
+    return Include(path, span, tuple(given), conditional)
+
+
+def _words(text: Text) -> list[Text]:
+    """Return the words of a text, which blanks part."""
+    words: list[list[Part]] = [[]]
+    for part in text:
+        first, *others = _BLANKS.split(part) if isinstance(part, str) else (part,)
+        words[-1].append(first)
+        words += ([each] for each in others)
+    return [text_of(*word) for word in words if any(word)]
