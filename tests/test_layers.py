@@ -82,10 +82,10 @@ FILES = {
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
-        "actions commands names interface catalogue cmake workspace parameters cpp_code cpp_durations "
-        "source_cpp source_python "
-        "programs glue python_values python_known python_nodes python_evaluate launch_python "
-        "launch_markup launch controllers muxes read"
+        "actions commands names interface catalogue cmake workspace parameters cpp_code "
+        "cpp_durations source_cpp source_python programs glue python_values python_known "
+        "python_nodes python_evaluate launch_python launch_markup launch controllers muxes "
+        "read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",
