@@ -64,6 +64,8 @@ def test_what_is_found_is_what_comparing_each_with_each_finds(seed: int) -> None
         'p(M) :- module(M), not feeds(M, S) : module(S), S != "s{}".',
         "p(M) :- at{}(M).",
         "p(k{}) :- at(M, _).",
+        "p(k, M, f{}(S)) :- feeds(_, M, S).",
+        "p(k, M, S) :- feeds(_, M, f{}(S)).",
     ],
 )
 def test_rules_with_one_head_are_compared_with_few_others(

@@ -1,10 +1,13 @@
 """Lines of metadata that stand for rules, in programs about graphs."""
 
+from collections.abc import Iterator
+
 import clingo
 import pytest
 
 from mars_asp.asp.messages import labelling
 from mars_asp.asp.messages import labels as labelled
+from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.expansions import Expansion, labels
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.rules.rule import Rule
@@ -145,6 +148,22 @@ def test_what_is_wrong_with_a_list_is_told_at_its_place(text: str, message: str)
     told, line, column = wrong(text)
     assert told.startswith(message)
     assert (line, column) == (2 if "twice" in message else 1, 1)
+
+
+def test_clingo_is_asked_once_of_lists_that_have_no_faults(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[str] = []
+
+    def refused(text: str, shown: str) -> Iterator[Diagnostic]:
+        asked.append(text)
+        return refused_rules(text, shown)
+
+    monkeypatch.setattr("mars_asp.asp.rules.read.refused_rules", refused)
+    assert len(made(f"%! via: X, Y\n{RULE}\n" * 3)) == 6
+    assert len(asked) == 1
+    assert wrong(f"%! via: X\n{RULE}\n%! via: Q\n{RULE}")[1] == 3
+    assert len(asked) == 6
 
 
 def test_without_a_host_no_key_lists_anything() -> None:
