@@ -27,6 +27,8 @@ from mars_asp.reasoning.synthesis.synthesise import UNRESOLVABLE, costs_of
 
 #: So many islands are counted together at least.
 _TOGETHER = 32
+#: So many nodes of a kind an island may well have.
+_MANY = 8
 #: The predicates that bring modules together.
 _RELATING: Mapping[str, type[Relationship]] = {
     "uses_data_from": Data,
@@ -124,12 +126,12 @@ class Counter:
         """Return the numbers of the next islands that have to be counted.
 
         They are so many as the node that is sought may well be away, as nodes were found before,
-        and some more; at first, one node an island.
+        and some more: to count again takes longer than to count a few too many.
         """
         found: dict[object, int] = {}
         begun = [self._counts[self._key(number)][self._sought[0]] for number in range(first)]
         left = self._sought[1] - sum(begun)
-        away = left * len(begun) // sum(begun) if any(begun) else left
+        away = left * len(begun) // sum(begun) if any(begun) else left // _MANY
         behind = first + 1 + away * 9 // 8
         for number in range(first, len(self.islands)):
             if number > behind and len(found) >= _TOGETHER:

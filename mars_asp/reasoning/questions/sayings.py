@@ -21,7 +21,7 @@ from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.islands import Forms, Island, Map, Saying
 
 #: Lines are compared where there are so many islands for each saying: to compare takes a grounding.
-_WORTH = 8
+_WORTH = 32
 #: The line and its client tell whose it is what follows.
 _TELLING = 2
 
@@ -42,13 +42,15 @@ def differences(
     They are those of clients that no other line names: the line and its modules say all of them.
     """
     first: dict[Saying, int] = {}
+    if parts.has_ports or parts.has_muxes:
+        return {}
     for island in islands:
         leaves, _ = map_.leaves(island)
         for (number, _, _, is_left), saying in zip(leaves, forms.sayings(island), strict=True):
             if is_left:
                 first.setdefault(saying, number)
-    if parts.has_ports or parts.has_muxes or len(first) * _WORTH > len(islands):
-        return {}
+        if len(first) * _WORTH > len(islands):
+            return {}
     base = statements_of(rule.text for rule in reading.base.rules)
     statements = [statement for each in base.values() for statement in each]
     clients = {signature: _of_clients(signature.name) for signature in parts.connected}
