@@ -28,7 +28,7 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
-        "gate trees statements rule computed expansions checks symbols arithmetic outline "
+        "gate trees statements rule premises computed expansions checks symbols arithmetic outline "
         "declarations metadata read namespaces rulebook consistency"
     ),
     "asp/lint": (

@@ -73,7 +73,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     opened: Mapping[Signature, Sequence[TermId]] = {}
     if stage in CHOOSING:
         try:
-            answer = grounding.resolve(rulebook.text(stage)).answer
+            answer = grounding.resolve(rulebook.fragments(stage)).answer
             opened = answer.true
         except MarsError:  # a case may ask for what has no answer
             return None

@@ -21,7 +21,7 @@ from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, labelled
 from mars_asp.model.declarations import Control, Data, Mount, Relationship
-from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.compile import given
 from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.behind import able_to_fire, names_read, portion_reads
 from mars_asp.reasoning.questions.islands import Forms, Island, Map
@@ -145,8 +145,9 @@ class Counter:
         islands = [self.islands[number] for number in numbers]
         facts = self._told.facts(islands, self.wanted)
         grounding = _grounded(facts, self._base)
+        program = (Fragment(self._counting.text, "rules"),)
         with costs_of(facts):
-            resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)
+            resolution = grounding.resolve(program, self._deadline, known=self._optima)
         if resolution.count is None:
             return False
         owner = Owner(self._told, islands)
@@ -198,7 +199,7 @@ class Owner:
 
 def _grounded(facts: Iterable[Fact], base: Rulebook) -> Grounding:
     """Return what rules of the base derive of facts, for nothing but to be counted."""
-    program = [*base.fragments("base"), Fragment(facts_text(facts), "facts")]
+    program = [*base.fragments("base"), given(facts)]
     return Grounding(program, solved=False)
 
 
