@@ -51,11 +51,12 @@ class Rulebook:
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
         rules = [rule for rule in self.rules if rule.stage == stage]
-        alone = {rule.text: rule for rule in rules}
-        own = len(self.texts) - self.packs
+        # A text of no file is that of a rule that another rulebook has read.
+        own, in_files = len(self.texts) - self.packs, len(self.paths)
+        alone = {rule.text: rule for rule in rules} if in_files < own else {}
         files = (
             fragment_of(alone[text])
-            if text in alone
+            if number >= in_files and text in alone
             else Fragment(text, path, premises=premises_of(text) if number < own else None)
             for number, ((at, text), path) in enumerate(found)
             if at == stage
