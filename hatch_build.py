@@ -48,6 +48,7 @@ def tables() -> Iterator[tuple[str, bytes]]:
     sys.path.insert(0, str(ROOT))
     from mars_asp.asp import cache
     from mars_asp.asp.rules.computed import computations
+    from mars_asp.asp.rules.premises import premises_of_rule, read_premises
     from mars_asp.asp.rules.statements import constants_of, statements_of
     from mars_asp.asp.slice.reach import outlines_of
     from mars_asp.reasoning.facts.vocabulary import given_in
@@ -61,6 +62,10 @@ def tables() -> Iterator[tuple[str, bytes]]:
     texts = [rule.text for rule in whole.rules]
     for make in (statements_of, outlines_of, constants_of, computations):
         make(texts)
+    for _, text in whole.texts:
+        read_premises(text)
+    for rule in whole.rules:
+        premises_of_rule(rule)
     seal()
     tuple(sampled())
     for stage in ("base", *STAGES):

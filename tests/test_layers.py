@@ -28,8 +28,8 @@ FILES = {
     "asp/solve": "atoms disjoint_sets observer term_ids components optimum grounding",
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
-        "gate trees statements rule binding computed expansions checks symbols arithmetic outline "
-        "declarations metadata read namespaces rulebook consistency"
+        "gate trees statements rule premises binding computed expansions checks symbols "
+        "arithmetic outline declarations metadata read namespaces rulebook consistency"
     ),
     "asp/lint": (
         "clauses found values orders keys graph catalogue sorts variables bodies aggregates "

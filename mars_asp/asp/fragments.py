@@ -1,7 +1,7 @@
-"""Texts that clingo is given as one, and where in their files it finds something wrong."""
+"""Texts that clingo is given as one, what of them it needs, and where it finds something wrong."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from typing import NamedTuple
 
 from mars_asp.asp.signature import plain
@@ -10,15 +10,34 @@ from mars_asp.diagnostic import Diagnostic, Span, point
 _UNDEFINED = "operation undefined: "
 #: A string, which may hold anything, or what is between strings.
 _TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
+#: What may name a predicate.
+_NAME = re.compile(r"[a-z][\w']*")
 _NOTE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", re.DOTALL)
 
 
+class Premises(NamedTuple):
+    """The rules of a text, and the names of the predicates that each needs and gives.
+
+    `rest` is what stands before each rule and behind the last. Without an atom of each predicate
+    that it needs a rule cannot fire.
+    """
+
+    rest: tuple[str, ...]
+    rules: tuple[str, ...]
+    needs: tuple[frozenset[str], ...]
+    gives: tuple[frozenset[str], ...]
+
+
 class Fragment(NamedTuple):
-    """A text, and the file it is from; what was made of a rule stands where that does."""
+    """A text, and the file it is from; what was made of a rule stands where that does.
+
+    Where it is not known what its rules need, whatever it names may hold.
+    """
 
     text: str
     path: str
     rule: Span | None = None
+    premises: Premises | None = None
 
 
 class Note(NamedTuple):
@@ -32,6 +51,55 @@ class Note(NamedTuple):
 def joined(fragments: Iterable[Fragment]) -> str:
     """Return the fragments as one text."""
     return "\n".join(fragment.text for fragment in fragments)
+
+
+def stated(text: str, names: Iterable[str]) -> Fragment:
+    """Return facts, by the names of their predicates."""
+    premises = Premises(("", ""), (text,), (frozenset(),), (frozenset(names),))
+    return Fragment(text, "facts", premises=premises)
+
+
+def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> list[Fragment]:
+    """Return a program without the rules that cannot fire; all others stay at their places.
+
+    A rule cannot fire if it needs a predicate that no fact and no rule able to fire gives, and that
+    is not among those `present`, of which there are atoms already. Clingo would find out, but what
+    it takes for that is most of what a small program takes.
+    """
+    known = {*present}
+    waiting = []
+    for number, (text, _, _, premises) in enumerate(program):
+        if premises is None:
+            known.update(_NAME.findall(text))
+        else:
+            rules = zip(premises.needs, premises.gives, strict=True)
+            waiting += [(*each, (number, at)) for at, each in enumerate(rules)]
+    asked = len(waiting) + 1
+    while len(waiting) < asked:
+        asked, idle = len(waiting), []
+        for rule in waiting:
+            needs, gives, _ = rule
+            if needs <= known:
+                known |= gives
+            else:
+                idle.append(rule)
+        waiting = idle
+    left_out = {place for _, _, place in waiting}
+    return [_without(left_out, number, each) for number, each in enumerate(program)]
+
+
+def _without(left_out: Set[tuple[int, int]], number: int, fragment: Fragment) -> Fragment:
+    if fragment.premises is None:
+        return fragment
+    rest, rules, _, _ = fragment.premises
+    kept = (blank(rule) if (number, at) in left_out else rule for at, rule in enumerate(rules))
+    text = "".join(part for pair in zip(rest, (*kept, ""), strict=True) for part in pair)
+    return fragment._replace(text=text)
+
+
+def blank(text: str) -> str:
+    """Return what takes as much place as a text, and holds nothing."""
+    return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])
 
 
 def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:

@@ -8,6 +8,7 @@ import clingo
 
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.expansions import Label
+from mars_asp.asp.rules.premises import premises_of_rule
 from mars_asp.asp.rules.rule import HOLE, Rule
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, atoms, labelled
 from mars_asp.asp.units import UNITS, measured
@@ -57,10 +58,16 @@ def saying(stage: str, rules: Sequence[Rule], instead: bool = False) -> list[Fra
     They begin with the heads, of which there are few instances, unless they stand there `instead`
     of rules that nothing reads.
     """
+    predicate = predicate_of(stage)
     return [
-        Fragment(_saying(predicate_of(stage), number, rule, instead), "rules", rule.span)
+        _made_of(rule, _saying(predicate, number, rule, instead), predicate)
         for number, rule in enumerate(rules)
     ]
+
+
+def _made_of(rule: Rule, text: str, gives: str) -> Fragment:
+    """Return a rule with all premises of another."""
+    return Fragment(text, "rules", rule.span, premises_of_rule(rule, text, gives))
 
 
 def predicate_of(stage: str) -> str:
@@ -98,11 +105,11 @@ def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment
     """Return rules that keep what `labelled` reads: the labels of rules, filled by their bodies."""
     predicate = f"_label_{stage}"
     return [
-        Fragment(
+        _made_of(
+            rule,
             f"{predicate}({number},{head},{label.term},v({','.join(label.holes)})) :- "
             f"{'; '.join(filter(None, (head, label.body)))}.",
-            "rules",
-            rule.span,
+            predicate,
         )
         for number, (rule, label) in enumerate(listed)
         for head in (rule.written[0],)

@@ -11,7 +11,7 @@ from typing import TypeAlias, TypeVar
 
 import clingo
 
-from mars_asp.asp.fragments import Fragment
+from mars_asp.asp.fragments import Fragment, stated
 from mars_asp.asp.messages import (
     Said,
     check_decided,
@@ -133,7 +133,7 @@ def analyse(
         *saying(_STAGE, speakers),
         *labelling(_STAGE, labelled),
         *asked,
-        Fragment(text, "facts"),
+        stated(text, {fact.atom.name for fact in facts}),
     ]
     try:
         grounding = Grounding(program)

@@ -87,7 +87,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
     facts = (*project_facts(project, wanted), *asked)
     analysis = analyse(facts, rulebook, project.configuration.span)
     with costs_of(facts):
-        resolution = analysis.grounding.resolve(rulebook.text("can"))
+        resolution = analysis.grounding.resolve(rulebook.fragments("can"))
     found = [
         symbol
         for name, arity in _VERDICTS

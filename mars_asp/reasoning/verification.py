@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import clingo
 
 from mars_asp.annotations.representations import canonical_names
-from mars_asp.asp.fragments import Fragment, joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -20,7 +19,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.compile import (
     TellsAs,
     configuration_facts,
-    facts_text,
+    given,
     representation_names,
 )
 from mars_asp.reasoning.facts.ends import ends_in
@@ -140,13 +139,13 @@ def _judged_by(
     """Return what rules find, or of them those that are named."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
-    facts = facts_text(specification_facts(specification, project, rulebook))
-    text = f"{rulebook.text(_STAGE)}\n{joined(saying(_STAGE, judges))}\n{facts}"
+    facts = given(specification_facts(specification, project, rulebook))
+    judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
     if grounding is None:
-        given = Fragment(facts_text(project_facts(project)), "facts")
-        grounding = Grounding([*rulebook.fragments("base"), Fragment(text, "rules"), given])
+        base = rulebook.fragments("base")
+        grounding = Grounding([*base, *judging, given(project_facts(project))])
     else:
-        grounding.derive(text)
+        grounding.derive(judging)
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
     for told in said(grounding.control, _STAGE, judges):
@@ -179,7 +178,7 @@ def written_cost(
         MarsError: the costs of converters do not fit.
     """
     with costs_of(project_facts(project, wanted=_CONVERTERS)):
-        return verification.grounding.resolve(rulebook.text("cost"), deadline)
+        return verification.grounding.resolve(rulebook.fragments("cost"), deadline)
 
 
 def _judged(rulebook: Rulebook) -> frozenset[str]:

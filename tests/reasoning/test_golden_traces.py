@@ -66,14 +66,13 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
             given.append(Fact(atom_of(clingo.parse_term(str(statement.head))), place))
 
     ast.parse_string(text, note)
-    base = rulebook.text("base")
-    if stage not in (*CHOOSING, "base"):
-        base += "\n" + rulebook.text(stage)
-    grounding = Grounding([Fragment(f"{base}\n{text}", "rules")])
+    stages = ("base",) if stage in CHOOSING else dict.fromkeys(("base", stage))
+    rules = [fragment for each in stages for fragment in rulebook.fragments(each)]
+    grounding = Grounding([*rules, Fragment(text, "rules")])
     opened: Mapping[Signature, Sequence[TermId]] = {}
     if stage in CHOOSING:
         try:
-            answer = grounding.resolve(rulebook.text(stage)).answer
+            answer = grounding.resolve(rulebook.fragments(stage)).answer
             opened = answer.true
         except MarsError:  # a case may ask for what has no answer
             return None

@@ -7,7 +7,7 @@ import clingo
 
 from mars_asp.asp.cases.expectations import Block, blocks_of
 from mars_asp.asp.cases.outcomes import Answer, Check, Outcome, judged, rewritten
-from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.fragments import Fragment, able_to_fire, joined, refusals
 from mars_asp.asp.messages import heard, predicate_of, saying
 from mars_asp.asp.rules.arithmetic import telling, wrapped
 from mars_asp.asp.rules.read import read_case
@@ -126,7 +126,7 @@ def _answers(
     program += saying(_STAGE, speakers)
     asked = rulebook.asked
     program += [Fragment(telling(at, each), "rules", each.span) for at, each in enumerate(asked)]
-    control = _grounded(program)
+    control = _grounded(able_to_fire(program))
     overflowing = tuple(wrapped(control, asked))
     if overflowing:
         raise MarsError(overflowing)

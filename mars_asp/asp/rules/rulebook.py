@@ -11,6 +11,7 @@ from mars_asp.asp.rules.arithmetic import Asked
 from mars_asp.asp.rules.computed import computations
 from mars_asp.asp.rules.declarations import Declaration, Documented
 from mars_asp.asp.rules.outline import Outline, outline
+from mars_asp.asp.rules.premises import fragment_of, premises_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import renamed, replaced
 from mars_asp.asp.signature import SPACE, Signature, plain
@@ -49,9 +50,18 @@ class Rulebook:
         """Return the texts of one stage with their files, and the rules that no file has."""
         paths = (*self.paths, *repeat("rules", len(self.texts) - len(self.paths)))
         found = zip(self.texts, paths, strict=True)
-        files = (Fragment(text, path) for (at, text), path in found if at == stage)
-        listed = (rule for rule in self.rules if rule.listed is not None and rule.stage == stage)
-        return (*files, *(Fragment(rule.text, rule.span.path, rule.span) for rule in listed))
+        rules = [rule for rule in self.rules if rule.stage == stage]
+        # A text of no file is that of a rule that another rulebook has read.
+        own, in_files = len(self.texts) - self.packs, len(self.paths)
+        alone = {rule.text: rule for rule in rules} if in_files < own else {}
+        files = (
+            fragment_of(alone[text])
+            if number >= in_files and text in alone
+            else Fragment(text, path, premises=premises_of(text) if number < own else None)
+            for number, ((at, text), path) in enumerate(found)
+            if at == stage
+        )
+        return (*files, *(fragment_of(rule) for rule in rules if rule.listed is not None))
 
     @cached_property
     def outlines(self) -> Mapping[str, tuple[str, Outline]]:

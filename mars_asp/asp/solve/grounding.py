@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import clingo
 
-from mars_asp.asp.fragments import Fragment, joined, refusals
+from mars_asp.asp.fragments import Fragment, able_to_fire, joined, refusals
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.components import Component, partition
 from mars_asp.asp.solve.observer import Recorded, record
@@ -189,6 +189,18 @@ class Grounding:
         Raises:
             MarsError: clingo refuses a rule.
         """
+        self._ground(self._able_to_fire(program), undefined)
+
+    def _able_to_fire(self, program: Sequence[Fragment]) -> Sequence[Fragment]:
+        found = self.control.symbolic_atoms
+        present = {
+            name
+            for name, arity, positive in found.signatures
+            if next(found.by_signature(name, arity, positive), None) is not None
+        }
+        return able_to_fire(program, present)
+
+    def _ground(self, program: Sequence[Fragment], undefined: bool = False) -> None:
         self._steps += 1
         part = f"step{self._steps}"
         self._fragments = program
@@ -201,7 +213,7 @@ class Grounding:
         if not undefined and any(code == worst for code, _ in self._messages):
             raise self.refused("an operation is undefined")
 
-    def derive(self, text: str) -> None:
+    def derive(self, program: Sequence[Fragment]) -> None:
         """Ground rules for the sake of their atoms alone; answers cannot be asked for any more.
 
         Neither the solver nor what recorded the ground program is told of them, which is most of
@@ -211,7 +223,7 @@ class Grounding:
             MarsError: clingo refuses a rule.
         """
         self.control.register_observer(clingo.Observer(), replace=True)
-        self.add([Fragment(text, "rules")])
+        self.add(program)
 
     def refused(self, reason: str) -> MarsError:
         """Return the error that says why clingo cannot use the rules, with all places known."""
@@ -238,7 +250,7 @@ class Grounding:
 
     def resolve(
         self,
-        rules: str,
+        program: Sequence[Fragment],
         deadline: float | None = None,
         progress: Callable[[int, int], None] | None = None,
         known: dict[Component, Optimum] | None = None,
@@ -255,10 +267,11 @@ class Grounding:
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
         self._program = record(self.control)
-        self.add([Fragment(_SHOWN.sub("", rules), "rules")])
+        able = self._able_to_fire(program)
+        self._ground([each._replace(text=_SHOWN.sub("", each.text)) for each in able])
         self._names = {
             literal: atom
-            for name, arity in _PROJECTED.findall(rules)
+            for name, arity in _PROJECTED.findall(joined(program))
             for atom, literal, _ in labelled(self.control, name, int(arity), True)
         }
         try:

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import Names, canonical_names
+from mars_asp.asp.fragments import Fragment, stated
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
@@ -418,6 +419,12 @@ class Compiler:
     def knots(self) -> None:
         """Add what relationships of one kind lead back to itself, and the shortest way round."""
         self.take(closed_walks(self.numbered))
+
+
+def given(facts: Iterable[Fact]) -> Fragment:
+    """Return facts as a program has them beside its rules."""
+    facts = tuple(facts)
+    return stated(facts_text(facts), {fact.atom.name for fact in facts})
 
 
 def facts_text(facts: Iterable[Fact]) -> str:

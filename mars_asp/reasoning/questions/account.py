@@ -13,8 +13,8 @@ from typing import TypeAlias
 
 import clingo
 
-from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import Said, said, saying, shown
+from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
@@ -261,9 +261,9 @@ def told(
     read = reads(rules).union(*(rule.reads | rule.heads for rule in deciding))
     grounding = Grounding((), atoms_of(sorted(read)))
     # No rule reads accounts, so it is enough to ground what is said of them.
-    program = "\n".join(rule.text for rule in rules if ACCOUNT not in rule.heads)
+    program = (fragment_of(rule) for rule in rules if ACCOUNT not in rule.heads)
     sayings = (*saying(STAGE, telling, instead=True), *saying(_DECIDING, deciding))
-    grounding.derive(f"{program}\n{joined(sayings)}")
+    grounding.derive([*program, *sayings])
     found: dict[Key, dict[str, list[Said]]] = {}
     word = cache(text)
     for each in said(grounding.control, STAGE, telling):

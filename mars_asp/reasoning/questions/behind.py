@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence, Set
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import statements_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
@@ -26,8 +26,8 @@ def for_resolution(rulebook: Rulebook) -> Rulebook:
     readers = (*resolving, *speakers(rulebook, NODE_NAMES))
     read = frozenset({UNRESOLVABLE}).union(*(rule.reads for rule in readers))
     base = _behind(rulebook, read, readers)
-    texts = ((stage, rulebook.text(stage)) for stage in _STAGES)
-    return Rulebook((*base, *readers), (_text(base), *texts), documented=rulebook.documented)
+    texts = (each for each in rulebook.texts if each[0] in _STAGES)
+    return Rulebook((*base, *readers), (*_texts(base), *texts), documented=rulebook.documented)
 
 
 def for_counting(rulebook: Rulebook, counting: Portion) -> Rulebook:
@@ -38,13 +38,13 @@ def for_counting(rulebook: Rulebook, counting: Portion) -> Rulebook:
         if rule.stage in _STAGES and not counting.derived.isdisjoint(rule.heads | rule.reads)
     )
     base = _behind(rulebook, portion_reads(counting), readers)
-    return Rulebook(base, (_text(base),), documented=rulebook.documented)
+    return Rulebook(base, _texts(base), documented=rulebook.documented)
 
 
 def for_unresolvable(rulebook: Rulebook) -> Rulebook:
     """Return the rules of the base behind what nothing can resolve."""
     base = _behind(rulebook, {UNRESOLVABLE}, ())
-    return Rulebook(base, (_text(base),), documented=rulebook.documented)
+    return Rulebook(base, _texts(base), documented=rulebook.documented)
 
 
 def able_to_fire(rulebook: Rulebook, absent: Set[str]) -> Rulebook:
@@ -67,7 +67,7 @@ def able_to_fire(rulebook: Rulebook, absent: Set[str]) -> Rulebook:
             break
         rules = kept
     base = tuple(rule for rule, _ in rules)
-    return Rulebook(base, (_text(base),), documented=rulebook.documented)
+    return Rulebook(base, _texts(base), documented=rulebook.documented)
 
 
 def _derived(rules: Iterable[tuple[Rule, Sequence[Outline]]]) -> Set[str]:
@@ -106,8 +106,8 @@ def _behind(rulebook: Rulebook, read: Set[Signature], readers: Sequence[Rule]) -
     return tuple(rule for rule in base if rule.text in behind)
 
 
-def _text(base: Iterable[Rule]) -> tuple[str, str]:
-    return "base", "\n".join(rule.text for rule in base)
+def _texts(base: Iterable[Rule]) -> tuple[tuple[str, str], ...]:
+    return tuple((BASE, rule.text) for rule in base if rule.listed is None)
 
 
 def kinds_read(rules: Iterable[Rule]) -> frozenset[str] | None:

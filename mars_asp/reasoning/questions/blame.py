@@ -10,7 +10,6 @@ from functools import cached_property
 
 import clingo
 
-from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import Said, fill, said, saying, shown
 from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -22,7 +21,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.model.names import written
 from mars_asp.model.ports import inputs
 from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.compile import given
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.findings import ABSENT
 from mars_asp.reasoning.project import Project, port_names, project_facts
@@ -171,11 +170,9 @@ class _Told:
         analysis = analyse(facts, rulebook, project.configuration.span)
         self._ports = port_names(project)
         atoms = [*questions, *_sought_ports(project, questions)]
-        asked = facts_text([Fact(each, project.configuration.span) for each in atoms])
+        asked = given(Fact(each, project.configuration.span) for each in atoms)
         self._grounding = analysis.grounding
-        self._grounding.derive(
-            f"{rules.text(_STAGE)}\n{asked}\n{joined(saying(_STAGE, self._speakers))}"
-        )
+        self._grounding.derive([*rules.fragments(_STAGE), asked, *saying(_STAGE, self._speakers)])
         self._every = tuple(said(self._grounding.control, _STAGE, self._speakers))
         self._header = project.configuration.span
         self._span_of: Mapping[object, Span] = {

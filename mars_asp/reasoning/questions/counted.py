@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import clingo
 
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature
@@ -145,8 +146,9 @@ class Counter:
         islands = [self.islands[number] for number in numbers]
         facts = self._told.facts(islands, self.wanted)
         grounding = grounded(facts, self._base)
+        program = (Fragment(self._counting.text, "rules"),)
         with costs_of(facts):
-            resolution = grounding.resolve(self._counting.text, self._deadline, known=self._optima)
+            resolution = grounding.resolve(program, self._deadline, known=self._optima)
         if resolution.count is None:
             return False
         owner = Owner(self._told, islands)

@@ -6,8 +6,9 @@ The words are those of `rules/account/needs.lp`.
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from mars_asp.asp.fragments import joined
+from mars_asp.asp.fragments import stated
 from mars_asp.asp.messages import Said, said, saying
+from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, text
@@ -58,9 +59,8 @@ def reasons(
     names = names_of(project, nodes)
     read = sorted(reads(rules) - {_ASKED})
     grounding = Grounding((), true_atoms(evidence, read))
-    facts = "".join(f"asked_node({term}).\n" for term in asked)
-    program = "\n".join(rule.text for rule in rules)
-    grounding.derive(f"{facts}{program}\n{joined(saying(_STAGE, speaking))}")
+    facts = stated("".join(f"asked_node({term}).\n" for term in asked), {_ASKED.name})
+    grounding.derive([facts, *map(fragment_of, rules), *saying(_STAGE, speaking)])
     found: dict[str, dict[str, list[Said]]] = {}
     for each in said(grounding.control, _STAGE, speaking):
         node, part, _, _, _ = arguments(each.head)

@@ -113,7 +113,7 @@ def _own_stretch(
         return None
     grounding = Grounding((), _about(Owner(told, [own]), analysis, apart.whole))
     with costs_of(analysis.facts):
-        resolution = grounding.resolve(rulebook.text("resolve"), deadline, known=known)
+        resolution = grounding.resolve(rulebook.fragments("resolve"), deadline, known=known)
     derived = Derived(rulebook, resolution.answer)
     introduced = introduce(draft, derived, map(told.map.line.__getitem__, own.lines))
     nodes = tuple(node for node in introduced.nodes if node.kind in counted)

@@ -12,7 +12,6 @@ from itertools import combinations, groupby, pairwise
 
 import clingo
 
-from mars_asp.asp.fragments import joined
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -190,7 +189,7 @@ def _proposals(
     """Return the edits that the rules propose for each finding and do not withhold, least first."""
     speakers = [rule for rule in rulebook.rules if _EDIT in rule.heads]
     grounding = analysis.grounding
-    grounding.derive(f"{rulebook.text('repair')}\n{joined(saying(_STAGE, speakers))}")
+    grounding.derive([*rulebook.fragments("repair"), *saying(_STAGE, speakers)])
     found: dict[tuple[clingo.Symbol, ...], dict[clingo.Symbol, Edit]] = {}
     parts: dict[clingo.Symbol, list[clingo.Symbol]] = {}
     for symbol in sorted(grounding.symbols("part", 2)):

@@ -7,7 +7,6 @@ where the rules show that it follows from a line and its two modules alone.
 from collections.abc import Hashable, Iterable, Mapping, Sequence, Set
 from typing import NamedTuple
 
-from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import statements_of
 from mars_asp.asp.rules.symbols import symbol_of
@@ -16,7 +15,7 @@ from mars_asp.asp.slice.seen import UNSEEN, Seen, seen_apart
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import arguments, as_term, atoms, text
-from mars_asp.reasoning.facts.compile import RELATIONSHIPS, facts_text
+from mars_asp.reasoning.facts.compile import RELATIONSHIPS, given
 from mars_asp.reasoning.facts.parts import Parts
 from mars_asp.reasoning.questions.islands import Forms, Island, Map, Saying
 
@@ -66,7 +65,7 @@ def differences(
 
 def grounded(facts: Iterable[Fact], base: Rulebook) -> Grounding:
     """Return what rules of the base derive of facts, for nothing but to be read."""
-    program = [*base.fragments("base"), Fragment(facts_text(facts), "facts")]
+    program = [*base.fragments("base"), given(facts)]
     return Grounding(program, solved=False)
 
 

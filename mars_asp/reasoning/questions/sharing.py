@@ -64,7 +64,7 @@ def apart(project: Project, evidence: Evidence, node: Node, atoms_of: _Atoms) ->
     if heard is None:
         return None
     deadline = time.monotonic() + _MOST_SECONDS
-    rules = evidence.rulebook.text("resolve")
+    rules = evidence.rulebook.fragments("resolve")
     together = Grounding((), heard.stated).resolve(rules, deadline)
     parted = {**heard.stated, _HOLD: _parted(sharing, heard)}
     alone = Grounding((), parted).resolve(rules, deadline)

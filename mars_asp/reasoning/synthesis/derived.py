@@ -28,7 +28,7 @@ class Derived:
         self.predicates = frozenset().union(*(rule.heads for rule in rules))
         read = frozenset().union(*(rule.reads for rule in rules)) - self.predicates
         self._grounding = Grounding((), answer.true_of(sorted(read)))
-        self._grounding.derive(rulebook.text(STAGE))
+        self._grounding.derive(rulebook.fragments(STAGE))
         #: The text of a term, and of one that is a string; few terms stand in very many atoms.
         self.text, self.string = cache(text), cache(_string)
 

@@ -18,7 +18,7 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.reasoning.facts.compile import facts_text
+from mars_asp.reasoning.facts.compile import given
 
 _STAGE = "resolve"
 _BROKEN = Signature("_broken", 3)
@@ -49,7 +49,7 @@ def excluded(
     relaxed = [r for r in rules if _is_constraint(r) and (id(r) in of_packs or r.because)]
     if not relaxed:
         return None
-    grounding = Grounding([*rulebook.fragments("base"), Fragment(facts_text(facts), "facts")])
+    grounding = Grounding([*rulebook.fragments("base"), given(facts)])
     left_out = set(map(id, relaxed))
     kept = [rule.text for rule in rules if id(rule) not in left_out]
     others = [without_rules(text) for stage, text in rulebook.texts if stage == _STAGE]
@@ -57,7 +57,8 @@ def excluded(
     cost = f"#minimize {{ 1@{_LEVEL},N,V : _broken(N,none,V) }}."
     demand = [f":- not {wanted}."] if wanted else []
     try:
-        found = grounding.resolve("\n".join([*others, *kept, *broken, *demand, cost]))
+        program = "\n".join([*others, *kept, *broken, *demand, cost])
+        found = grounding.resolve([Fragment(program, "rules")])
         found.answer.check()
     except MarsError:
         return None

@@ -93,7 +93,7 @@ def _reasons(analysis: Analysis, rulebook: Rulebook) -> Iterator[None]:
 
 
 def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resolution | None:
-    grounding, resolving = analysis.grounding, rulebook.text("resolve")
+    grounding, resolving = analysis.grounding, rulebook.fragments("resolve")
     with costs_of(analysis.facts):
         resolution = grounding.resolve(resolving, budget.deadline(), budget.progress)
     return None if is_unresolvable(analysis) else resolution

@@ -7,6 +7,7 @@ from dataclasses import replace
 import clingo
 import pytest
 
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.rules.read import read_rules
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.solve.atoms import Fact
@@ -107,7 +108,7 @@ def violations(reasoner: Reasoner, told: Iterable[clingo.Symbol]) -> set[str]:
     mounts = "spec_is_mounted_on(R, M, V, B, W) :- is_mounted_on(R, M, V, B, W)."
     program = [RULEBOOK.text("verify"), facts, mounts, *(f"{atom}." for atom in told)]
     grounding = reasoner._analyse().grounding
-    grounding.derive("\n".join(program))
+    grounding.derive([Fragment("\n".join(program), "rules")])
     return set(map(str, grounding.symbols("violation", 2)))
 
 

@@ -1,0 +1,97 @@
+"""What each rule of a text cannot fire without, as the build has read it.
+
+To read that of a text takes longer than to ground what cannot fire, so of texts that no build has
+read it is not known. Of a rule it always is.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+
+from mars_asp.asp.cache import digest, made_of
+from mars_asp.asp.fragments import Fragment, Premises, blank
+from mars_asp.asp.rules import statements as reader
+from mars_asp.asp.rules import trees
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import Place, pieces, statements
+
+#: The sorts of statements that make no atoms possible but those in the heads of rules.
+_SILENT = ("rule", "comment", "constant", "declaration", "shown", "cost")
+_BLANKS = re.compile(r"[ \t]+\n")
+#: Where a file begins has no text.
+_SILENT_TOO = re.compile(r"$|#\s*project\b")
+
+
+def premises_of(text: str) -> Premises | None:
+    """Return what the rules of a text need; `None` where no build has read it."""
+    return _known(text, lambda: None)
+
+
+def read_premises(text: str) -> Premises | None:
+    """Return what the rules of a text need, for a build to keep it.
+
+    `None` where it makes atoms possible by something else than rules.
+    """
+    return _known(text, lambda: _read(text))
+
+
+def fragment_of(rule: Rule) -> Fragment:
+    """Return a rule as clingo reads it."""
+    return Fragment(rule.text, rule.span.path, rule.span, premises_of_rule(rule))
+
+
+def premises_of_rule(rule: Rule, text: str | None = None, gives: str | None = None) -> Premises:
+    """Return what a rule needs; or a `text` with its body, and that `gives` another predicate."""
+    needs, own = made_of("needs", _makers(), [rule.text], _of_rule)[rule.text]
+    heads = own if gives is None else frozenset({gives})
+    return Premises(("", ""), (rule.text if text is None else text,), (needs,), (heads,))
+
+
+def _known(text: str, make: Callable[[], Premises | None]) -> Premises | None:
+    key = digest(text.encode())
+    return made_of("premises", _makers(), [key], lambda _: make())[key]
+
+
+@cache
+def _makers() -> tuple[Path, ...]:
+    return Path(__file__), Path(reader.__file__), Path(trees.__file__)
+
+
+def _read(text: str) -> Premises | None:
+    lines = text.split("\n")
+    rest, rules, read = [""], [], (1, 1)
+    for piece in pieces(text):
+        if piece.sort not in _SILENT and _SILENT_TOO.match(piece.text) is None:
+            return None
+        if piece.sort in ("rule", "comment"):
+            rest[-1] += _between(lines, read, piece.begin)
+            read = piece.end
+        if piece.sort == "rule":
+            rules.append(piece.text)
+            rest.append("")
+        elif piece.sort == "comment":
+            rest[-1] += blank(piece.text)
+    rest[-1] += _between(lines, read, (len(lines), len(lines[-1]) + 1))
+    found = [_of_rule(rule) for rule in rules]
+    needs, gives = tuple(each for each, _ in found), tuple(each for _, each in found)
+    between = tuple(_BLANKS.sub("\n", each) for each in rest)
+    return Premises(between, tuple(rules), needs, gives)
+
+
+def _between(lines: Sequence[str], begin: Place, end: Place) -> str:
+    """Return what stands between two places, the first of which may be behind the other."""
+    if begin >= end:
+        return ""
+    (first, left), (last, right) = begin, end
+    found = list(lines[first - 1 : last])
+    found[-1] = found[-1][: right - 1]
+    found[0] = found[0][left - 1 :]
+    return "\n".join(found)
+
+
+def _of_rule(text: str) -> tuple[frozenset[str], frozenset[str]]:
+    variants = statements(text)
+    needs = ({each.signature.name for each in one.body.positive} for one in variants)
+    gives = (each.name for one in variants for each in one.derives)
+    return frozenset[str].intersection(*map(frozenset, needs)), frozenset(gives)
