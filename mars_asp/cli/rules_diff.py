@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,12 +36,17 @@ def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace
     """
     given = [Path(path) for path in arguments.rules]
     before = load_rulebook(given, trusted=arguments.trust)
-    after = load_rulebook([*given, *with_companions(Path(pack))], trusted=arguments.trust)
+    packs = [*given, *with_companions(Path(pack))]
+    after = load_rulebook(packs, trusted=arguments.trust)
+    reading = argparse.Namespace(**{**vars(arguments), "rules": [str(each) for each in packs]})
+    # A configuration may state attributes that only the pack declares: without its rules they are
+    # facts that nothing reads.
+    before = replace(before, brought=after.brought)
     compared: list[_Compared] = []
     status = 0
     for path in files or _examples():
         try:
-            project = load(arguments, path)
+            project = load(reading, path)
             budget = Budget(arguments.time_limit)
             found = diff(Reasoner(project, before, budget), Reasoner(project, after, budget))
         except MarsError as error:

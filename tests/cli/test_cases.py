@@ -101,6 +101,48 @@ def test_a_template_passes_its_lint_and_its_cases(
     assert [path.name for path in tmp_path.iterdir()] == ["wheel-slip"]
 
 
+BATTERY = """\
+%# Battery: what modules draw
+%
+% Purpose: find modules that draw too much.
+
+%*! draws(M: module, P: milliwatts)
+Module M draws P.
+from: property
+*%
+#defined draws/2.
+
+%! id:      battery/hungry
+%! because: `{M}` draws {P:milliwatts}
+%! example: cases/robot.mars
+%! at:      draws(M, P) "{P:milliwatts} here"
+consequence(hungry, warning, M, P) :- draws(M, P), P > 1500.
+"""
+
+
+def test_robots_among_the_cases_state_attributes_of_the_pack(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run_here(["rules", "new", "battery"]) == 0
+    Path("battery/consequences/battery.lp").write_text(BATTERY)
+    Path("battery/cases/battery.lp").write_text(
+        'draws("A",1500).\n%not: consequence(hungry,_,_,_)\n'
+    )
+    Path("battery/cases/robot.mars").write_text(
+        "@configuration\n@modules A, B\nA uses_data_from B\n"
+        "A @Property draws 1.501 W\n# expect: warning hungry(A) at 4\n"
+    )
+    assert run_here(["rules", "lint", "battery"]) == 0
+    assert run_here(["test", "battery", "--coverage", "--mutate", "--jobs", "1"]) == 0
+    assert run_here(["rules", "show", "battery/hungry", "--rules", "battery"]) == 0
+    assert run_here(["rules", "diff", "battery", "battery/cases/robot.mars"]) == 0
+    told = capsys.readouterr().out
+    assert "coverage of battery: 2 of 2 rules fire in a case" in told
+    assert "In its example:" in told
+    assert told.endswith("  appeared warning hungry(A): `A` draws 1.501 W\n")
+
+
 def test_a_mutant_survives_where_no_case_is_near(
     odd: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -188,3 +188,40 @@ def test_each_participant_of_a_built_in_rule_is_traced_to_its_list() -> None:
         assert {str(head) for head in rule.heads} <= {"participant/5", "concerns/4", "cites/4"}
         assert rule.written[1].startswith(owner.written[1])
         assert book.by_id[rule.id] is rule
+
+
+DEADLINES = """\
+%*! deadline(M: module, T: milliseconds)
+Module M has to answer within T.
+from: property
+*%
+#defined deadline/2.
+called(M, N) :- is_controlled_by(_, N, M).
+%! because: `{M}` has to answer within {T:milliseconds}
+consequence(late, warning, M, N) :- called(M, N), deadline(M, T), T > 100.
+"""
+
+
+def test_what_is_given_to_one_stage_alone_is_free_for_packs_without_its_rules(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "pace"
+    (pack / "consequences").mkdir(parents=True)
+    (pack / "pack.toml").write_text('name = "pace"\nversion = "1.0"\nsummary = "In time"\n')
+    (pack / "consequences" / "pace.lp").write_text(DEADLINES)
+    robot = tmp_path / "robot.mars"
+    robot.write_text(
+        "@configuration\n@modules A, B\nB is_controlled_by A\nA @Property deadline 0.5 s\n"
+    )
+    assert run_here(["rules", "lint", str(pack)]) == 0
+    assert run_here(["check", str(robot), "--rules", str(pack)]) == 0
+    assert "`A` has to answer within 0.5 s" in capsys.readouterr().err
+    (pack / "run").mkdir()
+    rule = "%! because: `{C}` is silent\nconsequence(quiet, note, C, E) :- commanded_by(E, C).\n"
+    (pack / "run" / "pace.lp").write_text(rule)
+    with pytest.raises(MarsError) as caught:
+        load_rulebook([pack], STAGES)
+    assert {each.message for each in caught.value.diagnostics} >= {
+        "`deadline` means something else already, so it cannot be the property `deadline`",
+        "`called/2` is given, and nothing derives it",
+    }

@@ -182,8 +182,7 @@ PAGES = (
         "A message that depends on the derivation",
         "Reports a hole in the message of a finding whose value the head does not settle. "
         "`key: R` in the documentation of a predicate states that R settles its other arguments. "
-        "Also reports a finding without a message, and two rules with the same premises and head "
-        "but unlike messages.",
+        "Also reports two rules that may give one finding unlike messages.",
         "Where several derivations give one finding, only one of them is shown.",
         f"{_CITY}{_ROAD}%! because: `{{C}}` is joined to `{{D}}`\n"
         "finding(C) :- road(_, C, D, _).\n",

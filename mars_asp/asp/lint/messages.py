@@ -20,18 +20,12 @@ _VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 def open_messages(
     clause: Clause, reported: frozenset[Signature], functions: "Functions"
 ) -> Iterator[Found]:
-    """Yield the holes in the message of a finding that two derivations of it may fill unlike.
-
-    And a finding without a message.
-    """
+    """Yield the holes in the message of a finding that two derivations of it may fill unlike."""
     rule = clause.rule
-    if clause.sort != "rule" or clause.heads[0][0].signature.unsigned not in reported:
+    if rule.because is None or clause.sort != "rule":
         return
     head = clause.heads[0][0]
-    if rule.because is None:
-        message = f"`{head.signature.unsigned}` is derived without a message"
-        advice = "write `%! because: ...` above the rule: else users read the atom"
-        yield found(MESSAGE, message, rule.span, rule, advice)
+    if head.signature.unsigned not in reported:
         return
     fixed = functions.closed(clause, names_in(head.node))
     for hole in rule.holes:

@@ -76,6 +76,16 @@ class Seal:
     extensible: Mapping[Signature, frozenset[str]]
     sees: Mapping[str, frozenset[str]]
     public: frozenset[Signature]
+    #: The stages of which no pack has rules, or rules that can see it.
+    unseen: frozenset[str] = frozenset()
+
+    def for_stages(self, stages: Iterable[str]) -> "Seal":
+        """Return what is sealed for packs that have rules of some stages alone.
+
+        What is given to other stages alone is nothing that they could mean.
+        """
+        seen = frozenset().union(*(self.sees[stage] for stage in stages))
+        return replace(self, unseen=frozenset(self.sees) - seen)
 
     def without(self, apart: Collection[Signature]) -> "Seal":
         """Return what is sealed where some names of private predicates mean something else."""
@@ -101,7 +111,8 @@ class Seal:
     @cached_property
     def reserved(self) -> frozenset[Signature]:
         """Return the predicates that no pack can have for itself: given ones, and public ones."""
-        return frozenset({*self.given, *self.extensible, *self.public})
+        given = (each for each, stages in self.given.items() if not stages <= self.unseen)
+        return frozenset({*given, *self.extensible, *self.public})
 
     def known(self, stage: str) -> frozenset[Signature]:
         """Return the predicates that the rules of a stage can rest on."""
@@ -239,7 +250,8 @@ def misused_heads(
                 placed(span, statement.place),
                 help="only findings are reported: leave out the rule",
             )
-    yield from contract.judge(rule, text, span)
+    if any(each.derives & extended for each in rule):
+        yield from contract.judge(rule, text, span)
 
 
 def misplaced_statements(

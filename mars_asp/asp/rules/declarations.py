@@ -227,6 +227,9 @@ def _declaration(text: str, place: Span, problems: list[Diagnostic]) -> Declarat
         else:
             advice = f"name some of {', '.join(names)}, or `{_NO_KEY}`"
             problems.append(_problem(f"`{_KEY}: {written}` names no argument", place, advice))
+    if attribution == "property" and len(read) > 1 and not keys:
+        # Two values of one property of a module are an error.
+        keys = [(0,)]
     return Declaration(
         match[1],
         read,

@@ -20,7 +20,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.reasoning.cases.configurations import SUFFIX
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.packs import MANIFEST
-from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.project import load_project, project_facts, with_brought
 from mars_asp.reasoning.rules import rules_directory
 
 
@@ -71,7 +71,7 @@ def _can_derive(rule: Rule, symbol: clingo.Symbol) -> bool:
 def _examples(path: Path, rulebook: Rulebook) -> Iterator[tuple[str, Sequence[Fact]]]:
     """Yield the facts of each case of a file, as a text and with their places."""
     if path.suffix == SUFFIX:
-        facts = project_facts(load_project(str(path)))
+        facts = project_facts(with_brought(load_project(str(path)), rulebook.brought))
         yield facts_text(facts), facts
         return
     for text in map(rulebook.as_named, case_texts(path)):

@@ -10,7 +10,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.cases.configurations import SUFFIX, run_configuration
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.findings import CONSEQUENCE
-from mars_asp.reasoning.project import load_project, project_facts
+from mars_asp.reasoning.project import load_project, project_facts, with_brought
 from mars_asp.reasoning.rules import FOLLOWING, STAGES
 
 #: Stages without choices.
@@ -46,7 +46,9 @@ def tried(path: Path, rulebook: Rulebook) -> Case:
         MarsError: it may not be given to clingo, or what it expects cannot be read.
     """
     if path.suffix == SUFFIX:
-        texts: tuple[str, ...] = (facts_text(project_facts(load_project(str(path)))),)
+        # Attributes are facts by the packs that declare them.
+        project = with_brought(load_project(str(path)), rulebook.brought)
+        texts: tuple[str, ...] = (facts_text(project_facts(project)),)
     else:
         texts = tuple(map(rulebook.as_named, cases.case_texts(path)))
     return Case(path, texts, ("base", *stages_of(path)), _passes(path))
