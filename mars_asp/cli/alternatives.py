@@ -8,6 +8,7 @@ from mars_asp.cli.again import command_on_one
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, compared, counted, wrapped
 from mars_asp.cli.reason import rulebook_for
+from mars_asp.cli.report import report_unrealisable
 from mars_asp.cli.selection import Selection
 from mars_asp.model.declarations import Control, Data
 from mars_asp.output import visible
@@ -43,10 +44,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
-        print(
-            "mars-asp: no specification realises this configuration; see `check`",
-            file=sys.stderr,
-        )
+        report_unrealisable(project.configuration.path, arguments)
         return 1
     if is_json:
         print(encoded({"subject": subject, **_json(found)}))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.layout import counted
+from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.lines import line_text, remember
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.publish import FINDING_FORMATS, is_published, publish, published
@@ -329,7 +329,9 @@ def _print(checked: Sequence[Checked], arguments: argparse.Namespace) -> None:
             about = f"{consequence.kind}({consequence.subject})"
             said = "; ".join(edit.message for edit in mend.edits)
             place = f"{span.path}:{span.line}:{span.column}"
-            print(visible(f"fixed {place}: {about}: {said}"), file=sys.stderr)
+            told = visible(f"fixed {place}: {about}: {said}")
+            for text in wrapped(told, columns(sys.stderr), further="  "):
+                print(text, file=sys.stderr)
             for line in mend.lines:
                 for text in line_text(line):
                     print(text.removeprefix("   "), file=sys.stderr)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mars_asp.cli.deliver import write_file
+from mars_asp.cli.layout import columns, wrapped
 from mars_asp.cli.reason import add_file, read_project
 from mars_asp.cli.report import report
 from mars_asp.diagnostic import Diagnostic, MarsError
@@ -80,11 +81,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the picture."""
     kind = arguments.kind or _kind_of(arguments.output)
     if kind not in FORMATS:
-        print(
+        told = (
             f"mars-asp draw: `{visible(arguments.output)}` does not show what to write; "
-            f"end it in .{', .'.join(FORMATS)}, or add --as",
-            file=sys.stderr,
+            f"end it in .{', .'.join(FORMATS)}, or add --as"
         )
+        for line in wrapped(told, columns(sys.stderr), further="  "):
+            print(line, file=sys.stderr)
         return 2
     if arguments.depth is not None and arguments.about is None:
         print("mars-asp draw: --depth needs --about NAME", file=sys.stderr)

@@ -50,7 +50,8 @@ def shortened(line: str, column: int) -> str:
 
     Columns count from 1. The first word stays, as it says what kind of line it is.
     """
-    bare = line.strip()
+    # A tab is as wide as the column that it counts.
+    bare = line.replace("\t", " ").strip()
     if len(bare) <= MOST:
         return bare
     place = column - 1 - (len(line) - len(line.lstrip()))

@@ -1,7 +1,6 @@
 """What `run` and `campaign` have in common: what is run in which scenario, and one run of it."""
 
 import argparse
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +13,7 @@ from mars_asp.cli.reason import (
     read_input,
     rulebook_for,
 )
-from mars_asp.cli.report import report
+from mars_asp.cli.report import report, report_unrealisable
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rulebook import Rulebook
@@ -61,7 +60,7 @@ def specified(
 
     specification = _specification(project, arguments)
     if specification is None:
-        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+        report_unrealisable(project.configuration.path, arguments)
         return None
     # A specification that was made here does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)

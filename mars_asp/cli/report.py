@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import cells, columns, wrapped
 from mars_asp.cli.lines import line_json, line_text, whole_line
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief
+from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, point
 from mars_asp.output import visible
 
 if TYPE_CHECKING:
@@ -62,6 +62,17 @@ def colours(arguments: argparse.Namespace, stream: object) -> bool:
 def report_error(error: MarsError, arguments: argparse.Namespace) -> None:
     """Print everything that a stage found wrong."""
     report(error.diagnostics, arguments)
+
+
+def report_unrealisable(path: str, arguments: argparse.Namespace) -> None:
+    """Print that no specification realises the configuration at `path`."""
+    message = "no specification realises this configuration"
+    if arguments.format == "json":
+        help_text = "`mars-asp check` shows what prevents it"
+        place = point(path, 1, 1)
+        report([Diagnostic("unrealisable", "error", message, place, help=help_text)], arguments)
+    else:
+        print(f"mars-asp: {message}; see `check`", file=sys.stderr)
 
 
 def report(

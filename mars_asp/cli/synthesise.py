@@ -10,7 +10,7 @@ from mars_asp.cli.deliver import write_file
 from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.reason import add_file, analyse_project, read_project, rulebook_for
-from mars_asp.cli.report import report
+from mars_asp.cli.report import report, report_unrealisable
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.language import print_configuration
@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
         budget = Budget(seconds_to_search(arguments), progress)
         found = synthesise(project, analysis, rulebook, budget)
     if found is None:
-        print("mars-asp: no specification realises this configuration", file=sys.stderr)
+        report_unrealisable(project.configuration.path, arguments)
         return 1
     printed = found.specification.configuration
     with stage(arguments, "verifying"):

@@ -22,7 +22,7 @@ from mars_asp.cli.reason import (
     read_project,
     rulebook_for,
 )
-from mars_asp.cli.report import report
+from mars_asp.cli.report import report, report_unrealisable
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model.declarations import NODE_NAMES, Relationship
 from mars_asp.output import visible
@@ -166,9 +166,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
     name = arguments.without
     found = without(name, Reasoner(project, rulebook, Budget(arguments.time_limit)))
     if found is None:
-        print(
-            "mars-asp: no specification realises this configuration; see `check`", file=sys.stderr
-        )
+        report_unrealisable(project.configuration.path, arguments)
         return 1
     if arguments.format == "json":
         violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]

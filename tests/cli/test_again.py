@@ -1,5 +1,6 @@
 """Commands that an answer suggests can be pasted into a shell, whatever files are called."""
 
+import json
 import shlex
 from pathlib import Path
 
@@ -40,3 +41,41 @@ def test_a_suggested_command_works(
     assert again[-2:] == ["--sources", str(tmp_path)]
     assert run_here(again) in (0, 1)
     assert capsys.readouterr().out.strip()
+
+
+def test_programs_read_each_line_of_standard_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "fast.mars"
+    file.write_text(
+        "@configuration\n@modules A, B\nA uses_data_from B 400\n@module_start\n@module_name B\n"
+        "@Sense NotifyAtFrequency 200\nImg f();\n@module_end\n"
+    )
+    name = str(file)
+    for words in (
+        ["synthesise", name],
+        ["verify", "--without", "X", name],
+        ["explain", name, "--alternatives"],
+    ):
+        assert run_here([*words, "--format", "json"]) == 1
+        *_, last = map(json.loads, capsys.readouterr().err.splitlines())
+        assert last["code"] == "unrealisable"
+        assert last["path"] == name
+
+
+def test_lines_are_shown_without_escapes_and_within_the_width(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    file = tmp_path / "t.mars"
+    file.write_text(
+        "@configuration\n@modules A,\tB, Unused\nA\tuses_data_from\tB\nA uses_data_from B\n"
+    )
+    run_here(["explain", str(file), "duplicate_relationship"])
+    assert "t.mars:3  A uses_data_from B\n" in capsys.readouterr().out
+    run_here(["check", str(file), "--fix"])
+    fixed = [line for line in capsys.readouterr().err.split("\n") if not line.startswith("    ")]
+    assert any(line.startswith("fixed") for line in fixed)
+    assert all(len(line) <= 60 or len(line.split()) <= 2 for line in fixed), fixed
+    run_here(["draw", str(file), "-o", "picture.unknown"])
+    assert max(map(len, capsys.readouterr().err.split("\n"))) <= 60

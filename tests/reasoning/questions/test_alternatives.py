@@ -94,6 +94,7 @@ NEEDS = [
             "own_part",
             "three_alike",
             "twice_converted",
+            "made_apart",
         )
     ),
 ]
