@@ -8,12 +8,11 @@ from mars_asp.cli.lines import remember
 from mars_asp.cli.reason import STANDARD_INPUT, check_inputs
 from mars_asp.cli.report import report
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.exchange.foreign import READERS, File, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
 
-_FORMATS = ("urdf", *READERS)
+_FORMATS = tuple(READERS)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,15 +56,10 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
         MarsError: what is wrong with the document.
     """
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
-    from mars_asp.exchange.urdf import import_urdf
+    from mars_asp.exchange.urdf import import_urdfs
 
-    document, *others = arguments.files
-    if others:
-        message = f"`{others[0]}` is a second document, and a robot has one in URDF"
-        help_text = "import one at a time"
-        place = point(others[0], 1, 1)
-        raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
-    found = import_urdf(*_text(document, MOST_OF_URDF))
+    texts = [_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
+    found = import_urdfs(texts)
     return found, print_configuration(found.configuration)
 
 

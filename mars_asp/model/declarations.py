@@ -192,7 +192,7 @@ Relationship: TypeAlias = Mount | Control | Data
 #: What muxes in other people's robots run.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
 #: The formats of robots that are not ours.
-FOREIGN = ("twist_mux", "rosgraph", "dora", "ros2")
+FOREIGN = ("urdf", "twist_mux", "rosgraph", "dora", "ros2")
 
 
 @dataclass(frozen=True, slots=True)
