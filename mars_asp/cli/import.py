@@ -56,9 +56,10 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
         MarsError: what is wrong with the document.
     """
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
-    from mars_asp.exchange.urdf import import_robot
+    from mars_asp.exchange.urdf import import_urdfs
 
-    found = import_robot([_text(document, MOST_OF_URDF) for document in arguments.files])
+    texts = [_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
+    found = import_urdfs(texts)
     return found, print_configuration(found.configuration)
 
 

@@ -132,10 +132,9 @@ def _parse(
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
-        # What moves comes after who commands it: a robot in URDF has no architecture.
-        files.sort(key=lambda file: file.format == "urdf")
-        first = files[0]
-        return read_foreign(files), first.text, first.format
+        # Of nodes and links in one robot, what is asked of topics is asked of the nodes.
+        format = next((file.format for file in files if file.format != "urdf"), first.format)
+        return read_foreign(files), first.text, format
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
         help_text = "give it alone, or several to `mars-asp check`; only files of others are one"

@@ -11,7 +11,7 @@ from mars_asp.language import Parsed
 _Reader: TypeAlias = Callable[[Sequence[tuple[str, str]]], Parsed]
 #: Where what reads a format is, from texts and their paths. Only what is needed is loaded.
 READERS: Mapping[str, tuple[str, str]] = {
-    "urdf": ("mars_asp.exchange.urdf", "import_robot"),
+    "urdf": ("mars_asp.exchange.urdf", "import_urdfs"),
     "twist_mux": ("mars_asp.exchange.twist_mux", "import_muxes"),
     "rosgraph": ("mars_asp.exchange.rosgraph", "import_rosgraph"),
     "dora": ("mars_asp.exchange.dora", "import_dora"),

@@ -32,8 +32,8 @@ _LAUNCH = re.compile(
     r"|\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<launch[\s/>]",
     re.MULTILINE,
 )
-#: A robot in URDF is the root of a document, its macros expanded or not.
-_ROBOT = re.compile(r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<robot[\s/>]")
+#: What begins a document of URDF, expanded or not.
+_URDF = re.compile(r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<robot[\s/>]")
 _NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)
 _ID = _key("id")
 #: The kinds of dumps of a graph, each by what it alone says.
@@ -73,7 +73,7 @@ def recognised(text: str) -> str:
         return "mars"
     if is_launch(text):
         return "ros2"
-    if _ROBOT.search(text[:_HEAD]):
+    if _URDF.match(text[:_HEAD]):
         return "urdf"
     if dump_of(text) is not None:
         return "rosgraph"

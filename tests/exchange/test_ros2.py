@@ -133,6 +133,8 @@ DESCRIPTIONS = [
         "*s, TimerAction(period=1.0, actions=[" + JOY + "])",
         ["/joy_node"],
     ),
+    ("pass", JOY.replace(")", ", arguments=['--ros-args', '-r', '__ns:=/a'])"), ["/a/joy_node"]),
+    ("pass", JOY.replace(")", ", name='n', ros_arguments=['-r', '__node:=m'])"), ["/m"]),
     ("x = '/g/'", JOY.replace(")", ", namespace=x)"), ["/g/joy_node"]),
     ("pass", "Node(package='x', executable='y', name='z')", ["/z"]),
 ]  # fmt: skip
@@ -254,6 +256,26 @@ def test_a_node_known_to_have_no_topics_is_not_one_whose_topics_could_not_be_rea
     found = import_ros2([("", str(tmp_path))]).configuration
     assert [name.text for name in found.modules] == ["/started"]
     assert [name.text for name in found.opaque] == ["/started"] * is_opaque
+
+
+#: How launch files give a program remappings among its arguments.
+ARGUED = [
+    ("x.launch.py", "arguments=['--ros-args', '-r', 'joy:=a']"),
+    ("x.launch.py", "arguments=['--ros-args -r joy:=a']"),
+    ("x.launch.py", "ros_arguments=['-r', 'joy:=a']"),
+    ("x.launch.xml", 'args="--ros-args --remap joy:=a"'),
+    ("x.launch.xml", 'args="--device 0" ros_args="--remap joy:=a"'),
+    ("x.launch", 'args="joy:=a _rate:=5"'),
+]
+
+
+@pytest.mark.parametrize(("path", "given"), ARGUED)
+def test_remappings_among_arguments_are_read(path: str, given: str) -> None:
+    text = f'<launch><node pkg="joy" exec="joy_node" {given}/></launch>'
+    if path.endswith(".py"):
+        text = PYTHON.format(before="pass", nodes=JOY.replace(")", f", {given})"))
+    [joy] = launched(text, path).configuration.declared
+    assert [service.port for service in joy.services] == ["/a"]
 
 
 BOMB = '<!DOCTYPE x [<!ENTITY a "b">]>\n<launch><node pkg="&a;" exec="x"/></launch>'

@@ -167,6 +167,64 @@ def test_what_urdf_leaves_out_means_what_urdf_says() -> None:
     assert "3.141592653589793" in (angle.help or "")
 
 
+#: A joint that moves in more than one way, and the motions that it gives its child.
+SEVERAL = [
+    ("planar", "0 0 1", {"pan": ["Trans_X", "Trans_Y", "Rotn_Z"]}),
+    ("planar", "0 1 0", {"pan": ["Trans_X", "Trans_Z", "Rotn_Y"]}),
+    ("planar", "0 0 -1", {"slide": ["Trans_X", "Trans_Y", "Rotn_Z"]}),
+    ("floating", "1 1 0", {"pan": [f"{k}_{a}" for k in ("Trans", "Rotn") for a in "XYZ"]}),
+]
+
+
+@pytest.mark.parametrize(("kind", "axis", "motions"), SEVERAL)
+def test_joints_that_move_in_several_ways(
+    kind: str, axis: str, motions: dict[str, list[str]]
+) -> None:
+    text = (
+        '<robot name="r"><link name="base"/><link name="pan"/>'
+        f'<joint name="slide" type="{kind}"><parent link="base"/><child link="pan"/>'
+        f'<axis xyz="{axis}"/><limit lower="0" upper="1" velocity="1"/></joint></robot>'
+    )
+    found = imported(text).declared
+    assert {m.name: [f.name for f in m.functions] for m in found} == motions
+    assert all((f.min, f.max, f.rate) == (None, None, None) for m in found for f in m.functions)
+
+
+def test_what_exporters_repeat_is_remarked_once() -> None:
+    joints = "".join(
+        f'<link name="l{n}"/><joint name="j{n}" type="revolute"><parent link="l{n - 1}"/>'
+        f'<child link="l{n}"/><origin rpy="1.5708 0 -1.5708"/><mimic joint="j1"/></joint>'
+        for n in range(1, 8)
+    )
+    found = import_urdf(f'<robot name="r"><link name="l0"/>{joints}</robot>', "a.urdf").warnings
+    assert [warning.message for warning in found] == [
+        "7 joints follow others, but are imported as independent",
+        "14 angles are nearly quarter turns, and are used as written",
+    ]
+    assert all(len(warning.labels) == 3 for warning in found)
+
+
+def test_a_document_is_a_robot_to_every_verb(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm = tmp_path / "arm.xml"
+    joint = '<parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
+    arm.write_text(
+        '<?xml version="1.0"?><!-- by xacro --><robot name="r"><link name="base"/>\n'
+        '<link name="arm"/><link name="tip"/>\n'
+        f'<joint name="a" type="continuous">{joint}</joint>\n'
+        '<joint name="b" type="fixed"><parent link="tip"/><child link="base"/></joint></robot>\n',
+        encoding="utf-8",
+    )
+    assert run_here(["analyse", str(arm), "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert sorted(found["frames"]) == ["arm", "base", "tip"]
+    assert run_here(["synthesise", str(arm)]) == 0
+    assert "arm is_mounted_on base" in capsys.readouterr().out
+    assert run_here(["check", str(arm), str(FILES[0])]) == 2
+    assert "is a second document" in capsys.readouterr().err
+
+
 # ---- round trips ----
 
 
@@ -304,7 +362,7 @@ DAMAGE = [
         (("<robot", '<!DOCTYPE r [<!ENTITY a "b">]><robot'), (1, 1), "document type"),
         (("<robot", '<!DOCTYPE r SYSTEM "file:///etc/passwd"><robot'), (1, 1), "document type"),
         (("</robot>", ""), (10, 1), "not XML"),
-        (('"revolute"', '"planar"'), (3, 3), "joint `pan` is `planar`"),
+        (('"revolute"', '"screw"'), (3, 3), "joint `pan` is `screw`"),
         (('"revolute"', '"revolut"'), (3, 3), "did you mean `revolute`"),
         ((' type="revolute"', ""), (3, 3), "has no type"),
         (('    <parent link="base"/>\n', ""), (3, 3), "has no parent"),

@@ -221,6 +221,10 @@ class Launch:
             called = name or executable or "?"
             self.unread.append(Unread("remappings made at run time", called, span))
         words = self._words(action, scope, files)
+        # What a program is told in its arguments comes before what launching adds to them.
+        told = {s: target for s, _, target in (w.partition(":=") for w in words) if s[:2] == "__"}
+        name = told.get("__node") or told.get("__name") or name
+        at = joined(scope.namespace, namespace or "")
         remaps = [
             *scope.remaps,
             *self._remaps(action.remaps, scope, files),
@@ -234,7 +238,7 @@ class Launch:
                 executable or "",
                 action.plugin,
                 _ANONYMOUS.sub(r"\1", name or ""),
-                joined(scope.namespace, namespace or ""),
+                joined("/", told.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
                 (*scope.files, *self._files(action.files, scope, files, action.span)),

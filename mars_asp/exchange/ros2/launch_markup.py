@@ -177,7 +177,8 @@ def _node(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
     package = entity.text("pkg", "package") or UNKNOWN
     plugin = entity.name == "composable_node"
     executable = entity.text("plugin") if plugin else entity.text("exec", "type", "executable")
-    arguments = entity.text("args")
+    arguments, ros_arguments = entity.text("args"), entity.text("ros_args")
+    for_ros: tuple[Text, ...] = (("--ros-args",), ros_arguments) if ros_arguments else ()
     words = [part for part in arguments or () if isinstance(part, str)]
     if package == ("nodelet",) and not plugin:
         load = " ".join(words).split()
@@ -199,7 +200,7 @@ def _node(entity: _Entity, is_conditional: bool) -> Iterator[Action]:
         tuple(_remap(child) for child in entity.named("remap")),
         files,
         parameters,
-        () if arguments is None else (arguments,),
+        tuple(filter(None, (arguments, *for_ros))),
         is_conditional,
     )
 

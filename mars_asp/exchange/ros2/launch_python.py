@@ -17,6 +17,7 @@ from mars_asp.exchange.ros2.actions import (
     SetParameters,
     SetRemap,
     Start,
+    Text,
     plain,
     together,
 )
@@ -265,7 +266,7 @@ class _Reader(Evaluator):
             remaps,
             files,
             parameters,
-            tuple(text_from(each) for each in items_of(call.named.get("arguments"))),
+            _arguments_of(call),
             conditional,
             unread,
         )
@@ -311,6 +312,15 @@ class _Reader(Evaluator):
                 at = "plugin" if _NODES[call.name] else "executable"
                 name = plain(text_from(call.get(at))) or call.name
                 yield NotRead("nodes that are made but not launched", name, span)
+
+
+def _arguments_of(call: Call) -> tuple[Text, ...]:
+    """Return the arguments of a program; those for ROS may have a list of their own."""
+    own, for_ros = (
+        tuple(map(text_from, items_of(call.named.get(name))))
+        for name in ("arguments", "ros_arguments")
+    )
+    return (*own, ("--ros-args",), *for_ros) if for_ros else own
 
 
 def _called(node: ast.Call) -> str:

@@ -5,10 +5,10 @@ millimetres and degrees. A bound that is open is written as `OPEN`, for URDF has
 is as wide as that is read as open.
 """
 
-from mars_asp.exchange.urdf.read import import_robot, import_urdf
+from mars_asp.exchange.urdf.read import import_urdf, import_urdfs
 from mars_asp.exchange.urdf.write import export_urdf
 
 #: Far above any robot: meshes stand in files of their own.
 MOST_BYTES = 16 * 1024 * 1024
 
-__all__ = ["MOST_BYTES", "export_urdf", "import_robot", "import_urdf"]
+__all__ = ["MOST_BYTES", "export_urdf", "import_urdf", "import_urdfs"]

@@ -12,7 +12,7 @@ from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
 from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
 
-KINDS = ("fixed", "revolute", "continuous", "prismatic")
+KINDS = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _MOST = 200
 _MOST_GUESSES = 20

@@ -8,7 +8,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.urdf.angles import (
     QUARTER,
     Turns,
@@ -34,6 +34,7 @@ from mars_asp.model.declarations import (
 from mars_asp.model.ranges import BOUND
 
 _METRE = 1000
+_MOST_PLACES = 3
 _NONE = Decimal(0)
 
 
@@ -65,7 +66,8 @@ def import_urdf(text: str, path: str) -> Parsed:
     """Return the configuration of a URDF document, with what is noteworthy about it.
 
     A link becomes a module, mounted on its parent. A joint that moves along or about x, y or z is
-    a motion function of its child; another one becomes a module of its own between the two, whose
+    a motion function of its child, a planar one has three of them and a floating one six; another
+    one becomes a module of its own between the two, whose
     z is the joint's axis.
 
     Raises:
@@ -91,8 +93,23 @@ def import_urdf(text: str, path: str) -> Parsed:
         relationships=tuple(mounts),
         declared=tuple(described),
     )
-    warnings = [warning for joint in document.joints for warning in _remarks(joint)]
-    return Parsed(configuration, tuple(warnings), tuple(map(print_module, described)))
+    return Parsed(configuration, tuple(_remarks(document.joints)))
+
+
+def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
+    """Return the configuration of one document, its text and path, as of a file of others.
+
+    Raises:
+        MarsError: what is wrong with it, or that there are several.
+    """
+    (text, path), *others = files
+    if others:
+        message = f"`{others[0][1]}` is a second document, and a robot has one in URDF"
+        place = point(others[0][1], 1, 1)
+        raise MarsError((Diagnostic("usage", "error", message, place, help="give one at a time"),))
+    found = import_urdf(text, path)
+    configuration = replace(found.configuration, architecture="hierarchical")
+    return Parsed(configuration, found.warnings, tuple(map(print_module, configuration.declared)))
 
 
 def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> Iterator[_Placed]:
@@ -103,12 +120,12 @@ def _placements(joint: Joint, links: dict[str, str], movers: dict[str, str]) -> 
     letter = main_axis(axis)
     if joint.kind == "fixed":
         yield _Placed(child, parent, turns, joint.shift)
-    elif letter:
-        child = replace(child, functions=(_function(joint, letter),))
+    elif letter or joint.kind == "floating":
+        child = replace(child, functions=_functions(joint, letter or "Z"))
         yield _Placed(child, parent, turns, joint.shift)
     else:
         there = turns_to(axis)
-        mover = Module(movers[joint.name], joint.span, functions=(_function(joint, "Z"),))
+        mover = Module(movers[joint.name], joint.span, functions=_functions(joint, "Z"))
         yield _Placed(mover, parent, (*there, *turns), joint.shift)
         back = tuple((name, -degrees) for name, degrees in reversed(there))
         yield _Placed(child, mover.name, back, (_NONE, _NONE, _NONE))
@@ -140,6 +157,19 @@ def _mount(placed: _Placed) -> tuple[Mount, Module]:
     return replace(mount, mounting_vertex=1), replace(module, vertices=(vertex,))
 
 
+def _functions(joint: Joint, letter: str) -> tuple[Function, ...]:
+    """Return the motions of a joint whose axis has a letter in the child's frame."""
+    match joint.kind:
+        case "planar":
+            names = [f"Trans_{each}" for each in "XYZ" if each != letter]
+            return tuple(Function(name, joint.span) for name in (*names, f"Rotn_{letter}"))
+        case "floating":
+            names = [f"{kind}_{each}" for kind in ("Trans", "Rotn") for each in "XYZ"]
+            return tuple(Function(name, joint.span) for name in names)
+        case _:
+            return (_function(joint, letter),)
+
+
 def _function(joint: Joint, letter: str) -> Function:
     slides = joint.kind == "prismatic"
 
@@ -155,25 +185,36 @@ def _function(joint: Joint, letter: str) -> Function:
     return Function(name, joint.span, *bounds, converted(joint.rate) or None)
 
 
-def _remarks(joint: Joint) -> Iterator[Diagnostic]:
-    if joint.mimics is not None and joint.kind != "fixed":
-        yield Diagnostic(
-            "urdf-mimic",
-            "warning",
-            f"joint `{joint.name}` follows `{joint.mimics}`, but is imported as independent",
-            joint.span,
-            help="mounts cannot couple joints; inheritance assumes that both move independently",
-        )
-    for angle in joint.turns:
-        nearest = round(float(angle) / QUARTER) * QUARTER
-        if 1e-9 < abs(float(angle) - nearest) < 2e-3:
-            yield Diagnostic(
-                "urdf-angle",
-                "warning",
-                f"`{angle}` is nearly a quarter turn, and is used as written",
-                joint.span,
-                help=f"for a right angle write `{nearest!r}`; inheritance depends on it",
-            )
+def _remarks(joints: Sequence[Joint]) -> Iterator[Diagnostic]:
+    """Yield what mounts do not say of joints, each sort once, as exporters repeat it."""
+    following = [joint for joint in joints if joint.mimics is not None and joint.kind != "fixed"]
+    if following:
+        said = [f"`{joint.name}` follows `{joint.mimics}`" for joint in following]
+        what = f"joint {said[0]}, but is imported as independent"
+        if len(following) > 1:
+            what = f"{len(following)} joints follow others, but are imported as independent"
+        help_text = "mounts cannot couple joints; inheritance assumes that both move independently"
+        spans = [joint.span for joint in following]
+        yield _remark("urdf-mimic", what, help_text, list(zip(spans, said, strict=True)))
+    near = [
+        (joint.span, f"`{angle}`", f"`{nearest!r}`")
+        for joint in joints
+        for angle in joint.turns
+        if 1e-9 < abs(float(angle) - (nearest := round(float(angle) / QUARTER) * QUARTER)) < 2e-3
+    ]
+    if near:
+        what = f"{near[0][1]} is nearly a quarter turn, and is used as written"
+        if len(near) > 1:
+            what = f"{len(near)} angles are nearly quarter turns, and are used as written"
+        help_text = f"for a right angle write {near[0][2]}; inheritance depends on it"
+        yield _remark("urdf-angle", what, help_text, [(span, said) for span, said, _ in near])
+
+
+def _remark(
+    code: str, message: str, help_text: str, places: Sequence[tuple[Span, str]]
+) -> Diagnostic:
+    (first, _), *others = places
+    return Diagnostic(code, "warning", message, first, tuple(others[:_MOST_PLACES]), help_text)
 
 
 def _words(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
