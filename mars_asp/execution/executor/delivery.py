@@ -150,7 +150,7 @@ def number_of(value: Any, field: str | None) -> float:
 def condition(mode: Mode) -> Callable[[float], bool]:
     """Return the test of one conditional mode; it remembers what it has seen.
 
-    NaN fulfils none and is not remembered, for it is no more than a number, no less and no other.
+    NaN fulfils none and is not remembered: it is neither above nor below any number.
 
     Raises:
         ValueError: the mode sets no condition, or lacks the value it is about.
