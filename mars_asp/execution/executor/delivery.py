@@ -1,6 +1,8 @@
 """Delivery modes: when a source or a splitter sends what it has over a link."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -148,24 +150,32 @@ def number_of(value: Any, field: str | None) -> float:
 def condition(mode: Mode) -> Callable[[float], bool]:
     """Return the test of one conditional mode; it remembers what it has seen.
 
+    NaN fulfils none and is not remembered: it is neither above nor below any number.
+
     Raises:
         ValueError: the mode sets no condition, or lacks the value it is about.
     """
-    arguments = [float(argument) for argument in mode.arguments]
+    test = _test(mode)
+    return lambda x: not math.isnan(x) and test(x)
+
+
+def _test(mode: Mode) -> Callable[[float], bool]:
+    arguments = mode.arguments
     if mode.name == "NotifyOnMax":
         return _beyond(arguments, 1.0)
     if mode.name == "NotifyOnMin":
         return _beyond(arguments, -1.0)
     if mode.name == "NotifyOnValue" and arguments:
-        return _entering(arguments[0], arguments[1] if len(arguments) > 1 else 0.0)
+        return _entering(arguments[0], arguments[1] if len(arguments) > 1 else Decimal(0))
     if mode.name == "NotifyOnChange":
-        return _changing(arguments[0] if arguments else 0.0)
+        return _changing(arguments[0] if arguments else Decimal(0))
     raise ValueError(f"`{mode.text or mode.name}` states no condition")
 
 
-def _beyond(arguments: list[float], sign: float) -> Callable[[float], bool]:
+def _beyond(arguments: Sequence[Decimal], sign: float) -> Callable[[float], bool]:
     if arguments:
-        return lambda x: sign * x >= sign * arguments[0]
+        limit = sign * float(arguments[0])
+        return lambda x: sign * x >= limit
     best: float | None = None
 
     def exceeds(x: float) -> bool:
@@ -178,26 +188,34 @@ def _beyond(arguments: list[float], sign: float) -> Callable[[float], bool]:
     return exceeds
 
 
-def _entering(value: float, tolerance: float) -> Callable[[float], bool]:
+def _entering(value: Decimal, tolerance: Decimal) -> Callable[[float], bool]:
+    # Added as they are written: 30.1 is within 30 ± 0.1, though 30.1 - 30 in floats is more.
+    least, most = float(value - tolerance), float(value + tolerance)
     inside = False
 
     def enters(x: float) -> bool:
         nonlocal inside
-        before, inside = inside, abs(x - value) <= tolerance
+        before, inside = inside, least <= x <= most
         return inside and not before
 
     return enters
 
 
-def _changing(least: float) -> Callable[[float], bool]:
+def _changing(least: Decimal) -> Callable[[float], bool]:
     delivered: float | None = None
 
     def differs(x: float) -> bool:
         nonlocal delivered
         # From what was last delivered, not last seen: else a slow drift would be lost.
-        if delivered is not None and abs(x - delivered) <= least:
+        # Infinity, which a sonar reads that sees nothing, less infinity is no number.
+        if delivered is not None and (x == delivered or _apart(x, delivered) <= least):
             return False
         delivered = x
         return True
 
     return differs
+
+
+def _apart(one: float, other: float) -> Decimal:
+    """Return how far two numbers, not the same infinity, are apart as they are written."""
+    return abs(Decimal(repr(one)) - Decimal(repr(other)))

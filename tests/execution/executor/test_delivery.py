@@ -1,5 +1,6 @@
 """Delivery modes, rates and requests, sentence by sentence."""
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -143,7 +144,19 @@ def test_a_splitter_polls_what_answers_requests() -> None:
         ("NotifyOnValue(5, 0.5)", [4, 4.6, 5.4, 6, 5.5], [4.6, 5.5]),
         ("NotifyOnValue(5)", [4, 5, 5, 6, 5], [5, 5]),
         ("NotifyOnChange", [1, 1, 2, 2, 1], [1, 2, 1]),
+        ("NotifyOnValue(30, 0.1)", [29, 30.1, 31, 29.9, 29.89, 30], [30.1, 29.9, 30]),
         ("NotifyOnChange(0.5)", [7, 7.5, 7.75, 7.25], [7, 7.75]),
+        ("NotifyOnChange(0.2)", [0.6, 0.8, 0.81], [0.6, 0.81]),
+        (
+            "NotifyOnChange",
+            [math.inf, math.inf, 3, math.inf, math.inf, -math.inf],
+            [math.inf, 3, math.inf, -math.inf],
+        ),
+        ("NotifyOnChange(5)", [math.inf, math.inf, 3, math.nan, 4, 9], [math.inf, 3, 9]),
+        ("NotifyOnChange", [math.nan, math.nan, 1, math.nan, 1], [1]),
+        ("NotifyOnMax", [math.nan, 1, math.nan, 1, 2], [1, 2]),
+        ("NotifyOnMin", [3, math.nan, 3, 2, math.inf], [3, 2]),
+        ("NotifyOnMin(3)", [math.nan, math.inf, -math.inf], [-math.inf]),
         ("NotifyOnChange(0.5)", [0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2], [0, 0.6, 1.2]),
     ],
 )
