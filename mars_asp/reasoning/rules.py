@@ -133,7 +133,9 @@ def load_rulebook(
     spaces = tuple(_name_space(pack, problems) for pack in packs)
     attributes: tuple[AttributeKind, ...] = ()
     if spaces:
-        sealed = seal().for_stages({file.stage for space in spaces for file in space.files})
+        # What a run alone is given is about that run, and all else about the robot.
+        stages = {*SEES} - {"run"} | {file.stage for space in spaces for file in space.files}
+        sealed = seal().for_stages(stages)
         attributes = attribute_kinds(spaces, sealed, problems)
         own_names = {each.declaration.signature: each.predicate for each in attributes}
         taken = (file_name(path, at) for path, (at, _) in zip(own.paths, own.texts, strict=True))

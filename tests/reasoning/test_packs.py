@@ -202,7 +202,7 @@ consequence(late, warning, M, N) :- called(M, N), deadline(M, T), T > 100.
 """
 
 
-def test_what_is_given_to_one_stage_alone_is_free_for_packs_without_its_rules(
+def test_what_is_given_to_runs_alone_is_free_for_packs_without_rules_on_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pack = tmp_path / "pace"

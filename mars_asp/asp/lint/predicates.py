@@ -54,9 +54,10 @@ def unfounded(
     rules: dict[Signature, list[int]] = {}
     for number, clause in enumerate(clauses):
         for head, _ in clause.heads:
+            if head.signature not in circle:
+                continue
             # What is a premise of itself is reported as such.
-            again = head.text in {atom.text for atom in clause.body.positive}
-            if head.signature in circle and not again:
+            if head.text not in {atom.text for atom in clause.body.positive}:
                 rules.setdefault(head.signature, []).append(number)
     founded: set[Signature] = set()
     waiting = True

@@ -1,5 +1,6 @@
 """Values in rules that can never be: of the wrong sort, misspelt, in another form or unit."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
 from mars_asp.asp.lint.clauses import (
@@ -23,6 +24,8 @@ from mars_asp.spelling import nearest
 SORT, UNIT, VALUE, FORM = "rule-sort", "rule-unit", "rule-value", "rule-form"
 _WORDS = {"number": "a number", "string": "a string", "name": "a constant", "function": "a term"}
 #: Numbers nobody means in thousandths or less: what is less than one of the unit people use.
+#: What may be a sum or a difference; the arrow of a rule is none.
+_SUM = re.compile(r"\+|(?<!:)-")
 _FINE = ("millihertz", "micrometres", "millionths")
 
 
@@ -260,6 +263,8 @@ def mixed_units(clauses: Sequence[Clause], judged: Set[int], known: Known) -> It
 
 def _mixed_sums(clause: Clause, environment: Environment, known: Known) -> Iterator[Found]:
     """Yield the sums and differences of numbers of two units."""
+    if _SUM.search(clause.rule.text) is None:
+        return
     for node in below(clause.node):
         if node.ast_type is Kind.BinaryOperation and operation_of(node) in ("+", "-"):
             left, right = known.of(node.left, environment), known.of(node.right, environment)

@@ -80,10 +80,7 @@ class Seal:
     unseen: frozenset[str] = frozenset()
 
     def for_stages(self, stages: Iterable[str]) -> "Seal":
-        """Return what is sealed for packs that have rules of some stages alone.
-
-        What is given to other stages alone is nothing that they could mean.
-        """
+        """Return what is sealed for packs that could mean what is given to some stages alone."""
         seen = frozenset().union(*(self.sees[stage] for stage in stages))
         return replace(self, unseen=frozenset(self.sees) - seen)
 

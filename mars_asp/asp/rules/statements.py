@@ -626,7 +626,8 @@ def written(text: str) -> Node:
 def variants(text: str) -> tuple[Node, ...]:
     """Return the trees of the text of a rule without its pools, one for each way to read it."""
     node = written(text)
-    if all(each.ast_type != _TYPE.Pool for each in below(node)):
+    # What no semicolon separates is no pool.
+    if ";" not in text or all(each.ast_type != _TYPE.Pool for each in below(node)):
         return (node,)
     return tuple(map(plain, tree(text).unpool()))
 

@@ -48,8 +48,22 @@ def test_cases(folder: Path, update_golden: bool, monkeypatch: pytest.MonkeyPatc
     _remove_their_findings(project, found)
 
 
+#: Repairs of one kind of finding, by the name of which the file is called.
+OF_A_KIND = sorted(path for path in ROOT.glob("tests/repair/*/*.txt") if path.stem != "expected")
+
+
+@pytest.mark.parametrize("path", OF_A_KIND, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_cases_of_a_kind(path: Path, update_golden: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    folder = path.parent.relative_to(ROOT)
+    printed = run(f"mars-asp explain {folder}/config.mars --repair {path.stem}")
+    if update_golden:
+        path.write_text(printed)
+    assert printed == path.read_text()
+
+
 def test_every_rule_proposes_an_edit_that_a_case_shows() -> None:
-    shown = "".join((folder / "expected.txt").read_text() for folder in CASES)
+    shown = "".join(path.read_text() for path in ROOT.glob("tests/repair/*/*.txt"))
     ids = [rule.id for rule in RULEBOOK.rules if Signature("edit", 5) in rule.heads]
     assert ids
     assert [name for name in ids if name not in shown] == []
