@@ -47,7 +47,8 @@ FILES = {
     ),
     "annotations": (
         "languages skim comments sources directives type_words types declarations following "
-        "arguments overrides services problems pending modules alike files blocks representations"
+        "arguments overrides services problems pending modules alike repeated files blocks "
+        "representations"
     ),
     "annotations/declarations": (
         "declaration tokens c_types c_parameters c java rust go matlab python read"

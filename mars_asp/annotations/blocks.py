@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
+from mars_asp.annotations.repeated import repeated
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.model.declarations import Module
 
@@ -26,8 +27,6 @@ def read_blocks(path: str, text: str) -> Blocks:
     found = _read_blocks(path, text)
     if len({module.name for module in found.modules}) == len(found.modules):
         return found
-    from mars_asp.annotations.files import repeated  # noqa: PLC0415 -- needed for what is wrong
-
     return found._replace(diagnostics=(*found.diagnostics, *repeated(found.modules)))
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from mars_asp.annotations.languages import LANGUAGES
 from mars_asp.annotations.modules import read_modules
+from mars_asp.annotations.repeated import repeated
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import Diagnostic, Severity, by_place, point
 from mars_asp.model.declarations import Module
@@ -26,8 +27,6 @@ _MARK = re.compile(
     rb"|(?:Sense|DataOut|ControlOut|DataIn|Converts|(?:Rotn|Trans)_[XYZ])(?![\w:(.@-]))"
 )
 _MARK_16 = re.compile(rb"(?i)@\0m\0o\0d\0u\0l\0e\0_|\0@\0m\0o\0d\0u\0l\0e")
-#: So many of the places where a name is repeated are shown.
-_MOST_PLACES = 5
 _PIECE = 1 << 20
 _SKIPPED = frozenset({".git", ".hg", ".svn", "node_modules", "__pycache__", ".venv"})
 
@@ -225,26 +224,3 @@ def _is_utf8(raw: bytes) -> bool:
 
 def _about(shown: str, code: str, severity: Severity, reason: str, help_text: str) -> Diagnostic:
     return Diagnostic(code, severity, f"`{shown}` {reason}", point(shown, 1, 1), help=help_text)
-
-
-def repeated(modules: Iterable[Module]) -> Iterator[Diagnostic]:
-    """Yield one error for each name that several modules have."""
-    found: dict[str, list[Module]] = {}
-    for module in modules:
-        found.setdefault(module.name, []).append(module)
-    for name, (first, *again) in found.items():
-        if not again:
-            continue
-        times = "twice" if len(again) == 1 else f"{len(again) + 1} times"
-        places = [module.named or module.span for module in again]
-        yield Diagnostic(
-            "MARS121",
-            "error",
-            f"module `{name}` is annotated {times}, first at {first.span.path}:{first.span.line}",
-            places[0],
-            (
-                (first.span, "first annotated here"),
-                *((place, "and here") for place in places[1:_MOST_PLACES]),
-            ),
-            "give each a different name" if places[1:] else "give one of the two a different name",
-        )
