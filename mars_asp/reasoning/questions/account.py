@@ -180,6 +180,7 @@ _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
+    "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
     "splitters_for": Names._splitters_for,
     "mm": lambda _, length: f"{round(length.number / 1000)} mm",
 }
