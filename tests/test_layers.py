@@ -32,7 +32,7 @@ FILES = {
         "arithmetic outline declarations metadata read namespaces rulebook consistency"
     ),
     "asp/lint": (
-        "clauses found values orders keys graph catalogue sorts variables bodies aggregates "
+        "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
         "recursion joins predicates copies messages arithmetic names allow"
     ),
     "asp/slice": "magic reach shapes linked seen portions",

@@ -59,40 +59,53 @@ def stated(text: str, names: Iterable[str]) -> Fragment:
     return Fragment(text, "facts", premises=premises)
 
 
-def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> list[Fragment]:
-    """Return a program without the rules that cannot fire; all others stay at their places.
+def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> Set[int]:
+    """Return the numbers of the rules that can fire, each by the names that it needs and gives.
 
-    A rule cannot fire if it needs a predicate that no fact and no rule able to fire gives, and that
-    is not among those `present`, of which there are atoms already. Clingo would find out, but what
-    it takes for that is most of what a small program takes.
+    A rule cannot fire if it needs a predicate that is not `known` and no rule able to fire gives.
     """
-    known = {*present}
-    waiting = []
-    for number, (text, _, _, premises) in enumerate(program):
-        if premises is None:
-            known.update(_NAME.findall(text))
-        else:
-            rules = zip(premises.needs, premises.gives, strict=True)
-            waiting += [(*each, (number, at)) for at, each in enumerate(rules)]
+    there = {*known}
+    found: set[int] = set()
+    waiting = list(range(len(rules)))
     asked = len(waiting) + 1
     while len(waiting) < asked:
         asked, idle = len(waiting), []
-        for rule in waiting:
-            needs, gives, _ = rule
-            if needs <= known:
-                known |= gives
+        for number in waiting:
+            needs, gives = rules[number]
+            if needs <= there:
+                there |= gives
+                found.add(number)
             else:
-                idle.append(rule)
+                idle.append(number)
         waiting = idle
-    left_out = {place for _, _, place in waiting}
-    return [_without(left_out, number, each) for number, each in enumerate(program)]
+    return found
 
 
-def _without(left_out: Set[tuple[int, int]], number: int, fragment: Fragment) -> Fragment:
+def able_to_fire(program: Sequence[Fragment], present: Iterable[str] = ()) -> list[Fragment]:
+    """Return a program without the rules that cannot fire; all others stay at their places.
+
+    Of the predicates `present` there are atoms already. Clingo would find out what cannot fire, but
+    what it takes for that is most of what a small program takes.
+    """
+    known, rules = {*present}, list[tuple[Set[str], Set[str]]]()
+    for text, _, _, premises in program:
+        if premises is None:
+            known.update(_NAME.findall(text))
+        else:
+            rules += zip(premises.needs, premises.gives, strict=True)
+    able, first, found = firing(rules, known), 0, []
+    for each in program:
+        found.append(_of_rules(each, able, first))
+        first += len(each.premises.rules) if each.premises else 0
+    return found
+
+
+def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
+    """Return a fragment with those of its rules alone that are able, counted from `first`."""
     if fragment.premises is None:
         return fragment
     rest, rules, _, _ = fragment.premises
-    kept = (blank(rule) if (number, at) in left_out else rule for at, rule in enumerate(rules))
+    kept = (rule if at in able else blank(rule) for at, rule in enumerate(rules, first))
     text = "".join(part for pair in zip(rest, (*kept, ""), strict=True) for part in pair)
     return fragment._replace(text=text)
 

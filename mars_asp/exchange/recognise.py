@@ -26,14 +26,15 @@ def _key(names: str) -> re.Pattern[str]:
     )
 
 
+#: What may stand before the root of a document in XML.
+_PROLOG = r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
 _LAUNCH = re.compile(
-    r"^def generate_launch_description\b|^launch:"
-    r"|\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<launch[\s/>]",
+    rf"^def generate_launch_description\b|^launch:|{_PROLOG}<launch[\s/>]",
     re.MULTILINE,
 )
 #: What begins a document of URDF, expanded or not.
-_URDF = re.compile(r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+<robot[\s/>]")
+_URDF = re.compile(rf"{_PROLOG}<robot[\s/>]")
 _NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)
 _ID = _key("id")
 #: The kinds of dumps of a graph, each by what it alone says.

@@ -3,14 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence, Set
 from itertools import combinations
 
+from mars_asp.asp.lint.bodies import CONTRADICTION
 from mars_asp.asp.lint.clauses import Atom, Clause, Comparison, Scope, is_constant, joined
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.lint.orders import Compared, compared, constants_in, never, parted
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.trees import Node
 from mars_asp.asp.signature import Signature
-
-CONTRADICTION = "rule-contradiction"
 
 
 def apart_by_keys(

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable, Sequence, Set
 
+from mars_asp.asp.fragments import firing
+from mars_asp.asp.rules.premises import premises_of_rule
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import BASE, Rulebook
 from mars_asp.asp.rules.statements import statements_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Portion
-from mars_asp.asp.slice.reach import Outline, outlines_of
 from mars_asp.model.declarations import NODE_NAMES
 from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
 from mars_asp.reasoning.questions.account import speakers
@@ -52,26 +53,12 @@ def able_to_fire(rulebook: Rulebook, absent: Set[str]) -> Rulebook:
 
     `absent` are the names of given predicates of which there is no fact.
     """
-    rules = list(
-        zip(rulebook.rules, outlines_of(rule.text for rule in rulebook.rules), strict=True)
-    )
-    derived = _derived(rules)
-    left = derived
-    while True:
-        missing = absent | derived - left
-        kept = [
-            (rule, each) for rule, each in rules if any(missing.isdisjoint(x.needs) for x in each)
-        ]
-        left = _derived(kept)
-        if len(kept) == len(rules):
-            break
-        rules = kept
-    base = tuple(rule for rule, _ in rules)
+    told = [premises_of_rule(rule) for rule in rulebook.rules]
+    rules = [(each.needs[0], each.gives[0]) for each in told]
+    derived = frozenset[str]().union(*(gives for _, gives in rules))
+    able = firing(rules, names_read(rulebook) - absent - derived)
+    base = tuple(rule for number, rule in enumerate(rulebook.rules) if number in able)
     return Rulebook(base, _texts(base), documented=rulebook.documented)
-
-
-def _derived(rules: Iterable[tuple[Rule, Sequence[Outline]]]) -> Set[str]:
-    return {head.signed for _, each in rules for one in each for head in one.derives}
 
 
 def portion_reads(portion: Portion) -> frozenset[Signature]:
