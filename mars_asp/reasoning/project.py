@@ -269,9 +269,12 @@ def project_lookup(project: Project, wanted: Set[str], vocabulary: Vocabulary) -
 
 
 def project_parts(
-    project: Project, wanted: Set[str], vocabulary: Vocabulary, everywhere: Set[Signature]
+    project: Project,
+    wanted: Set[str],
+    vocabulary: Vocabulary,
+    everywhere: Mapping[Signature, Sequence[int]],
 ) -> Parts:
-    """Return what tells the facts about parts of a project, those of some predicates everywhere."""
+    """Return what tells the facts about parts of a project, some of them everywhere."""
     frames = partial(_frame_facts, project)
     configuration, modules = project.configuration, project.modules
     return Parts(configuration, modules, vocabulary, everywhere, frames, wanted)

@@ -24,7 +24,7 @@ from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice import linked as links
 from mars_asp.asp.slice import seen, shapes
 from mars_asp.asp.slice.linked import Positions, Shapes, groups_of, is_apart, shapes_of, tells
-from mars_asp.asp.slice.seen import Sight, sights
+from mars_asp.asp.slice.seen import UNSEEN, Sight, sights
 from mars_asp.asp.slice.shapes import OWN
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
@@ -46,13 +46,14 @@ class Portion(NamedTuple):
 class Apart(NamedTuple):
     """A resolution, and the portions of it that decide something, each without the others.
 
-    The base keeps parts apart, too, where every part has all facts of the given predicates that
-    are needed `everywhere`.
+    The base keeps parts apart, too, where every part has the facts of others that are needed
+    `everywhere`: by their predicates, the arguments that rules look at. Of facts that are equal in
+    these, one is enough.
     """
 
     whole: Portion
     deciding: tuple[Portion, ...]
-    everywhere: frozenset[Signature]
+    everywhere: Positions
 
 
 def kept_apart(base: str, resolution: str, given: Positions) -> Apart | None:
@@ -137,20 +138,25 @@ def _tell_costs_apart(each: Iterable[Statement], own: Shapes) -> bool:
     return all(places.values())
 
 
-def _everywhere(base: Sequence[Statement], own: Shapes) -> frozenset[Signature]:
+def _everywhere(base: Sequence[Statement], own: Shapes) -> Positions:
     """Return what is read, however indirectly, by statements that are about several parts.
 
-    With all facts of that each of them has the instances that it has for the whole. All others are
-    about one part, so what they derive of it needs no facts of another.
+    With such facts of others each of them has the instances that it has for the whole. All other
+    statements are about one part, so what they derive of it needs no facts of another.
     """
     derived = _derived(base)
-    read: frozenset[Signature] = frozenset()
+    behind: dict[str, Statement] = {}
     new = [each for each in base if not is_apart(each, own, derived)]
     while new:
-        more = frozenset().union(*(each.reads for each in new)) - read
-        read |= more
-        new = [each for each in base if each.derives & more]
-    return read - derived
+        behind.update((each.text, each) for each in new)
+        read = frozenset().union(*(each.reads for each in new))
+        new = [each for each in base if each.derives & read and each.text not in behind]
+    found: dict[Signature, set[int]] = {}
+    for signature, terms in sights(behind.values()):
+        if signature not in derived:
+            looked = (at for at, term in enumerate(terms) if term != UNSEEN)
+            found.setdefault(signature, set()).update(looked)
+    return {signature: tuple(sorted(found[signature])) for signature in sorted(found)}
 
 
 # ---- What decides --------------------------------------------------------------------------------

@@ -59,8 +59,9 @@ def partition(
     """Cut a program into components.
 
     Equal components come out equal: the atoms that tell answers apart are numbered first, in the
-    order of their names, all others in the order in which clingo grounded them. Rules on which
-    `asked` atoms depend are kept besides those on which choices, constraints and costs do.
+    order of their `names`, all others in the order in which clingo grounded them; without names,
+    so are these. Rules on which `asked` atoms depend are kept besides those on which choices,
+    constraints and costs do.
     """
     facts = frozenset(program.facts)
     rules: list[Flat] = []
@@ -104,7 +105,8 @@ def _ordered(
 ) -> tuple[int, ...]:
     """Return atoms, given in clingo's order, as a component numbers them."""
     told = [atom for atom in members if atom in projected]
-    told.sort(key=lambda atom: text(names[atom]))
+    if names:
+        told.sort(key=lambda atom: text(names[atom]))
     return (*told, *(atom for atom in members if atom not in projected))
 
 

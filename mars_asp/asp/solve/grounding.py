@@ -253,19 +253,43 @@ class Grounding:
         program: Sequence[Fragment],
         deadline: float | None = None,
         progress: Callable[[int, int], None] | None = None,
-        known: dict[Component, Optimum] | None = None,
     ) -> Resolution:
         """Ground rules that choose, and find their least answer.
 
         `deadline` is a time of `time.monotonic`, after which answers are no longer improved;
-        `progress` is told components done and in all; `known` are optima found before, to which
-        those found here are added.
+        `progress` is told components done and in all.
 
         Raises:
             NoAnswerError: the rules have no answer.
             MarsError: the rules are refused.
             TooCostlyError: the costs of a component do not fit; nothing is solved then.
         """
+        with self._choosing(program):
+            return self._least(COST_LEVEL, deadline, progress, {})
+
+    def resolve_unnamed(
+        self, program: Sequence[Fragment], deadline: float | None, known: dict[Component, Optimum]
+    ) -> tuple[Resolution, Sequence[Part]]:
+        """Ground rules that choose, and find their least answer; return the ties in it, too.
+
+        Those are components of which several answers are least at every level, so that names choose
+        one. While there are none, components that differ in the order of their names alone are
+        equal. `known` are optima found before, to which those found here are added; `deadline`, and
+        what is raised, are as in `resolve`.
+        """
+        with self._choosing(program):
+            names, self._names = self._names, {}
+            resolution = self._least(None, deadline, None, known)
+            self._names = names
+            ties = [part for part in self.parts if part.best.count != 1]
+            if ties:
+                self.parts = []
+                resolution = self._least(None, deadline, None, known)
+            return resolution, ties
+
+    @contextmanager
+    def _choosing(self, program: Sequence[Fragment]) -> Iterator[None]:
+        """Ground rules that choose, and tell what their names are; inside, they are solved."""
         self._program = record(self.control)
         able = self._able_to_fire(program)
         self._ground([each._replace(text=_SHOWN.sub("", each.text)) for each in able])
@@ -275,7 +299,7 @@ class Grounding:
             for atom, literal, _ in labelled(self.control, name, int(arity), True)
         }
         try:
-            return self._least(COST_LEVEL, deadline, progress, {} if known is None else known)
+            yield
         except UnsatisfiableError:
             raise NoAnswerError(self.refused(_UNSATISFIABLE).diagnostics) from None
 

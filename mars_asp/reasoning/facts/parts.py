@@ -1,6 +1,7 @@
 """The facts about a few modules of many, as those about all have them."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence, Set
+from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 from operator import attrgetter
@@ -20,9 +21,10 @@ from mars_asp.reasoning.facts.vocabulary import Vocabulary
 
 #: Predicates of which each fact is told of one thing; of others, all facts are told together.
 _OF_THINGS = MODULES | RELATIONSHIPS | ANNOTATIONS
-#: What is told of services, besides their rates, and of functions.
+#: What is told of services and of functions.
 _OF_SERVICE = attrgetter(
-    *("kind", "function", "output", "inputs", "modes", "commands", "cost", "port", "parameters")
+    *("kind", "function", "output", "inputs", "modes", "commands", "cost", "port", "parameters"),
+    "hz",
 )
 _OF_FUNCTION = attrgetter("name", "min", "max", "rate")
 
@@ -35,28 +37,30 @@ class Parts:
         configuration: Configuration,
         modules: Mapping[str, Module],
         vocabulary: Vocabulary,
-        everywhere: Set[Signature],
+        everywhere: Mapping[Signature, Sequence[int]],
         frame_facts: Callable[[], Iterable[Fact]],
         wanted: Set[str],
     ) -> None:
-        """Take a configuration; of the predicates `everywhere` each part has all facts.
+        """Take a configuration.
 
-        `frame_facts` gives what mounts do to motions. No facts are asked for but of the predicates
-        `wanted`.
+        Of the predicates `everywhere` each part has one fact, of another or its own, for all that
+        are equal in some arguments. `frame_facts` gives what mounts do to motions. No facts are
+        asked for but of the predicates `wanted`.
         """
         self._compiler = Compiler(configuration, modules, None)
         #: The arguments of given predicates that a fact brings together.
         self.connected = vocabulary.connected
+        self._everywhere = {each.name: positions for each, positions in everywhere.items()}
         #: The names of predicates whose facts are about no part, or told everywhere.
-        self._of_all = {
-            each.name
-            for each, connected in vocabulary.connected.items()
-            if not connected or each in everywhere
+        self._of_all = self._everywhere.keys() | {
+            each.name for each, connected in vocabulary.connected.items() if not connected
         }
         self._frame_facts = frame_facts
         self._wanted = wanted
         self._kinds: dict[str, int] = {}
+        self._known: dict[Hashable, int] = {}
         self._numbers: dict[Hashable, int] = {}
+        self._first_alike: dict[str, Sequence[int]] = {}
 
     @property
     def described(self) -> Mapping[str, Module]:
@@ -69,11 +73,14 @@ class Parts:
         `lines` are identifiers of relationships. Facts come in the order of those about all.
         """
         things = self.things(modules, lines)
-        found = [
-            fact
-            for fact in self._together(wanted)
-            if fact.atom.name in self._of_all or self._is_about(fact, things)
-        ]
+        found: list[Fact] = []
+        for name in self._together(wanted):
+            told, about = self._told[name], self._about[name]
+            if about is None:
+                found += told
+                continue
+            own = {place for thing in about.keys() & things for place in about[thing]}
+            found += map(told.__getitem__, sorted(own.union(self._looked_at(name))))
         return (*found, *self._of_things(modules, lines, wanted & _OF_THINGS - self._of_all))
 
     def _of_things(
@@ -116,12 +123,11 @@ class Parts:
     def absent(self, wanted: Set[str]) -> Set[str]:
         """Return the given predicates of some that are told of all together and have no fact."""
         given = self.given(wanted) - _OF_THINGS
-        return given - {fact.atom.name for fact in self._together(given)}
+        return given - self._told.keys()
 
-    def _together(self, wanted: Set[str]) -> Iterator[Fact]:
-        """Yield the facts of some predicates that are about all, or told of all together."""
-        for name in sorted((wanted & self._of_all | wanted - _OF_THINGS) & self._told.keys()):
-            yield from self._told[name]
+    def _together(self, wanted: Set[str]) -> Sequence[str]:
+        """Return those of some predicates whose facts are about all, or told of all together."""
+        return sorted((wanted & self._of_all | wanted - _OF_THINGS) & self._told.keys())
 
     @cached_property
     def _told(self) -> Mapping[str, Sequence[Fact]]:
@@ -139,10 +145,32 @@ class Parts:
         compiler.facts.clear()
         return found
 
-    def _is_about(self, fact: Fact, things: Set[Term]) -> bool:
-        told = fact.atom.arguments
-        connected = self.connected[Signature(fact.atom.name, len(told))]
-        return any(told[at] in things for at in connected)
+    @cached_property
+    def _about(self) -> Mapping[str, Mapping[Term, Sequence[int]] | None]:
+        """Return which of the facts that are told together are about each thing, by its name.
+
+        `None` where they are about no part.
+        """
+        found: dict[str, Mapping[Term, Sequence[int]] | None] = {}
+        for name, told in self._told.items():
+            about: dict[Term, list[int]] = {}
+            connected = self.connected[Signature(name, len(told[0].atom.arguments))]
+            for place, fact in enumerate(told):
+                for at in connected:
+                    about.setdefault(fact.atom.arguments[at], []).append(place)
+            found[name] = about if connected else None
+        return found
+
+    def _looked_at(self, name: str) -> Iterable[int]:
+        """Return which facts of a predicate every part has: the first of those that look alike."""
+        if name not in self._everywhere:
+            return ()
+        if name not in self._first_alike:
+            looked, first = self._everywhere[name], dict[Hashable, int]()
+            for place, fact in enumerate(self._told[name]):
+                first.setdefault(tuple(fact.atom.arguments[at] for at in looked), place)
+            self._first_alike[name] = tuple(first.values())
+        return self._first_alike[name]
 
     def annotations(self, name: str) -> range:
         """Return the identifiers of the annotations of a module."""
@@ -158,19 +186,24 @@ class Parts:
         """Return what is equal for modules of which all is told alike but names and identifiers."""
         known = self._kinds.get(name)
         if known is None:
-            told = self._kind(name)
-            known = self._kinds[name] = self._numbers.setdefault(told, len(self._numbers))
+            module, is_named = self.described.get(name), name in self._names
+            if module is None:
+                known = self._number((is_named, self._node_kind(name)))
+            else:
+                # Modules read once have in common what was read, and identity tells that faster.
+                same = is_named, *map(id, _told(module))
+                known = self._known.get(same)
+                if known is None:
+                    known = self._known[same] = self._number((is_named, _compared(module)))
+            self._kinds[name] = known
         return known
 
-    def _kind(self, name: str) -> Hashable:
-        module, configuration = self.described.get(name), self._compiler.configuration
-        is_named = name in self._names
-        if module is None:
-            is_specification = configuration.kind == "specification"
-            return is_named, configuration.node_kind(name) if is_specification else None
-        rates = [service.hz and service.hz.as_integer_ratio() for service in module.services]
-        told = (*map(_OF_SERVICE, module.services), *map(_OF_FUNCTION, module.functions))
-        return is_named, module.guard is not None, *rates, *told
+    def _number(self, told: Hashable) -> int:
+        return self._numbers.setdefault(told, len(self._numbers))
+
+    def _node_kind(self, name: str) -> str | None:
+        configuration = self._compiler.configuration
+        return configuration.node_kind(name) if configuration.kind == "specification" else None
 
     def told_alone(self, name: str, wanted: Set[str]) -> Hashable:
         """Return the facts of predicates `wanted` about a module alone, without identifiers.
@@ -230,3 +263,19 @@ class Parts:
         counts = (len(annotations_of(module)) for module in described.values())
         first = len(self._compiler.configuration.relationships) + 1
         return dict(zip(described, accumulate(counts, initial=first), strict=False))
+
+
+def _told(module: Module) -> Sequence[object]:
+    """Return what rules are told of a module, besides whether and where it is named."""
+    services, functions = module.services, module.functions
+    found: list[object] = [len(services), module.guard is not None]
+    for service in services:
+        found += _OF_SERVICE(service)
+    for function in functions:
+        found += _OF_FUNCTION(function)
+    return found
+
+
+def _compared(module: Module) -> Hashable:
+    # To hash a fraction takes long.
+    return tuple(x.as_integer_ratio() if isinstance(x, Fraction) else x for x in _told(module))

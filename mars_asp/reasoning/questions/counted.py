@@ -74,7 +74,6 @@ class Counter:
         counting: Portion,
         counted: Mapping[str, Signature],
         deadline: float | None,
-        known: dict[Component, Optimum],
         sought: tuple[str, int],
     ) -> None:
         """Take the rules that decide how many there are: a portion of the resolution, and its base.
@@ -84,7 +83,8 @@ class Counter:
         """
         self._sought = sought
         self._told, self._counting, self._counted = told, counting, counted
-        self._deadline, self._optima = deadline, known
+        self._deadline = deadline
+        self._optima: dict[Component, Optimum] = {}
         self._base = able_to_fire(base, told.parts.absent(names_read(base)))
         read = names_read(self._base) | {each.name for each in portion_reads(counting)}
         self.wanted = told.parts.given(read)
@@ -148,7 +148,7 @@ class Counter:
         grounding = grounded(facts, self._base)
         program = (Fragment(self._counting.text, "rules"),)
         with costs_of(facts):
-            resolution = grounding.resolve(program, self._deadline, known=self._optima)
+            resolution, ties = grounding.resolve_unnamed(program, self._deadline, self._optima)
         if resolution.count is None:
             return False
         owner = Owner(self._told, islands)
@@ -159,8 +159,7 @@ class Counter:
                 place = owner.of(atom)
                 if place is not None and (is_fact or literal in true):
                     counts[place][kind] += 1
-        several = (part for part in grounding.parts if part.best.count != 1)
-        open_ = {owner.of(next(grounding.telling(part))) for part in several}
+        open_ = {owner.of(next(grounding.telling(part))) for part in ties}
         for place, (number, count) in enumerate(zip(numbers, counts, strict=True)):
             if place in open_:
                 self._several.add(self._keys[number])

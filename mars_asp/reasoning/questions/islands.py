@@ -62,9 +62,17 @@ class Map:
         self.saying: _Once[int, int] = _Once(lambda n: numbers[_said(n, self.line[n])])
         numbers: _Once[Hashable, int] = _Once(lambda _: len(numbers))
         self._leaves: dict[Sequence[int], tuple[Sequence[Leaf], Sequence[int]]] = {}
+        self._kinds = frozenset(type(line) for _, line in self._lines)
+        self._islands: dict[Set[type[Relationship]], Sequence[Island]] = {}
 
-    def islands(self, kinds: tuple[type[Relationship], ...]) -> list[Island]:
+    def islands(self, kinds: Iterable[type[Relationship]]) -> Sequence[Island]:
         """Return the islands that relationships of some kinds make, in the order of the file."""
+        there = self._kinds.intersection(kinds)
+        if there not in self._islands:
+            self._islands[there] = self._joined(tuple(there))
+        return self._islands[there]
+
+    def _joined(self, kinds: tuple[type[Relationship], ...]) -> Sequence[Island]:
         found: dict[str, list[int]] = {}
         for place, (number, line) in enumerate(self._lines):
             if isinstance(line, kinds):

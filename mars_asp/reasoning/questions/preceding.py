@@ -12,9 +12,7 @@ from typing import NamedTuple
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.slice.portions import Apart, Portion, kept_apart
-from mars_asp.asp.solve.components import Component
 from mars_asp.asp.solve.grounding import Grounding, Resolution
-from mars_asp.asp.solve.optimum import Optimum
 from mars_asp.asp.solve.term_ids import TermId, arguments, atoms
 from mars_asp.model.declarations import NODE_NAMES, node_kind
 from mars_asp.reasoning.analysis import Analysis, analyse
@@ -96,11 +94,10 @@ def _own_stretch(
     if not stretches:
         return None
     own, draft = stretches[0], Draft(project)
-    known: dict[Component, Optimum] = {}
     if len(stretches) > 1:
         base = for_counting(rulebook, counting)
         sought = node_kind(name) or "", int(_NUMBER.sub("", name) or 1)
-        counter = Counter(told, base, counting, counted, deadline, known, sought)
+        counter = Counter(told, base, counting, counted, deadline, sought)
         if not is_realisable(told, for_unresolvable(rulebook), counter):
             return None
         passed = _passed_over(name, draft, counter, stretches)
@@ -113,7 +110,7 @@ def _own_stretch(
         return None
     grounding = Grounding((), _about(Owner(told, [own]), analysis, apart.whole))
     with costs_of(analysis.facts):
-        resolution = grounding.resolve(rulebook.fragments("resolve"), deadline, known=known)
+        resolution = grounding.resolve(rulebook.fragments("resolve"), deadline)
     derived = Derived(rulebook, resolution.answer)
     introduced = introduce(draft, derived, map(told.map.line.__getitem__, own.lines))
     nodes = tuple(node for node in introduced.nodes if node.kind in counted)

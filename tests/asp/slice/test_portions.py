@@ -1,7 +1,8 @@
 """Whether rules keep parts apart: then the answers of the parts are those of the whole."""
 
 import random
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from itertools import product
 
 import clingo
@@ -152,3 +153,82 @@ def test_parts_of_random_programs_have_the_answers_of_the_whole() -> None:
     results = [compare_program(seed) for seed in range(100)]
     assert False not in results
     assert results.count(True) > 30
+
+
+# ---- What is needed everywhere -------------------------------------------------------------------
+
+READ = (
+    "e(R, A, B)",
+    "e(_, A, _)",
+    "p(A, N)",
+    "p(_, N)",
+    "p(B, _)",
+    "p(B, N)",
+    "e(_, _, B)",
+    "c(N)",
+)
+COUNTED = ("X, Y : p(X, Y)", "Y : p(_, Y)", "X : p(X, _)", "X : p(X, _), e(_, _, X)")
+MADE = {"q": ("A", "N"), "r": ("N",), "s": ("A",), "t": ("B", "A")}
+
+
+def random_base(rng: random.Random) -> str:
+    """Return rules that leave nothing open, each of which may read what earlier ones derive."""
+    known: list[str] = []
+    rules = []
+    for name in rng.sample([*MADE], 4):
+        head = f"{name}({', '.join(MADE[name])})"
+        body = rng.sample([*READ, *known], 2)
+        if rng.random() < 0.3:
+            body.append(f"N = #count {{ {rng.choice(COUNTED)} }}")
+        missing = [v for v in MADE[name] if not any(v in atom for atom in body)]
+        body += {"A": ["p(A, _)"], "B": ["p(B, _)"], "N": ["p(_, N)"]}.get("".join(missing), [])
+        if len(missing) < 2:
+            rules.append(f"{head} :- {', '.join(body)}.")
+            known.append(head)
+    return "\n".join(rules)
+
+
+def facts_of(part: str) -> list[tuple[str, tuple[str, ...]]]:
+    """Return the predicates and arguments of facts."""
+    told = (fact.strip("() ").partition("(") for fact in part.split("."))
+    return [(name, tuple(inside.split(","))) for name, _, inside in told if name]
+
+
+def compare_base(seed: int) -> bool | None:
+    """Say whether a part has of a base what the whole has of it, with what it needs of others."""
+    rng = random.Random(seed)
+    base = random_base(rng)
+    apart = kept_apart(base, "x(A) :- p(A, N).", GIVEN)
+    if apart is None:
+        return None
+    own, *others = (random_part(rng, number) for number in range(3))
+    alike: dict[tuple[str, tuple[str, ...]], str] = {}
+    for name, told in facts_of(" ".join((own, *others))):
+        looked = apart.everywhere.get(Signature(name, len(told)))
+        if looked is not None:
+            seen = name, tuple(told[at] for at in looked)
+            alike.setdefault(seen, f"{name}({','.join(told)}).")
+    whole, part = (
+        answers("\n".join((base, own, *more))) or set() for more in (others, alike.values())
+    )
+    names, lines = re.compile(r'"[abc][12]"'), re.compile(r"^[ep]\(")
+
+    def about_it(found: Iterable[frozenset[str]]) -> list[set[str]]:
+        return [{x for x in each if not names.search(x) and not lines.search(x)} for each in found]
+
+    return about_it(whole) == about_it(part) != []
+
+
+def test_a_part_needs_of_others_one_fact_of_those_that_look_alike() -> None:
+    results = [compare_base(seed) for seed in range(300)]
+    assert False not in results
+    assert results.count(True) > 100
+
+
+def test_what_no_rule_looks_at_makes_no_difference() -> None:
+    apart = kept_apart("q(A) :- p(A, N), p(_, M), M < N.", "x(A) :- q(A).", GIVEN)
+    assert apart is not None
+    assert apart.everywhere == {Signature("p", 2): (0, 1)}
+    apart = kept_apart("r(N) :- p(_, N).", "x(A) :- p(A, N), r(N).", GIVEN)
+    assert apart is not None
+    assert apart.everywhere == {Signature("p", 2): (1,)}

@@ -43,7 +43,7 @@ def islands(*lines: str, blocks: str = "") -> list[object]:
     text = "\n".join(("@configuration flat", f"@modules {names}", *lines, blocks))
     project = Project(parse_text(text, "c.mars").configuration, {}, ())
     wanted = {"uses_data_from", "input", "output", "offered_mode"}
-    parts = project_parts(project, wanted, vocabulary(RULEBOOK), frozenset())
+    parts = project_parts(project, wanted, vocabulary(RULEBOOK), {})
     map_ = Map(project.configuration, parts.numbered)
     forms = Forms(map_, parts, wanted)
     return [forms.form(each) for each in map_.islands((Data,))]
