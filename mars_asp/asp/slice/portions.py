@@ -32,11 +32,14 @@ from mars_asp.asp.solve.disjoint_sets import DisjointSets
 class Portion(NamedTuple):
     """Rules, and what they read that they do not derive, by predicate.
 
-    `of_parts` has the position of an argument that is a name or identifier of the part to which
-    an atom belongs; what is in `of_all` belongs to every part. `sights` are how they see all that.
+    `settled` are those that leave nothing open and depend on nothing that is; `choosing` are all
+    others, with what is projected. `of_parts` has the position of an argument that is a name or
+    identifier of the part to which an atom belongs; what is in `of_all` belongs to every part.
+    `sights` are how they see all that.
     """
 
-    text: str
+    settled: str
+    choosing: str
     derived: frozenset[Signature]
     of_parts: Mapping[Signature, int]
     of_all: frozenset[Signature]
@@ -112,11 +115,10 @@ def _apart(base: str, resolution: str, given: Positions) -> Apart | None:
     if not all(plain.values()):
         return None
     of_parts = {signature: positions[0] for signature, positions in plain.items()}
-    deciding = (
-        _portion(_text(each, resolving.projected), each, of_parts)
-        for each in _deciding(resolving, derived)
+    whole, *deciding = (
+        _portion(each, resolving.projected, of_parts)
+        for each in (resolving.statements, *_deciding(resolving, derived))
     )
-    whole = _portion(resolution, resolving.statements, of_parts)
     return Apart(whole, tuple(deciding), _everywhere(derivations.statements, own))
 
 
@@ -198,16 +200,42 @@ def _meet(one: Cost, other: Cost) -> bool:
     return one.level == other.level and not any(a and b and a != b for a, b in pairs)
 
 
-def _text(each: Iterable[Statement], projected: Iterable[Signature]) -> str:
-    each = tuple(each)
-    told = sorted(frozenset(projected) & _derived(each))
-    return "\n".join([s.text for s in each] + [f"#project {each}." for each in told])
-
-
-def _portion(text: str, each: Iterable[Statement], of_parts: Mapping[Signature, int]) -> Portion:
+def _portion(
+    each: Iterable[Statement], projected: Iterable[Signature], of_parts: Mapping[Signature, int]
+) -> Portion:
     each = tuple(each)
     derived = _derived(each)
     read = frozenset().union(*(statement.reads for statement in each)) - derived
     own = {signature: at for signature, at in of_parts.items() if signature in read}
     looking = frozenset(sight for sight in sights(each) if sight.signature in read)
-    return Portion(text, derived, own, read - own.keys(), looking)
+    settled = _settled(each)
+    sure = [s.text for s in each if s.forces and s.derives <= settled]
+    others = [s.text for s in each if not (s.forces and s.derives <= settled)]
+    others += [f"#project {each}." for each in sorted(frozenset(projected) & derived)]
+    texts = "\n".join(sure), "\n".join(others)
+    return Portion(*texts, derived, own, read - own.keys(), looking)
+
+
+def _settled(each: Sequence[Statement]) -> frozenset[Signature]:
+    """Return the predicates on which no choice has any influence, not even by recursion.
+
+    What rules do not read positively has to be settled without what they derive.
+    """
+    derived, settled = _derived(each), frozenset[Signature]()
+    more = derived
+    while more:
+        more = derived
+        while open_ := _derived(s for s in each if not _settles(s, more, settled, derived)) & more:
+            more -= open_
+        more -= settled
+        settled |= more
+    return settled
+
+
+def _settles(
+    statement: Statement, more: Set[Signature], settled: Set[Signature], derived: Set[Signature]
+) -> bool:
+    """Whether a rule leaves nothing open where predicates are `settled`, and `more` may be, too."""
+    positive = {literal.signature for literal in statement.body.positive}
+    others = {literal.signature for part in statement.parts for literal in part}
+    return statement.forces and positive & derived <= more and others & derived <= settled

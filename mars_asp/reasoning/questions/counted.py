@@ -146,7 +146,8 @@ class Counter:
         islands = [self.islands[number] for number in numbers]
         facts = self._told.facts(islands, self.wanted)
         grounding = grounded(facts, self._base)
-        program = (Fragment(self._counting.text, "rules"),)
+        grounding.add([Fragment(self._counting.settled, "rules")])
+        program = [Fragment(self._counting.choosing, "rules")]
         with costs_of(facts):
             resolution, ties = grounding.resolve_unnamed(program, self._deadline, self._optima)
         if resolution.count is None:

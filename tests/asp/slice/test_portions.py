@@ -61,6 +61,26 @@ def test_rules_are_told_to_keep_parts_apart(rules: str, is_apart: bool) -> None:
     assert (kept_apart("", rules, GIVEN) is not None) == is_apart
 
 
+@pytest.mark.parametrize(
+    ("rules", "settled"),
+    [
+        ("q(A) :- p(A, N). r(A) :- q(A).", "qr"),
+        ("q(A) :- p(A, N). q(B) :- q(A), e(_, A, B).", "q"),
+        ("q(A) :- p(A, N). { r(A) } :- q(A). s(A) :- r(A). t(A) :- q(A), not s(A).", "q"),
+        ("q(A) :- p(A, N). r(A) :- p(A, N), not q(A). { s(A) } :- r(A).", "qr"),
+        ("q(A) :- p(A, N), not r(A). r(A) :- p(A, N), not q(A).", ""),
+        ("q(A) :- p(A, N), not not q(A). r(A) :- q(A). s(A) :- p(A, N).", "s"),
+        ("q(A) :- p(A, N). r(A) :- p(A, N), 2 { q(A) }. s(A) :- p(A, N), 1 { s(A) }.", "qr"),
+        ("q(A) :- p(A, N). { q(A) } :- p(A, N). r(A) :- p(A, N), p(A, M) : q(A).", ""),
+        ("{ q(A) } :- p(A, N). r(A) :- p(A, N), #count { B : q(B), e(_, A, B) } > 1.", ""),
+    ],
+)
+def test_what_no_choice_has_an_influence_on_is_settled(rules: str, settled: str) -> None:
+    apart = kept_apart("", rules, GIVEN)
+    assert apart is not None
+    assert "".join(sorted(set(re.findall(r"^(\w)", apart.whole.settled, re.MULTILINE)))) == settled
+
+
 # ---- Random programs -----------------------------------------------------------------------------
 
 DERIVED = {"q": 1, "r": 2, "s": 1, "t": 2}
@@ -137,7 +157,8 @@ def compare_program(seed: int) -> bool | None:
     """Say whether the answers of the whole are those of its parts; `None` where they may not be."""
     rng = random.Random(seed)
     program = random_program(rng)
-    if kept_apart("", program, GIVEN) is None:
+    apart = kept_apart("", program, GIVEN)
+    if apart is None:
         return None
     parts = [random_part(rng, number) for number in range(2)]
     common = "c(1)."
@@ -146,7 +167,15 @@ def compare_program(seed: int) -> bool | None:
     if whole is None or None in each:
         return None
     together = {one | other for one, other in product(*(found or () for found in each))}
-    return whole == together
+    settled = answers("\n".join((apart.whole.settled, common, *parts)))
+    split = "\n".join((apart.whole.settled, apart.whole.choosing, common, *parts))
+    sure = frozenset.intersection(*whole) if whole else None
+    return (
+        whole == together == answers(split)
+        and settled is not None
+        and len(settled) == 1
+        and (sure is None or next(iter(settled)) <= sure)
+    )
 
 
 def test_parts_of_random_programs_have_the_answers_of_the_whole() -> None:
