@@ -12,6 +12,7 @@ from typing import Literal, TypeAlias
 
 import clingo
 
+from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
@@ -19,6 +20,8 @@ from mars_asp.asp.trace.tree import Trace, Unexplained
 from mars_asp.diagnostic import MarsError, Severity
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
+from mars_asp.reasoning.facts.vocabulary import vocabulary
+from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.account import (
     Account,
@@ -120,6 +123,7 @@ def _explained(
     if subject is not None and only is not None:
         _check_module(subject, reasoner.project, only)
     elif subject is not None and not reasoner.is_resolved:
+        absent: MarsError | None = None
         for find in (sliced_evidence, preceding_evidence):
             # What a part refuses, the whole says with all that is wrong, if it is.
             # Of a part, nodes of some kinds have no names.
@@ -128,10 +132,15 @@ def _explained(
                 if part is None:
                     continue
                 chosen = _consequences(part, reasoner.project, subject, None)
+                if not chosen and _is_consequence(subject, reasoner.rulebook):
+                    absent = absent_subject(subject, reasoner.project, reasoner.rulebook, ())
+                    break
                 asked = _asked(reasoner.project, part, None, subject, None, chosen, traced)
                 nodes = () if part.introduced is None else part.introduced.nodes
                 topics = _topics(reasoner.project, part, nodes, asked, every, traced)
                 return Explanation(subject, topics, part.analysis, None)
+        if absent is not None:
+            raise absent
     return _explain_whole(reasoner, subject, every, only, traced)
 
 
@@ -227,6 +236,14 @@ def _topic(asked: _Asked, accounts: Iterator[tuple[Account, str | None]], trace:
         case None:
             title = plain(asked.title)
             return Topic(title, title, "atom", None, None, (), None, trace)
+
+
+def _is_consequence(subject: str, rulebook: Rulebook) -> bool:
+    """Whether a subject names a consequence, there or not, and no atom called as its kind is."""
+    kind, bracket, _ = subject.partition("(")
+    heads = (head.name for rule in rulebook.rules for head in rule.heads)
+    known = {*heads, *(each.name for each in vocabulary(rulebook).connected)}
+    return bool(bracket) and kind in consequence_kinds(rulebook) and kind not in known
 
 
 def _is_node(subject: str | None, project: Project) -> bool:

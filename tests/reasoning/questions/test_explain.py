@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.asp.trace.document import trace_json
+from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
@@ -54,3 +55,26 @@ def test_where_nothing_realises_the_configuration(tmp_path: Path) -> None:
     assert "no node resolves what concerns `A`: no specification" in refused
     refused = run("mars-asp explain c.mars F --only consequences", tmp_path)
     assert "nothing concerns `F`" in refused
+
+
+def test_a_consequence_that_is_not_there_is_told_without_resolving() -> None:
+    """The whole gives the same answer, after a specification was looked for."""
+    rulebook = load_rulebook()
+    whole = Reasoner(LEVEL0, rulebook)
+    assert whole.synthesis is not None
+    there = {topic.name for topic in explain(whole, only="consequences").topics}
+    names = [name.text for name in LEVEL0.configuration.modules]
+    asked = [
+        f"{kind}({name})" for kind in ("control_divergence", "service_dependency") for name in names
+    ]
+    asked += ["control_divergence(Trun)", "control_divergence(", "control_divergence()"]
+    for subject in asked:
+        if subject in there:
+            continue
+        part = Reasoner(LEVEL0, rulebook)
+        with pytest.raises(MarsError) as told:
+            explain(part, subject)
+        with pytest.raises(MarsError) as expected:
+            explain(whole, subject)
+        assert told.value.diagnostics == expected.value.diagnostics
+        assert not part.is_resolved, subject
