@@ -52,14 +52,13 @@ class Told(NamedTuple):
         return self.parts.facts(modules, lines, wanted)
 
 
-def is_realisable(told: Told, base: Rulebook, counter: "Counter") -> bool:
+def is_realisable(told: Told, base: Rulebook) -> bool:
     """Whether no island has what nothing can resolve, as the rules of the base behind that say."""
     base = able_to_fire(base, told.parts.absent(names_read(base)))
     wanted = told.parts.given(names_read(base))
     kinds = _kinds(wanted)
     forms = Forms(told.map, told.parts, wanted)
-    every = counter.islands if kinds == counter.relating else told.map.islands(kinds)
-    islands = {forms.key(each, kinds): each for each in every}
+    islands = {forms.key(each, kinds): each for each in told.map.islands(kinds)}
     grounding = grounded(told.facts(islands.values(), wanted), base)
     return not any(True for _ in grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
 

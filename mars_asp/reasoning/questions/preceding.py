@@ -44,23 +44,16 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     Raises:
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    project, rulebook = reasoner.project, reasoner.rulebook
-    kind, modules = node_kind(name), project.configuration.modules
-    if kind is None or rulebook.packs or any(name == each.text for each in modules):
+    kind, modules = node_kind(name), reasoner.project.configuration.modules
+    if kind is None or any(name == each.text for each in modules):
         return None
-    predicate = decided_by(rulebook, kind)
-    whole = for_resolution(rulebook)
-    # What follows from an answer is read of one stretch, too.
-    specifying = f"{whole.text('resolve')}\n{whole.text(STAGE)}"
-    connected = vocabulary(rulebook)
-    apart = kept_apart(whole.text("base"), specifying, connected.connected)
-    if predicate is None or apart is None:
+    predicate = decided_by(reasoner.rulebook, kind)
+    question = None if predicate is None else _question(reasoner)
+    if question is None:
         return None
+    whole, apart, _ = question
     counting = next((each for each in apart.deciding if predicate in each.derived), apart.whole)
-    parts = project_parts(project, names_read(whole), connected, apart.everywhere)
-    map_ = Map(project.configuration, parts.numbered)
-    told = Told(parts, map_)
-    found = _own_stretch(name, reasoner, _Question(whole, apart, counting, told))
+    found = _own_stretch(name, reasoner, question, counting)
     if found is None:
         return None
     analysis, introduced, resolution, derived = found
@@ -69,21 +62,51 @@ def preceding_evidence(reasoner: Reasoner, name: str) -> Evidence | None:
     return Evidence(whole, analysis.facts, analysis, resolution, introduced, derived)
 
 
+def is_realised(reasoner: Reasoner) -> bool | None:
+    """Whether nothing stands against every specification of a project.
+
+    `None` where that is not told of parts alone, as with rule packs.
+
+    Raises:
+        MarsError: clingo refuses the rules.
+    """
+    question = _question(reasoner)
+    return question and is_realisable(question.told, for_unresolvable(question.rulebook))
+
+
 class _Question(NamedTuple):
-    """The rules and facts of a question: all rules, and the portion that decides how many nodes."""
+    """What resolves a project, how it keeps parts apart, and who tells their facts."""
 
     rulebook: Rulebook
     apart: Apart
-    counting: Portion
     told: Told
 
 
+def _question(reasoner: Reasoner) -> _Question | None:
+    """Return what tells of parts; `None` where rules may bring together what nothing connects."""
+    project, rulebook = reasoner.project, reasoner.rulebook
+    if rulebook.packs:
+        return None
+    whole = for_resolution(rulebook)
+    # What follows from an answer is read of one stretch, too.
+    specifying = f"{whole.text('resolve')}\n{whole.text(STAGE)}"
+    connected = vocabulary(rulebook)
+    apart = kept_apart(whole.text("base"), specifying, connected.connected)
+    if apart is None:
+        return None
+    parts = project_parts(project, names_read(whole), connected, apart.everywhere)
+    return _Question(whole, apart, Told(parts, Map(project.configuration, parts.numbered)))
+
+
 def _own_stretch(
-    name: str, reasoner: Reasoner, question: _Question
+    name: str, reasoner: Reasoner, question: _Question, counting: Portion
 ) -> tuple[Analysis, Introduced, Resolution, Derived] | None:
-    """Resolve the stretch that a node stands in."""
+    """Resolve the stretch that a node stands in; a portion decides how many of its kind there are.
+
+    `None` as in `preceding_evidence`.
+    """
     project, deadline = reasoner.project, reasoner.budget.deadline()
-    rulebook, apart, counting, told = question
+    rulebook, apart, told = question
     # Kinds that are decided together are counted together, so they all have their names.
     counted = {
         str(each): decides
@@ -98,7 +121,7 @@ def _own_stretch(
         base = for_counting(rulebook, counting)
         sought = node_kind(name) or "", int(_NUMBER.sub("", name) or 1)
         counter = Counter(told, base, counting, counted, deadline, sought)
-        if not is_realisable(told, for_unresolvable(rulebook), counter):
+        if not is_realisable(told, for_unresolvable(rulebook)):
             return None
         passed = _passed_over(name, draft, counter, stretches)
         if passed is None:

@@ -27,6 +27,7 @@ from mars_asp.reasoning.questions.asked import RELATIONSHIPS, Question, Vocabula
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
+from mars_asp.reasoning.questions.preceding import is_realised
 from mars_asp.reasoning.questions.subject import spaced_subjects
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -119,9 +120,14 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
             found = _answer(reasoner, question, depth)
     is_local = found.present and question.is_node and near is not reasoner
     # Something elsewhere may stand against every specification.
-    if is_local and is_unresolvable(reasoner.analysis):
+    if is_local and not _is_realised(reasoner):
         found = _answer(reasoner, question, depth)
     return replace(found, subject=plain(subject), answer=plain(found.answer))
+
+
+def _is_realised(reasoner: Reasoner) -> bool:
+    realised = is_realised(reasoner)
+    return not is_unresolvable(reasoner.analysis) if realised is None else realised
 
 
 def _near(reasoner: Reasoner, question: Question) -> tuple[Reasoner, bool]:

@@ -19,10 +19,11 @@ from mars_asp.reasoning.questions.behind import for_counting, for_resolution, fo
 from mars_asp.reasoning.questions.counted import Counter
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.questions.islands import Forms, Map, Saying
-from mars_asp.reasoning.questions.preceding import preceding_evidence
+from mars_asp.reasoning.questions.preceding import is_realised, preceding_evidence
 from mars_asp.reasoning.questions.sayings import differences
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.synthesis.synthesise import is_unresolvable
 from tests.reasoning.synthesis.test_stretches import RULEBOOK, fleet, read
 
 #: Rules that compare names or identifiers where data is counted: of lines that say the same of the
@@ -253,3 +254,24 @@ def test_where_data_is_counted_rules_compare_no_names_but_of_lines_that_say_the_
     # A bound on how many there are compares no names.
     kept = [text for text in others if re.search(r"#min|#max|[A-Z]'* [<>]=? [A-Z]", text)]
     assert [next(c for c in COMPARING if text.startswith(c)) for text in kept] == [*COMPARING]
+
+
+def test_what_stands_against_every_specification_is_found_in_parts() -> None:
+    told = []
+    for seed in range(40):
+        rng = random.Random(seed)
+        lines, blocks = [], []
+        for number in range(rng.randint(1, 4)):
+            source, clients = f"S{number}", [f"C{number}{letter}" for letter in "ab"]
+            wanted = (*MODES, "NotifyWhenReady")
+            lines += [
+                f"{client} uses_data_from {source} {rng.choice(wanted)}" for client in clients
+            ]
+            offered = rng.choice((*OFFERS, "RequestWhenReady"))
+            blocks.append(block(source, f"@Sense {offered}", "Scan look()"))
+        names = sorted({word for line in lines for word in re.findall(r"\b[SC]\d\w?\b", line)})
+        head = f"@configuration\n@modules {', '.join(names)}"
+        reasoner = Reasoner(read("\n".join((head, *lines, *blocks))), RULEBOOK)
+        told.append(is_realised(reasoner))
+        assert told[-1] == (not is_unresolvable(reasoner.analysis)), seed
+    assert {*told} == {True, False}
