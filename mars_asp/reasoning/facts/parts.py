@@ -153,9 +153,9 @@ class Parts:
         """
         found: dict[str, Mapping[Term, Sequence[int]] | None] = {}
         for name, told in self._told.items():
-            about: dict[Term, list[int]] = {}
             connected = self.connected[Signature(name, len(told[0].atom.arguments))]
-            for place, fact in enumerate(told):
+            about: dict[Term, list[int]] = {}
+            for place, fact in enumerate(told if connected else ()):
                 for at in connected:
                     about.setdefault(fact.atom.arguments[at], []).append(place)
             found[name] = about if connected else None
