@@ -149,6 +149,22 @@ def is_pack(folder: Path) -> bool:
     return (folder / MANIFEST).is_file()
 
 
+def with_companions(pack: Path) -> tuple[Path, ...]:
+    """Return a pack with those beside it that it needs, these first."""
+    found: dict[Path, None] = {}
+    waiting = [pack]
+    while waiting:
+        each = waiting.pop()
+        if each in found:
+            continue
+        found[each] = None
+        for read in find_packs([each], []):
+            needs = () if read.manifest is None else read.manifest.needs
+            beside = (each.parent / need.name for need in needs)
+            waiting += (other for other in beside if is_pack(other))
+    return tuple(reversed(found))
+
+
 def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
     """Yield a folder with the name of what it lies in below, from the inside to the outside."""
     name = ""
@@ -356,7 +372,8 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 there = named[need.name].version
             if there is None:
                 message = f"pack `{manifest.name}` needs `{need.name}`, which is not given"
-                advice = "also give its folder with `--rules`"
+                found = f"`test`, `rules lint` and `rules doc` find `../{need.name}` themselves"
+                advice = f"also give its folder with `--rules`; {found}"
                 yield Diagnostic(_CODE, "error", message, need.span, help=advice)
             elif not _will_do(there, need):
                 asked = f"{need.comparison} {need.version}"
