@@ -138,7 +138,10 @@ def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Dia
         what, colon, term = told.partition(_UNDEFINED)
         if colon and not what:
             message = f"`{term}` has no value" if term.startswith("(") else f"{term}"
-            advice = "bind what it is computed from in the body: numbers, and no divisor 0"
+            advice = (
+                "bind what it is computed from in the body: numbers, and no divisor 0; leave out"
+                " other values in a rule of its own, since clingo may compute before it compares"
+            )
             yield Diagnostic("rule-undefined", "error", message, place, help=advice)
         else:
             yield Diagnostic("rules-refused", "error", told, place)

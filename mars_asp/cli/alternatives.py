@@ -187,7 +187,11 @@ def _relationships(found: Alternatives) -> str:
     stand_ins = {node.name for node in nodes if node.stands_for is not None}
     outputs = sum(isinstance(line, Control) and line.controller in stand_ins for line in lines)
     fanned = outputs - len(stand_ins)
-    shared = declared + len(nodes) + fanned - len(lines)
+    kinds = ((node.name, specification.configuration.pack_kind(node.name)) for node in nodes)
+    listeners = {name for name, kind in kinds if kind is not None and kind.outputs == "none"}
+    taken = (r.client if isinstance(r, Data) else r.controlled for r in lines)
+    heard = sum(name in listeners for name in taken) - len(listeners)
+    shared = declared + len(nodes) + fanned + heard - len(lines)
     if not declared:
         return "none is declared"
     first = f"the {declared} declared" if declared > 1 else "the one declared"
@@ -197,6 +201,8 @@ def _relationships(found: Alternatives) -> str:
         told.append("one more for each node" if len(nodes) > 1 else "one more for the node")
     if fanned:
         told.append(f"{fanned} more from InheritanceNodes to further modules")
+    if heard:
+        told.append(f"{heard} more to nodes that listen in several places")
     if shared < 0:
         told.append(f"{-shared} more for what is commanded in two parts")
     if shared > 0:

@@ -102,7 +102,7 @@ _BOOKS = pytest.StashKey[dict[Path, object]]()
 
 def _rulebook(config: pytest.Config, pack: Path):  # type: ignore[no-untyped-def]
     """Return the rules of a pack, read once."""
-    from mars_asp.reasoning.cases.places import with_companions
+    from mars_asp.reasoning.packs import with_companions
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
     books = config.stash.setdefault(_BOOKS, {})

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
-from mars_asp.asp.lint.found import fixed
+from mars_asp.asp.lint.found import fixed, titled
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
 from mars_asp.asp.rules.rule import Rule
@@ -14,7 +14,7 @@ from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns
 from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import rulebook_for
-from mars_asp.cli.report import report
+from mars_asp.cli.report import Suggestion, report
 from mars_asp.cli.rules_document import (
     PURPOSES,
     documents,
@@ -30,8 +30,10 @@ from mars_asp.cli.rules_document import (
 )
 from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import Diagnostic, MarsError, point
+from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import replace_together, visible
 from mars_asp.reasoning.lint import Linted, lint
+from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES
 from mars_asp.spelling import nearest
 
@@ -84,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         return print_changes(what, arguments.files, arguments)
     if action == "doc" and what:
-        arguments.rules = [*arguments.rules, what]
+        arguments.rules = [*arguments.rules, *map(str, with_companions(Path(what)))]
     rulebook = rulebook_for(arguments, STAGES)
     if action == "new":
         from mars_asp.cli.rules_new import new_pack
@@ -117,12 +119,31 @@ def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
         if mended:
             found = lint(packs)
             print(f"corrected: {mended}")
-    if found.errors:
-        raise MarsError(found.diagnostics)
-    report(found.diagnostics, arguments)
+    report(found.diagnostics, arguments, _suggestions(found, arguments))
     if not found.diagnostics:
         print("nothing wrong")
-    return 0
+    return 2 if found.errors else 0
+
+
+def _suggestions(found: Linted, arguments: argparse.Namespace) -> dict[Diagnostic, Suggestion]:
+    """Return what `--fix` would write, for programs; people read it in the advice."""
+    if arguments.format != "json":
+        return {}
+    drafts: dict[str, str] = {}
+    suggestions: dict[Diagnostic, Suggestion] = {}
+    for each in found.lints:
+        edits: list[LineEdit] = []
+        for path in dict.fromkeys(fix.span.path for fix in each.fixes):
+            text = drafts.setdefault(path, Path(path).read_text(encoding="utf-8"))
+            draft = Draft(path, text)
+            for at, new in each.fixes:
+                if at.path == path:
+                    end = draft.offset(at.end_line, at.end_column)
+                    draft.put(draft.begin(at), end, new)
+            edits += draft.lines()
+        if edits:
+            suggestions[each.diagnostic] = Suggestion(titled(each.fixes), tuple(edits))
+    return suggestions
 
 
 def _mended(found: Linted) -> int:

@@ -13,7 +13,7 @@ from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
-from mars_asp.reasoning.cases.places import with_companions
+from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.questions.diff import Difference, diff
 from mars_asp.reasoning.rules import COSTS, load_rulebook, rules_directory
 from mars_asp.reasoning.session import Reasoner

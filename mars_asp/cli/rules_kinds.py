@@ -8,6 +8,8 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.model.declarations import PackKind, node_names
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 
+_OUTPUTS = {"none": "no output: it only listens", "one": "one output", "several": "several outputs"}
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -50,9 +52,8 @@ def kind_document(kind: Kind) -> Iterator[str]:
         yield f"A kind of node, `{kind.name}` in rules."
     stated = kind.stated
     if stated is not None:
-        takes = "several inputs" if stated.takes_several else "one input"
-        gives = "several outputs" if stated.gives_several else "one output"
-        yield f"It carries {stated.carries}, with {takes} and {gives}."
+        takes = "several inputs" if stated.inputs == "several" else "one input"
+        yield f"It carries {stated.carries}, with {takes} and {_OUTPUTS[stated.outputs]}."
         yield f"{stated.span.path}:{stated.span.line}"
 
 
@@ -63,8 +64,8 @@ def kind_json(kind: Kind) -> dict[str, object]:
     if stated is not None:
         more = {
             "carries": stated.carries,
-            "inputs": "several" if stated.takes_several else "one",
-            "outputs": "several" if stated.gives_several else "one",
+            "inputs": stated.inputs,
+            "outputs": stated.outputs,
             "path": stated.span.path,
             "line": stated.span.line,
         }

@@ -13,7 +13,7 @@ from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import Found, cases_of, run_case
-from mars_asp.reasoning.cases.places import with_companions
+from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 

@@ -264,15 +264,16 @@ class StandIn:
 class PackKind:
     """A kind of node that a rule pack brings, and how its nodes are named and drawn.
 
-    Its nodes take and give commands or data, `carries`. `behaves` is whether a run needs to be told
-    what they do. `pack` is the name of the pack.
+    Its nodes take and give commands or data, `carries`. They have `one` or `several` `inputs`, as
+    `outputs` `one`, `several` or `none`: these only listen. `behaves` is whether a run needs to be
+    told what they do. `pack` is the name of the pack.
     """
 
     kind: str
     name: str
     carries: str
-    takes_several: bool
-    gives_several: bool
+    inputs: str
+    outputs: str
     colour: str | None
     behaves: bool
     span: Span

@@ -19,6 +19,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import FORMS, THINGS, unbounded
 from mars_asp.reasoning.findings import CONSEQUENCE
+from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 from mars_asp.reasoning.sample import sampled
 
@@ -42,11 +43,13 @@ class Linted(NamedTuple):
 def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
     """Return what is noteworthy about rule packs; about our own rules where there are none.
 
-    Where `grounded`, packs that an analysis would take are grounded over sample robots, so that
+    What packs need and lies beside them is read with them, without being looked at itself. Where
+    `grounded`, packs that an analysis would take are grounded over sample robots, so that
     what fails while grounding is found, too; but not such as may grow without end.
     """
     errors: list[Diagnostic] = []
-    rulebook = load_rulebook(packs, STAGES, strict=not packs, noted=errors)
+    beside = _companions(packs)
+    rulebook = load_rulebook([*beside, *packs], STAGES, strict=not packs, noted=errors)
     others: list[Diagnostic] = []
     misread: list[Diagnostic] = []
     own = rulebook.documented[-rulebook.packs :] if rulebook.packs else rulebook.documented
@@ -68,14 +71,28 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> Linted:
         _has_example,
     )
     # Where all that was given could not be read, there is nothing else to look at.
-    lints = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
+    lints: Sequence[Found] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
     # What grows without end would be grounded without end.
     grows = any(each.diagnostic.code == RECURSION for each in lints)
     if grounded and rulebook.packs and not errors and not grows:
         tried = _tried(rulebook)
         errors += (each for each in tried if each.severity == "error")
         others += (each for each in tried if each.severity != "error")
-    return Linted(tuple(errors), tuple(others), lints)
+    if beside:
+        others = [each for each in others if not _is_in(each.span, beside)]
+        lints = [each for each in lints if not _is_in(each.diagnostic.span, beside)]
+    return Linted(tuple(errors), tuple(others), tuple(lints))
+
+
+def _companions(packs: Sequence[Path]) -> tuple[Path, ...]:
+    """Return the packs beside these that they need, except for these."""
+    given = {each.resolve() for each in packs}
+    found = {each.resolve(): each for pack in packs for each in with_companions(pack)}
+    return tuple(each for place, each in found.items() if place not in given)
+
+
+def _is_in(span: Span, folders: Sequence[Path]) -> bool:
+    return any(Path(span.path).is_relative_to(each) for each in folders)
 
 
 def _tried(rulebook: Rulebook) -> list[Diagnostic]:

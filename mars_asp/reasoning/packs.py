@@ -53,7 +53,7 @@ _NODE_KEYS: Mapping[str, tuple[str, ...]] = {
     "name": (),
     "carries": ("control", "data"),
     "inputs": ("one", "several"),
-    "outputs": ("one", "several"),
+    "outputs": ("none", "one", "several"),
     "colour": (),
     "behaviour": ("needed", "none"),
 }
@@ -147,6 +147,22 @@ def pack_of(file: Path, folders: Collection[str] = ("", *FOLDERS)) -> Path | Non
 def is_pack(folder: Path) -> bool:
     """Whether a folder has a manifest."""
     return (folder / MANIFEST).is_file()
+
+
+def with_companions(pack: Path) -> tuple[Path, ...]:
+    """Return a pack with those beside it that it needs, these first."""
+    found: dict[Path, None] = {}
+    waiting = [pack]
+    while waiting:
+        each = waiting.pop()
+        if each in found:
+            continue
+        found[each] = None
+        for read in find_packs([each], []):
+            needs = () if read.manifest is None else read.manifest.needs
+            beside = (each.parent / need.name for need in needs)
+            waiting += (other for other in beside if is_pack(other))
+    return tuple(reversed(found))
 
 
 def folders_around(folder: Path) -> Iterator[tuple[str, Path]]:
@@ -280,8 +296,8 @@ class _Reader:
             kind,
             name,
             str(said["carries"]),
-            said["inputs"] == "several",
-            said["outputs"] == "several",
+            str(said["inputs"]),
+            str(said["outputs"]),
             None if colour is None else str(colour),
             said["behaviour"] != "none",
             self._places.of(*at),
@@ -356,7 +372,8 @@ def _wrong_together(packs: Sequence[Pack]) -> Iterator[Diagnostic]:
                 there = named[need.name].version
             if there is None:
                 message = f"pack `{manifest.name}` needs `{need.name}`, which is not given"
-                advice = "also give its folder with `--rules`"
+                found = f"`test`, `rules lint` and `rules doc` find `../{need.name}` themselves"
+                advice = f"also give its folder with `--rules`; {found}"
                 yield Diagnostic(_CODE, "error", message, need.span, help=advice)
             elif not _will_do(there, need):
                 asked = f"{need.comparison} {need.version}"

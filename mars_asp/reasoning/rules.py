@@ -200,9 +200,8 @@ def _name_space(pack: Pack, problems: list[Diagnostic]) -> NameSpace:
 
 def _kind_rule(kind: PackKind) -> Rule:
     """Return the fact by which rules know a kind of node, at its place in the manifest."""
-    several, one = Atom("several"), Atom("one")
-    takes, gives = (several if each else one for each in (kind.takes_several, kind.gives_several))
-    atom = Atom("node_kind", (Atom(kind.kind), Atom(kind.carries), takes, gives))
+    stated = kind.kind, kind.carries, kind.inputs, kind.outputs
+    atom = Atom("node_kind", tuple(map(Atom, stated)))
     name = f"{kind.span.path}:{kind.span.line}"
     return Rule(name, None, None, kind.span, f"{atom}.", "base")
 

@@ -10,7 +10,7 @@ from tests.support.documents import ROOT
 
 KINDS = ROOT / "tests" / "node_kinds"
 WATCHDOG = ROOT / "examples" / "packs" / "watchdog"
-SHAPES, WITNESS = (KINDS / "packs" / name for name in ("shapes", "witness"))
+EARS, SHAPES, WITNESS = (KINDS / "packs" / name for name in ("ears", "shapes", "witness"))
 
 SPECIFICATION = """@specification
 @modules Drive, Base, Watchdog1
@@ -239,3 +239,55 @@ def test_packs_that_refuse_what_they_introduce_are_named(
     told = " ".join(capsys.readouterr().err.split())
     assert f"{rules}:3:1: error:" in told.replace("mine.lp: 3", "mine.lp:3")
     assert "the rule refuses the specification that was found: `Watchdog1` is there" in told
+
+
+@pytest.mark.parametrize("behaviour", ["needed", "none"])
+def test_a_node_that_only_listens_hears_each_message_and_changes_nothing(
+    behaviour: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "ears").mkdir()
+    manifest = (EARS / "pack.toml").read_text(encoding="utf-8")
+    stated = manifest.replace('behaviour = "none"', f'behaviour = "{behaviour}"')
+    (tmp_path / "ears" / "pack.toml").write_text(stated, encoding="utf-8")
+    blocks = """
+@module_start
+@module_name Sonar
+@Sense NotifyAtFrequency 10
+Range read();
+@module_end
+@module_start
+@module_name Base
+@Trans_Z
+void go(Twist t);
+@module_end
+"""
+    expected = (KINDS / "listeners_alone.expected.mars").read_text(encoding="utf-8")
+    lines = [line for line in expected.splitlines() if "@Tag" not in line]
+    specification = written(tmp_path, "\n".join([*lines, blocks]))
+    (tmp_path / "s.py").write_text(
+        "from mars_asp.behaviour import Command\n"
+        "def drive():\n    return Command('Trans_Z', 100)\n"
+        "def sense(*inputs):\n    return 1\n"
+        "def halt(command):\n    return Command('Trans_Z', -100)\n"
+    )
+    bound = "".join(
+        f'{name} = {{ python = "s.py:{what}" }}\n'
+        for name, what in (("Monitor1", "halt"), ("Journal1", "halt"), ("Probe1", "sense"))
+    )
+    scenario = tmp_path / "s.toml"
+    scenario.write_text(
+        'duration = 1\n[robot]\nmodule = "Base"\nradius = 200\n[requirements]\n'
+        "reach = { at = [90, 0], radius = 30, within = 1 }\n[bindings]\n"
+        'Joystick = { python = "s.py:drive", period = 100 }\nMap = { python = "s.py:sense" }\n'
+        f'Sonar = {{ python = "s.py:sense" }}\n{bound if behaviour == "needed" else ""}'
+    )
+    options = ["--rules", str(tmp_path / "ears"), "--format", "json", "--quiet"]
+    run = ["run", str(specification), "--scenario", str(scenario), *options]
+    assert run_here(run) == 0
+    links = json.loads(capsys.readouterr().out)["links"]
+    rates = {f"{each['source']} {each['client']}": each["got_hz"] for each in links}
+    assert rates["ControlSplitter1 Monitor1"] == rates["ControlSplitter1 Journal1"] == 10
+    assert rates["DataSplitter1 Probe1"] == rates["DataSplitter1 Map"] == 10
+    if behaviour == "needed":
+        scenario.write_text(scenario.read_text().replace(bound, ""))
+        assert run_here(run) == 2

@@ -1,8 +1,10 @@
+import json
 from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.language.text_edits import LineEdit, apply_lines
 
 PACK = """\
 %*! ours(M: module)
@@ -76,3 +78,52 @@ def test_what_an_analysis_would_refuse_comes_with_the_lints(
     told = capsys.readouterr().err
     assert "[rule-unknown]" in told
     assert "[rule-value]" in told
+
+
+def test_what_would_be_written_is_told_to_programs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = tmp_path / "pack.lp"
+    text = "odd(M) :- class(M, sensr),\n  guard(M), guard(M). #show odd/1.\nx(M) :- module(M).\n"
+    pack.write_text(text)
+    assert run_here(["rules", "lint", str(pack), "--format", "json"]) == 0
+    found = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    fixes = {each["code"]: each["fix"] for each in found}
+    assert fixes["rule-value"]["message"] == "write `sensor`"
+    assert fixes["rule-redundant"]["message"] == "leave it out"
+    assert fixes["rule-unused"] is None
+    edits = [
+        LineEdit(**{**line, "path": str(pack)})
+        for fix in fixes.values()
+        if fix is not None
+        for line in fix["lines"]
+    ]
+    run_here(["rules", "lint", str(pack), "--fix"])
+    assert apply_lines(text, edits) == pack.read_text()
+
+
+def pack_in(folder: Path, name: str, needs: str, rule: str) -> Path:
+    (folder / name / "consequences").mkdir(parents=True)
+    manifest = f'name = "{name}"\nversion = "1.0"\nneeds = [{needs}]\n'
+    (folder / name / "pack.toml").write_text(manifest)
+    (folder / name / "consequences" / f"{name}.lp").write_text(rule)
+    return folder / name
+
+
+def test_what_a_pack_needs_is_found_beside_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shared = "%*! far(M: module)\nM is far.\npacks: read\n*%\nfar(M) :- class(M, sensr).\n"
+    pack_in(tmp_path, "base", "", shared)
+    top = pack_in(tmp_path, "top", '"base"', "near(M) :- module(M), not far(M).\n#show near/1.\n")
+    # Of the pack that is needed itself nothing is told.
+    assert run_here(["rules", "lint", str(top)]) == 0
+    assert capsys.readouterr().out == "nothing wrong\n"
+    assert run_here(["rules", "doc", str(top)]) == 0
+    assert run_here(["rules", "lint", str(tmp_path / "base")]) == 0
+    assert "never `sensr`" in capsys.readouterr().err
+    assert run_here(["rules", "lint", str(top), "--rules", str(tmp_path / "base")]) == 0
+    assert "never `sensr`" in capsys.readouterr().err
+    (tmp_path / "base").rename(tmp_path / "elsewhere")
+    assert run_here(["rules", "lint", str(top)]) == 2
+    assert "find `../base` themselves" in capsys.readouterr().err

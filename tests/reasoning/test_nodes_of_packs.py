@@ -110,7 +110,7 @@ def joined(line: Relationship, taker: str, giver: str) -> Relationship:
 
 
 def changes(specification: Configuration, node: str) -> Iterator[tuple[str, Configuration]]:
-    """Yield specifications in which a node of a pack is missing, passed by, or wrongly fed."""
+    """Yield specifications in which a node of a pack is missing, passed by, or wrongly used."""
     lines = [each for each in specification.relationships if isinstance(each, Data | Control)]
     others = [each for each in specification.relationships if each not in lines]
     taken = [each for each in lines if ends(each)[0] == node]
@@ -123,11 +123,18 @@ def changes(specification: Configuration, node: str) -> Iterator[tuple[str, Conf
         return replace(specification, modules=modules, relationships=(*others, *relationships))
 
     yield "removed", made([*rest, *past], keep=False)
-    yield "bypassed", made([*rest, *taken, *past])
-    yield "bypassed as well", made([*rest, *taken, *given, *past[:1]])
     yield "unfed", made([*rest, *given])
-    yield "not heard", made([*rest, *taken])
-    yield "second input", made([*lines, joined(taken[0], node, "Stranger")])
+    kind = specification.pack_kind(node)
+    if given or kind is None or kind.inputs == "one":
+        yield "second input", made([*lines, joined(taken[0], node, "Stranger")])
+    if given:
+        yield "bypassed", made([*rest, *taken, *past])
+        yield "bypassed as well", made([*rest, *taken, *given, *past[:1]])
+        yield "not heard", made([*rest, *taken])
+    else:
+        beside = next(each for each in rest if ends(each)[1] == ends(taken[0])[1])
+        led = joined(beside, ends(beside)[0], node)
+        yield "hands on", made([led if each is beside else each for each in lines])
 
 
 @every_case
@@ -150,9 +157,11 @@ def test_a_specification_that_is_resolved_again_stays_as_it_is(path: Path) -> No
     reasoner, found = resolved(path)
     printed = print_configuration(found.specification.configuration)
     text = "\n".join([printed, *reasoner.project.blocks])
-    again = Reasoner(load_project(str(path), text=text), reasoner.rulebook).synthesis
-    assert again is not None
-    assert lines_of(print_configuration(again.specification.configuration)) == lines_of(printed)
+    again = Reasoner(load_project(str(path), text=text), reasoner.rulebook)
+    assert again.synthesis is not None
+    found_again = again.synthesis.specification.configuration
+    assert lines_of(print_configuration(found_again)) == lines_of(printed)
+    assert [each.message for each in judged(found_again, again)] == []
 
 
 @every_case

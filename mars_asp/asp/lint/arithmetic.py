@@ -1,11 +1,13 @@
 """Arithmetic in rules of which nothing shows that it fits into the 32 bits of clingo's integers."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Set
 
-from mars_asp.asp.lint.clauses import placed
+from mars_asp.asp.lint.clauses import Clause, clauses_of, name_of, number_of, placed
 from mars_asp.asp.lint.found import Found, found
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
+    Number,
     Operand,
     Operation,
     Statement,
@@ -15,13 +17,19 @@ from mars_asp.asp.rules.statements import (
 from mars_asp.asp.signature import Signature
 
 ARITHMETIC = "rule-arithmetic"
+#: The greatest number of clingo.
+_MOST = 2**31 - 1
+#: Comparisons of a variable, on the left, by which it is no greater than a number plus so much.
+_BOUNDING = {"<": -1, "<=": 0, "=": 0}
+_TURNED = {">": "<", ">=": "<=", "=": "="}
 
 
 def risks(rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]) -> Iterator[Found]:
     """Yield what rules compute that may not fit: products, and sums of numbers a user states.
 
     `unbounded` are the positions from 0 of such numbers in the predicates that hold them, given.
-    A rule that says why what it computes `fits` is taken at its word.
+    A rule that says why what it computes `fits` is taken at its word. So is one whose comparisons
+    bound all that it computes with.
     """
     rules = tuple(rules)
     read = statements_of(rule.text for rule in rules)
@@ -31,8 +39,12 @@ def risks(rules: Iterable[Rule], unbounded: Mapping[Signature, Iterable[int]]) -
         if rule.fits is not None or rule.listed is not None:
             continue
         large = frozenset[str]().union(*(_large(each, stated) for each in read[rule.text]))
-        for operation in _risky(rule_operands(rule.text), large):
-            names = sorted(large & _variables(operation))
+        risky = tuple(_risky(rule_operands(rule.text), large))
+        bounds = _bounds(rule) if risky else {}
+        for operation in risky:
+            if _most(operation, bounds) <= _MOST:
+                continue
+            names = sorted((large & _variables(operation)) - bounds.keys())
             message = f"`{operation.text}` may not fit into 32 bits"
             if names:
                 message += f", as `{names[0]}` has no upper bound"
@@ -59,6 +71,35 @@ def _is_risky(operation: Operation, large: Set[str]) -> bool:
     # What users state is never negative, so the difference of two of them fits.
     computed = any(isinstance(each, Operation) for each in inside)
     return sign in ("+", "*", "**") or (sign == "-" and computed)
+
+
+def _bounds(rule: Rule) -> Mapping[str, int]:
+    """Return the numbers that variables of a rule are compared with, and do not exceed."""
+    ways = [dict(_bounded(clause)) for clause in clauses_of([rule])[0]]
+    shared = set(ways[0]).intersection(*ways) if ways else set()
+    return {name: max(way[name] for way in ways) for name in shared}
+
+
+def _bounded(clause: Clause) -> Iterator[tuple[str, int]]:
+    for left, sign, right, _ in clause.body.comparisons:
+        for one, order, other in ((left, sign, right), (right, _TURNED.get(sign, ""), left)):
+            name, number = name_of(one), number_of(other)
+            if name is not None and number is not None and order in _BOUNDING:
+                yield name, number + _BOUNDING[order]
+
+
+def _most(operand: Operand, bounds: Mapping[str, int]) -> float:
+    """Return what an operand is at most, where variables are not negative."""
+    if isinstance(operand, Number):
+        return operand.value
+    if not isinstance(operand, Operation):
+        return bounds.get(operand, math.inf)
+    first, *others = (_most(each, bounds) for each in operand.operands)
+    if operand.sign == "+" and others:
+        return first + others[0]
+    if operand.sign == "*":
+        return first * others[0]
+    return first if operand.sign in ("/", "-") and others else math.inf
 
 
 def _variables(operand: Operand) -> frozenset[str]:

@@ -211,8 +211,9 @@ PAGES = (
     Page(
         "rule-arithmetic",
         "Arithmetic that may overflow",
-        "Reports products of two variables, and sums of numbers that users state. A line "
-        "`%! fits: REASON` states why the result fits.",
+        "Reports products of two variables, and sums of numbers that users state, unless "
+        "comparisons with numbers keep them small enough. A line `%! fits: REASON` states why they "
+        "fit otherwise.",
         "Integers have 32 bits, and clingo wraps what does not fit without a message.",
         f"{_LENGTH}long(R) :- lasts(R, T), lasts(_, U), T * U > 9.\n#show long/1.\n",
         f"{_LENGTH}long(R) :- lasts(R, T), T > 9000.\n#show long/1.\n",

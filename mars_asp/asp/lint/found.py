@@ -15,6 +15,12 @@ class Fix(NamedTuple):
     text: str
 
 
+def titled(fixes: Iterable[Fix]) -> str:
+    """Return what fixes do, in words."""
+    written = " and ".join(f"`{each.text}`" for each in fixes if each.text)
+    return f"write {written}" if written else "leave it out"
+
+
 class Found(NamedTuple):
     """A diagnostic about a rule, or about a file where there is none."""
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from mars_asp.asp.cases import find_cases
 from mars_asp.reasoning.cases.configurations import SUFFIX, is_case
-from mars_asp.reasoning.packs import find_packs, folders_around, is_pack, pack_of
+from mars_asp.reasoning.packs import folders_around, is_pack, pack_of
 
 #: The folders of a pack that hold its cases.
 FOLDERS = ("cases", "tests")
@@ -35,22 +35,6 @@ def cases_of(paths: Iterable[Path], rules: Sequence[Path] = ()) -> tuple[Found, 
 def pack_of_case(case: Path) -> Path | None:
     """Return the folder of the pack that a file of cases is of, if it is of one."""
     return pack_of(case, FOLDERS) if case.suffix in _SUFFIXES else None
-
-
-def with_companions(pack: Path) -> tuple[Path, ...]:
-    """Return a pack with those beside it that it needs, these first."""
-    found: dict[Path, None] = {}
-    waiting = [pack]
-    while waiting:
-        each = waiting.pop()
-        if each in found:
-            continue
-        found[each] = None
-        for read in find_packs([each], []):
-            needs = () if read.manifest is None else read.manifest.needs
-            beside = (each.parent / need.name for need in needs)
-            waiting += (other for other in beside if is_pack(other))
-    return tuple(reversed(found))
 
 
 def _of_folder(folder: Path, rules: Sequence[Path]) -> Iterator[Path]:

@@ -97,7 +97,7 @@ class ControlLines:
         return self._derived.kinds.get(node, "inheritance_node") != "inheritance_node"
 
     def _fans_out(self, node: TermId) -> bool:
-        return self._hands_on(node) and len(self._out_of[node]) > 1
+        return self._hands_on(node) and len(self._out_of.get(node, ())) > 1
 
     def _write_split(self, node: TermId) -> None:
         """Write what a node hears and then all its outputs."""

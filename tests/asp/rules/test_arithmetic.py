@@ -97,6 +97,17 @@ STATED = {Signature("priority", 2): (1,), Signature("hold", 2): (1,)}
         ("n(N) :- N = #count { P : priority(_, P) }. p(N + 1) :- n(N).", []),
         ("p :- #sum { P + 1, R : hold(R, P) } > 3.", ["P + 1"]),
         ("p((P' - P) * (Q' - Q)) :- q(P, P', Q, Q').", ["(P' - P) * (Q' - Q)"]),
+        ("p(X * Y) :- q(X, Y), X < 40000, 50000 >= Y.", []),
+        ("p(X * Y) :- q(X, Y), X <= 60000, Y <= 60000.", ["X * Y"]),
+        ("p(X * Y) :- q(X, Y), X < 40000, Y != 5.", ["X * Y"]),
+        ("p(X * Y) :- q(X, Y), X > 40000, Y < 5.", ["X * Y"]),
+        ("p(X * Y) :- q(X, Y), not X >= 40000, Y = 5.", []),
+        ("p(X * Y) :- q(X, Y), X = (5; 9), Y < 5.", []),
+        ("p(X * Y) :- q(X, Y), X < Z, Z = (5; 9), Y < 5.", ["X * Y"]),
+        ("p(P + 1) :- priority(_, P), P < 2147483647.", []),
+        ("p(P + 1) :- priority(_, P), P <= 2147483647.", ["P + 1"]),
+        ("p(P + Q) :- priority(_, P), hold(_, Q), P < 5.", ["P + Q"]),
+        ("p :- #sum { X * Y : q(X, Y) } > 3, r(X), X < 5, Y < 5, r(Y).", []),
     ],
 )
 def test_products_and_sums_of_what_users_state_are_risks(text: str, risky: list[str]) -> None:

@@ -77,6 +77,10 @@ BROUGHT = {
     "after_controller.mars": ["tests/node_kinds/packs/filters"],
     "after_source.mars": ["tests/node_kinds/packs/filters"],
     "other_sources.mars": ["examples/packs/redundancy"],
+    "listeners_alone.mars": ["tests/node_kinds/packs/ears"],
+    "listeners_of_control.mars": ["tests/node_kinds/packs/ears"],
+    "listeners_in_one_place.mars": ["tests/node_kinds/packs/ears"],
+    "listeners_of_data.mars": ["tests/node_kinds/packs/ears"],
 }
 PRICES = {
     "shared.mars": "2 nodes; apart it would take 4 (2 arbiters; splitters for `Joy` and `Nav`).",

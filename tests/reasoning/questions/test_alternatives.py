@@ -73,6 +73,12 @@ def test_needs_are_disjoint_and_bound_the_cost(seed: int) -> None:
     assert all(len(need.reasons) == len(need.nodes) for need in answer.needs)
 
 
+#: Robots of `tests/node_kinds` in which packs bring nodes.
+BROUGHT = {
+    "two_effectors": "examples/packs/watchdog",
+    "listeners_alone": "tests/node_kinds/packs/ears",
+    "listeners_of_control": "tests/node_kinds/packs/ears",
+}
 NEEDS = [
     "examples/figure04-divergence/config.mars",
     "examples/figure07-representation/config.mars",
@@ -134,12 +140,12 @@ def test_each_rule_for_needs_speaks() -> None:
         for reason in need.reasons
         for rule in reason.rules
     }
-    # Nodes of packs are told by what they are alone.
-    packs = [ROOT / "examples" / "packs" / "watchdog"]
-    project = load_project(str(ROOT / "tests" / "node_kinds" / "two_effectors.mars"))
-    answer = alternatives(Reasoner(project, load_rulebook(packs, ("resolve", "account"))), most=1)
-    assert answer is not None
-    spoken |= {rule for need in answer.needs for reason in need.reasons for rule in reason.rules}
+    for name, pack in BROUGHT.items():
+        project = load_project(str(ROOT / "tests" / "node_kinds" / f"{name}.mars"))
+        rulebook = load_rulebook([ROOT / pack], ("resolve", "account"))
+        answer = alternatives(Reasoner(project, rulebook), most=1)
+        assert answer is not None
+        spoken |= {rule for need in answer.needs for each in need.reasons for rule in each.rules}
     assert spoken == telling
 
 
