@@ -245,34 +245,15 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = why_not(reasoner, arguments.why_not, levels)
     if arguments.format == "json":
-        from mars_asp.cli.encode import encoded
+        from mars_asp.cli.trace_document import why_not_document
 
-        print(encoded(_why_not_json(answer)))
+        print(why_not_document(answer))
     else:
         first, *others = _why_not_text(answer, arguments, project.format)
         coloured = colours(arguments, sys.stdout)
         sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
         sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
     return int(selection.has_errors(project, answer.analysis))
-
-
-def _why_not_json(answer: "WhyNot") -> dict[str, object]:
-    from mars_asp.asp.trace.document import trace_json
-
-    return {
-        "subject": answer.subject,
-        "present": answer.present,
-        "answer": answer.answer,
-        "evidence": [
-            {"path": s.path, "line": s.line, "column": s.column, "text": line_at(s)}
-            for s in answer.evidence
-        ],
-        "to_get": answer.to_get,
-        "offered": answer.offered,
-        "extra_cost": None if answer.extra is None else by_name(answer.extra),
-        "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
-        "traces": [trace_json(answer.trace)],
-    }
 
 
 def _why_not_text(
@@ -289,7 +270,10 @@ def _why_not_text(
     evidence = tuple({(span.path, span.line): span for span in answer.evidence}.values())
     shown = evidence[:_MOST_EVIDENCE]
     # Lines of the user are not broken.
-    yield [f"{BELOW}{visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
+    places = [visible(f"{span.path}:{span.line}") for span in shown]
+    wide = max(map(len, places), default=0)
+    lines = (visible(line_at(span)) for span in shown)
+    yield [f"{BELOW}{place:{wide}}  {line}" for place, line in zip(places, lines, strict=True)]
     if len(evidence) > len(shown):
         yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
     if answer.to_get is not None:
