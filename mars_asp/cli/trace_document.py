@@ -3,9 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_json, trace_lines
+from mars_asp.cli.account import account_json, line_json
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.lines import line_at
-from mars_asp.diagnostic import Span
 from mars_asp.reasoning.questions.explain import Topic
 from mars_asp.reasoning.questions.why_not import WhyNot
 from mars_asp.reasoning.rules import by_name
@@ -37,8 +36,8 @@ def _document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]
 
 
 def why_not_document(answer: WhyNot) -> str:
-    """Return why something is not there as JSON: a document of one topic, and what would give it."""
-    lines = [_line(span) for span in answer.evidence]
+    """Return as JSON why something is not there: a document of one topic, with more keys."""
+    lines = [line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     topic = {"title": title, "sort": "atom", "name": title, "resolves": []}
     cited = [{**line, "label": ""} for line in lines]
@@ -65,14 +64,8 @@ def _topic_json(topic: Topic) -> dict[str, object]:
     account = topic.account
     if account is None:
         return {**told, "resolves": list(topic.resolves)}
-    lines = [{**_line(each.span), "label": each.label} for each in account.cites]
-    answer = {"answer": account.answer, "lines": lines, "notes": list(account.notes)}
-    return {**told, "resolves": list(topic.resolves), **answer, "decided_by": topic.rule}
-
-
-def _line(span: Span) -> dict[str, object]:
-    place: dict[str, object] = {"path": span.path, "line": span.line, "column": span.column}
-    return {**place, "text": line_at(span)}
+    resolves = list(topic.resolves)
+    return {**told, "resolves": resolves, **account_json(account), "decided_by": topic.rule}
 
 
 def _batches(lines: Iterable[str]) -> Iterator[list[str]]:

@@ -523,7 +523,7 @@ def test_a_document_is_a_file_of_every_verb(
     assert (found["kind"], found["subject"]) == ("unused_module", "loose")
     assert found["locations"][0]["path"] == str(file)
     assert run_here(["can", str(file), "Rotn_Z of plate"]) == 0
-    assert f"{file}:6" in capsys.readouterr().out
+    assert f"{file.name}:6" in capsys.readouterr().out
     assert run_here(["synthesise", str(file)]) == 0
     assert capsys.readouterr().out.endswith("@module_name plate\n@Rotn_Z\n@module_end\n")
     for files in ([file, mux], [mux, file]):
