@@ -39,9 +39,9 @@ def why_not_document(answer: WhyNot) -> str:
     """Return as JSON why something is not there: a document of one topic, with more keys."""
     lines = [line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
-    topic = {"title": title, "sort": "atom", "name": title, "resolves": []}
     cited = [{**line, "label": ""} for line in lines]
-    topic |= {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}
+    told = {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}
+    topic = {"title": title, "sort": "atom", "name": title, "resolves": [], **told}
     found = {
         "present": answer.present,
         "answer": answer.answer,
@@ -51,8 +51,8 @@ def why_not_document(answer: WhyNot) -> str:
         "extra_cost": None if answer.extra is None else by_name(answer.extra),
         "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
     }
-    told = {"traces": [{"title": title, **trace}], "topics": [topic]}
-    return encoded({**_head(title), **found, **told})
+    traces = [{"title": title, **trace}]
+    return encoded({**_head(title), **found, "traces": traces, "topics": [topic]})
 
 
 def _head(subject: str | None) -> dict[str, object]:

@@ -228,7 +228,8 @@ def _blamed(
 ) -> tuple[Change[Consequence], ...]:
     """Return changes with the lines for which the other side lacks what no changed line states."""
     prevented: dict[tuple[How, str, str], tuple[Span, ...]] = {}
-    for how, side in (("appeared", before), ("vanished", after)):
+    others: tuple[tuple[How, _Side], ...] = (("appeared", before), ("vanished", after))
+    for how, side in others:
         unexplained = [each.item for each in changes if each.how == how and not each.lines]
         kinds, names = ({c.kind for c in unexplained}, {c.subject for c in unexplained})
         found = reasons(side.project, side.rulebook, sorted(kinds), sorted(names)) if names else ()
