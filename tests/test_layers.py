@@ -72,9 +72,9 @@ FILES = {
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account capability needs subject asked alternatives annotation_edits changes "
-        "behind evidence islands sayings counted preceding vicinity blame edits explain diff "
-        "near_miss repair fix why_not absences without"
+        "sharing account capability needs subject stated asked alternatives annotation_edits "
+        "changes behind evidence islands sayings counted preceding vicinity blame edits explain "
+        "diff near_miss repair fix why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
