@@ -61,7 +61,7 @@ FILES = {
     "kinematics": "frames supports sharing",
     "reasoning": (
         "budget facts findings packs includes attributes rules analysis project sample lint "
-        "synthesis verification session cases questions capability"
+        "synthesis verification session cases questions"
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
@@ -72,9 +72,9 @@ FILES = {
         "data_lines specify synthesise"
     ),
     "reasoning/questions": (
-        "sharing account needs subject asked alternatives annotation_edits changes behind "
-        "evidence islands sayings counted preceding vicinity blame edits explain diff near_miss "
-        "repair fix why_not absences without"
+        "sharing account capability needs subject stated asked alternatives annotation_edits "
+        "changes behind evidence islands sayings counted preceding vicinity blame edits explain "
+        "diff near_miss repair fix why_not absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread ports graph relays cascades topics unite "
@@ -107,14 +107,14 @@ FILES = {
         "completion lenses questions protocol workers desk server"
     ),
     "cli": (
-        "deliver encode layout arguments again lines live watch pace progress outputs report "
-        "extract limits settings trace_document schemas worker reason perform ignores baseline "
-        "selection results github sarif_fixes sarif publish alternatives analyse can completion "
-        "draw export facts fmt import winners run_report run_json run_text run "
+        "deliver encode layout arguments again lines account live watch pace progress outputs "
+        "report extract limits settings trace_document schemas worker reason perform ignores "
+        "baseline selection results github sarif_fixes sarif publish alternatives analyse can "
+        "completion draw export facts fmt import winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_job campaign_table campaign synthesise "
         "cases_report cases_measure cases_watch test pytest_plugin verify diff rules_kinds "
         "rules_document rules_new rules_diff rules repair check lsp_files lsp_rules "
-        "lsp_answers lsp account explain_page explain"
+        "lsp_answers lsp explain_page explain"
     ),
 }
 #: The packages whose imports `docs/design.md` draws, in its order.

@@ -195,7 +195,7 @@ def test_few_stages_read_what_another_one_derives(rulebook: Rulebook) -> None:
     }
     # The facts of a specification that is judged are what `specify` derives of a resolution.
     judging = {("verify", "specify"), ("cost", "specify")}
-    telling = {("account", "resolve"), ("account", "specify")}
+    telling = {("account", each) for each in ("resolve", "specify", "can")}
     assert read == {("specify", "resolve"), ("cost", "verify")} | judging | telling
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from mars_asp.cli.layout import wrapped
 from mars_asp.cli.lines import line_at
+from mars_asp.diagnostic import Span
 from mars_asp.output import visible
 from mars_asp.reasoning.questions.account import Account, Cited
 from mars_asp.reasoning.questions.explain import Topic
@@ -17,13 +18,32 @@ _GAP = "   "
 def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
     """Yield the lines of an account, its title first."""
     severity = f", {topic.severity}" if topic.severity in ("warning", "error") else ""
-    rule = f"  [{topic.rule}]" if topic.rule else ""
+    yield from told_lines(f"{topic.name}{severity}:", account, topic.rule, width)
+    if topic.resolves:
+        resolves = f"Resolves {', '.join(topic.resolves)}."
+        yield from wrapped(resolves, width, BELOW, BELOW + FURTHER)
+
+
+def told_lines(of: str, account: Account, rule: str | None, width: int) -> Iterator[str]:
+    """Yield what is told of something: the answer with its rule, lines of files, and notes."""
+    ending = f"  [{rule}]" if rule else ""
     answer = (account.answer or "").rstrip(".")
-    yield from wrapped(f"{topic.name}{severity}: {answer}.{rule}", width, "", FURTHER)
+    yield from wrapped(f"{of} {answer}.{ending}", width, "", FURTHER)
     yield from _cited(account.cites, width)
-    resolves = [f"Resolves {', '.join(topic.resolves)}."] if topic.resolves else []
-    for note in (*account.notes, *resolves):
+    for note in account.notes:
         yield from wrapped(note, width, BELOW, BELOW + FURTHER)
+
+
+def account_json(account: Account) -> dict[str, object]:
+    """Return an account for programs: the answer, the lines with what is said of them, notes."""
+    lines = [{**line_json(each.span), "label": each.label} for each in account.cites]
+    return {"answer": account.answer, "lines": lines, "notes": list(account.notes)}
+
+
+def line_json(span: Span) -> dict[str, object]:
+    """Return a line of a file for programs: where it is, and what it says."""
+    place: dict[str, object] = {"path": span.path, "line": span.line, "column": span.column}
+    return {**place, "text": line_at(span)}
 
 
 def _cited(cites: Sequence[Cited], width: int) -> Iterator[str]:

@@ -3,17 +3,15 @@
 import argparse
 import sys
 
-from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.document import Document
-from mars_asp.asp.trace.text import traces_text
+from mars_asp.cli.account import account_json, told_lines
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import line_at
 from mars_asp.cli.reason import add_file, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
-from mars_asp.diagnostic import Span
+from mars_asp.model.names import written
 from mars_asp.output import visible
-from mars_asp.reasoning.capability import QUERY, Answer, capability
+from mars_asp.reasoning.questions.capability import Answer, capability
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +25,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the answer; 1 where it is no."""
     project = read_project(arguments)
-    answer = capability(project, rulebook_for(arguments, ("can",)), arguments.query)
+    answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
     if arguments.format == "json":
         document = Document()
         demands = [
@@ -36,6 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
                 "module": v.demand.module,
                 "can": v.able,
                 "missing": list(v.missing),
+                **account_json(v.account),
                 "traces": [document.trace(trace) for trace in v.traces],
             }
             for v in answer.verdicts
@@ -47,20 +46,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_answer(answer: Answer, coloured: bool) -> None:
-    def asked_or_line(span: Span) -> str:
-        return answer.query if span.path == QUERY else line_at(span)
-
     print(paint("yes" if answer.able else "no", "strong", coloured))
-    topics = [
-        (f"{v.demand.function} of {v.demand.module}: {'yes' if v.able else 'no'}", trace)
-        for v in answer.verdicts
-        for trace in v.traces
-    ]
-    for line in traces_text(topics, asked_or_line, DEPTH, columns(sys.stdout)):
-        title = not line.startswith(" ")
-        if title:
-            print()
-        print(paint(visible(line), "strong", coloured and title))
+    for verdict in answer.verdicts:
+        demand = f"{verdict.demand.function} of {written(verdict.demand.module)}"
+        title, *others = told_lines(
+            f"{demand}:", verdict.account, verdict.rule, columns(sys.stdout)
+        )
+        print()
+        print(paint(title, "strong", coloured))
+        sys.stdout.writelines(f"{line}\n" for line in others)
     missing = dict.fromkeys(text for verdict in answer.verdicts for text in verdict.missing)
     for index, text in enumerate(missing):
         lines = wrapped(visible(text), columns(sys.stdout), "help: ", "      ")

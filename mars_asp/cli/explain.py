@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,11 +19,13 @@ from mars_asp.cli.reason import STANDARD_INPUT, add_file, read_project, rulebook
 from mars_asp.cli.report import colours, paint
 from mars_asp.cli.schemas import FORMATS, add_schema, explain_schema
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.diagnostic import Span
 from mars_asp.model.names import read_name
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
+from mars_asp.reasoning.questions.stated import Stated, lines_meant, stated
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
@@ -53,7 +56,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     add_file(parser)
     parser.add_argument(
-        "subject", nargs="?", metavar="SUBJECT", help="a module, node, consequence kind or atom"
+        "subject",
+        nargs="?",
+        metavar="SUBJECT",
+        help="a module, node, consequence kind or atom, or a line: `A uses_data_from B`, FILE:LINE",
     )
     question = parser.add_mutually_exclusive_group()
     question.add_argument(
@@ -128,9 +134,13 @@ def run(arguments: argparse.Namespace) -> int:
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     deeper = arguments.every or arguments.places or hasattr(arguments, "depth")
     traced = deeper or arguments.format != "text"
+    meant = () if subject is None else lines_meant(subject, project)
     if arguments.output is not None:
         traced = subject is not None or len(project.configuration.modules) <= _MOST_TRACED
-    answer = explain(reasoner, subject, arguments.every, arguments.only, traced)
+    about = None if meant else subject
+    answer = explain(reasoner, about, arguments.every, arguments.only, traced)
+    if meant:
+        answer = replace(answer, subject=subject, topics=tuple(_resting(answer, meant)))
     absent = () if arguments.output is None else _absent(reasoner, answer, arguments.only)
     del reasoner
     topics, has_errors = _reported(answer, selection, project)
@@ -174,6 +184,15 @@ def _reported(
     shown = {f"{each.kind}({each.subject})" for each in selected.shown}
     left = (each for each in answer.topics if each.sort != "consequence" or each.name in shown)
     return tuple(left), selected.has_errors
+
+
+def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
+    """Yield the topics of which one of some lines is a cause."""
+    wanted = {(span.path, span.line) for span in lines}
+    for topic in answer.topics:
+        cites = () if topic.account is None else topic.account.cites
+        if any((each.span.path, each.span.line) in wanted for each in cites):
+            yield topic
 
 
 def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Sequence["Absence"]:
@@ -243,11 +262,15 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    answer = why_not(reasoner, arguments.why_not, levels)
+    asked = stated(arguments.why_not, project)
+    subject = arguments.why_not if asked is None else asked.atom
+    answer = why_not(reasoner, subject, levels)
+    if asked is not None and asked.atom != arguments.why_not:
+        answer = replace(answer, subject=asked.line, answer=_of_line(answer.answer, asked))
     if arguments.format == "json":
-        from mars_asp.cli.encode import encoded
+        from mars_asp.cli.trace_document import why_not_document
 
-        print(encoded(_why_not_json(answer)))
+        print(why_not_document(answer))
     else:
         first, *others = _why_not_text(answer, arguments, project.format)
         coloured = colours(arguments, sys.stdout)
@@ -256,23 +279,12 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     return int(selection.has_errors(project, answer.analysis))
 
 
-def _why_not_json(answer: "WhyNot") -> dict[str, object]:
-    from mars_asp.asp.trace.document import trace_json
-
-    return {
-        "subject": answer.subject,
-        "present": answer.present,
-        "answer": answer.answer,
-        "evidence": [
-            {"path": s.path, "line": s.line, "column": s.column, "text": line_at(s)}
-            for s in answer.evidence
-        ],
-        "to_get": answer.to_get,
-        "offered": answer.offered,
-        "extra_cost": None if answer.extra is None else by_name(answer.extra),
-        "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
-        "traces": [trace_json(answer.trace)],
-    }
+def _of_line(answer: str, asked: Stated) -> str:
+    """Return an answer about an atom as one about the line that says the same."""
+    reason = answer.removeprefix(f"No {asked.atom}: ")
+    if reason != answer:
+        return f"{reason[:1].upper()}{reason[1:]}"
+    return answer.replace(asked.atom, f"`{asked.line}`")
 
 
 def _why_not_text(
@@ -289,7 +301,10 @@ def _why_not_text(
     evidence = tuple({(span.path, span.line): span for span in answer.evidence}.values())
     shown = evidence[:_MOST_EVIDENCE]
     # Lines of the user are not broken.
-    yield [f"{BELOW}{visible(f'{span.path}:{span.line}  {line_at(span)}')}" for span in shown]
+    places = [visible(f"{span.path}:{span.line}") for span in shown]
+    wide = max(map(len, places), default=0)
+    lines = (visible(line_at(span)) for span in shown)
+    yield [f"{BELOW}{place:{wide}}  {line}" for place, line in zip(places, lines, strict=True)]
     if len(evidence) > len(shown):
         yield [f"{BELOW}and {counted(len(evidence) - len(shown), 'more line')}"]
     if answer.to_get is not None:
@@ -330,6 +345,8 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     """Yield what is said below the traces."""
     if arguments.only == "nodes" and answer.synthesis is None:
         yield "no specification realises this configuration, so there is no node to explain"
+    elif not answer.topics and answer.subject is not None:
+        yield f"no consequence and no node rests on `{answer.subject}`"
     elif not answer.topics and arguments.only != "nodes":
         yield "nothing to resolve, so nothing to explain"
     if answer.synthesis is not None and answer.subject is None:

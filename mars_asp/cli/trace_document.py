@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_lines
+from mars_asp.asp.trace.document import FORMAT, VERSION, Document, trace_json, trace_lines
+from mars_asp.cli.account import account_json, line_json
 from mars_asp.cli.encode import encoded
-from mars_asp.cli.lines import line_at
 from mars_asp.reasoning.questions.explain import Topic
+from mars_asp.reasoning.questions.why_not import WhyNot
+from mars_asp.reasoning.rules import by_name
 
 #: So many lines are written at once.
 _AT_ONCE = 1000
@@ -30,8 +32,31 @@ def _document(subject: str | None, topics: Sequence[Topic]) -> dict[str, object]
     document = Document()
     traces = [{"title": each.title, **document.trace(each.trace)} for each in topics]
     told = list(map(_topic_json, topics))
-    head = {"format": FORMAT, "version": VERSION, "subject": subject}
-    return {**head, "traces": traces, "topics": told}
+    return {**_head(subject), "traces": traces, "topics": told}
+
+
+def why_not_document(answer: WhyNot) -> str:
+    """Return as JSON why something is not there: a document of one topic, with more keys."""
+    lines = [line_json(span) for span in answer.evidence]
+    title, trace = answer.subject, trace_json(answer.trace)
+    cited = [{**line, "label": ""} for line in lines]
+    told = {"answer": answer.answer, "lines": cited, "notes": [], "decided_by": None}
+    topic = {"title": title, "sort": "atom", "name": title, "resolves": [], **told}
+    found = {
+        "present": answer.present,
+        "answer": answer.answer,
+        "evidence": lines,
+        "to_get": answer.to_get,
+        "offered": answer.offered,
+        "extra_cost": None if answer.extra is None else by_name(answer.extra),
+        "obstacles": [trace_json(obstacle) for obstacle in answer.obstacles],
+    }
+    traces = [{"title": title, **trace}]
+    return encoded({**_head(title), **found, "traces": traces, "topics": [topic]})
+
+
+def _head(subject: str | None) -> dict[str, object]:
+    return {"format": FORMAT, "version": VERSION, "subject": subject}
 
 
 def _topic_json(topic: Topic) -> dict[str, object]:
@@ -39,18 +64,8 @@ def _topic_json(topic: Topic) -> dict[str, object]:
     account = topic.account
     if account is None:
         return {**told, "resolves": list(topic.resolves)}
-    lines = [
-        {
-            "path": each.span.path,
-            "line": each.span.line,
-            "column": each.span.column,
-            "text": line_at(each.span),
-            "label": each.label,
-        }
-        for each in account.cites
-    ]
-    answer = {"answer": account.answer, "lines": lines, "notes": list(account.notes)}
-    return {**told, "resolves": list(topic.resolves), **answer, "decided_by": topic.rule}
+    resolves = list(topic.resolves)
+    return {**told, "resolves": resolves, **account_json(account), "decided_by": topic.rule}
 
 
 def _batches(lines: Iterable[str]) -> Iterator[list[str]]:

@@ -8,7 +8,7 @@ from typing import Any
 import jsonschema_rs
 import pytest
 
-from mars_asp.cli import run_command
+from mars_asp.cli import run_command, run_here
 from mars_asp.cli.schemas import explain_schema
 from mars_asp.cli.trace_document import write_topics
 from mars_asp.reasoning.project import load_project
@@ -50,6 +50,32 @@ def test_both_forms_fit_their_schemas_and_tell_the_same(path: Any, every: bool) 
     assert [line["title"] for line in lines if "topic" in line] == [
         topic["title"] for topic in document["topics"]
     ]
+
+
+@pytest.mark.parametrize(
+    ("name", "asked"),
+    [
+        ("level1", "ArbitrationNode(Turn)"),
+        ("level1", "ArbitrationNode(MobilePlatform)"),
+        ("level1", "DataTransformer(SonarMap)"),
+        ("level1", "data_cycle"),
+        ("level1", "DataSplitter9"),
+        ("level1", "uses_data_from(Turn,Runaway)"),
+        ("gripper-arm", "missing_function(Gripper)"),
+    ],
+)
+def test_why_there_is_none_fits_the_schema_of_explanations(
+    name: str, asked: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(ROOT / "examples" / name / "config.mars")
+    assert run_here(["explain", file, "--why-not", asked, "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    of_document = jsonschema_rs.validator_for(json.loads(explain_schema("json")))
+    assert [error.message for error in of_document.iter_errors(document)] == []
+    assert faults_in_references(document) == []
+    assert [topic["answer"] for topic in document["topics"]] == [document["answer"]]
+    del document["to_get"]
+    assert list(of_document.iter_errors(document))
 
 
 def steps(document: Any) -> Iterator[Any]:

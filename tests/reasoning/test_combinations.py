@@ -16,8 +16,8 @@ import pytest
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import Configuration, Control
 from mars_asp.reasoning.analysis import analyse
-from mars_asp.reasoning.capability import capability
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.capability import capability
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify

@@ -213,8 +213,13 @@ def _remarks(joints: Sequence[Joint]) -> Iterator[Diagnostic]:
 def _remark(
     code: str, message: str, help_text: str, places: Sequence[tuple[Span, str]]
 ) -> Diagnostic:
+    """Return a warning at several places, of which the last that is shown counts the rest."""
     (first, _), *others = places
-    return Diagnostic(code, "warning", message, first, tuple(others[:_MOST_PLACES]), help_text)
+    labels = others[:_MOST_PLACES]
+    if len(others) > len(labels):
+        span, said = labels[-1]
+        labels[-1] = span, f"{said}, and {len(others) - len(labels)} more"
+    return Diagnostic(code, "warning", message, first, tuple(labels), help_text)
 
 
 def _words(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:

@@ -6,8 +6,8 @@ line of the other configuration; so order, comments and layout change nothing.
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Generic, Literal, TypeAlias, TypeVar
 
@@ -19,6 +19,7 @@ from mars_asp.asp.trace import Trace
 from mars_asp.asp.trace.tree import Absent, Derived, Given
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
@@ -29,7 +30,10 @@ _Said: TypeAlias = tuple[str, ...]
 Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Facts about the whole configuration, which stand at lines that do not say them.
-_OBSERVED = frozenset({"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"})
+_OBSERVED = frozenset(
+    {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
+    | {"near", "takes_in", "input_of", "output_of", "port_name", "rounded", "multiple"}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,11 @@ class Change(Generic[Item]):
         item = self.old if self.new is None else self.new
         assert item is not None
         return item
+
+    @property
+    def lines(self) -> tuple[Span, ...]:
+        """Return all lines that caused it."""
+        return (*self.added, *self.removed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +102,11 @@ def diff(old: Reasoner, new: Reasoner) -> Difference:
     before.compare(after)
     after.compare(before)
     both = before.synthesis is not None and after.synthesis is not None
+    consequences = tuple(_changes(before, after, before.consequences(), after.consequences()))
     return Difference(
         tuple(sorted(after.changed)),
         tuple(sorted(before.changed)),
-        tuple(_changes(before, after, before.consequences(), after.consequences())),
+        _blamed(consequences, before, after),
         tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
         after.synthesis,
@@ -118,6 +128,7 @@ class _Side:
 
     def __init__(self, reasoner: Reasoner) -> None:
         evidence = reasoner.evidence(resolved=True)
+        self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
         self.lines = _lines(reasoner.facts)
@@ -210,6 +221,30 @@ def _changes(
                 tuple(sorted(added)),
                 tuple(sorted(removed)),
             )
+
+
+def _blamed(
+    changes: Sequence[Change[Consequence]], before: _Side, after: _Side
+) -> tuple[Change[Consequence], ...]:
+    """Return changes with the lines for which the other side lacks what no changed line states."""
+    prevented: dict[tuple[How, str, str], tuple[Span, ...]] = {}
+    others: tuple[tuple[How, _Side], ...] = (("appeared", before), ("vanished", after))
+    for how, side in others:
+        unexplained = [each.item for each in changes if each.how == how and not each.lines]
+        kinds, names = ({c.kind for c in unexplained}, {c.subject for c in unexplained})
+        found = reasons(side.project, side.rulebook, sorted(kinds), sorted(names)) if names else ()
+        for kind, name, blame in found:
+            lines = tuple(sorted(side.changed.intersection(blame.evidence)))
+            prevented[how, kind, name] = lines
+    return tuple(each if each.lines else _with_lines(each, prevented) for each in changes)
+
+
+def _with_lines(
+    change: Change[Consequence], prevented: Mapping[tuple[How, str, str], tuple[Span, ...]]
+) -> Change[Consequence]:
+    lines = prevented.get((change.how, change.item.kind, change.item.subject), ())
+    is_new = change.how == "vanished"
+    return replace(change, added=lines if is_new else (), removed=() if is_new else lines)
 
 
 def _others(

@@ -18,6 +18,7 @@ from mars_asp.cli.reason import load
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited, true_atoms
+from mars_asp.reasoning.questions.capability import capability
 from mars_asp.reasoning.questions.explain import explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
@@ -33,6 +34,18 @@ FOREIGN = {
     "ros2/courier": "a_workspace",
 }
 EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
+#: What is asked of `tests/questions/able.mars`; `questions.txt` has the answers.
+ABLE = (
+    "Rotn_Z of Arm",
+    "Rotn_X of Eye while Rotn_X of Plate",
+    'Rotn_Y of Eye while Rotn_Y of "the other eye"',
+    "Trans_Z of Eye",
+    "Rotn_Z of Plate",
+    'Trans_Z of "the other eye"',
+    "Grasp of Eye",
+    "Trans_X of Dark",
+    "Trans_X of Probe",
+)
 #: The accounts of all cases are found once where one process runs these tests.
 OF_ALL_CASES = pytest.mark.xdist_group("accounts")
 #: One answer of so many has more than twelve lines at most.
@@ -123,6 +136,10 @@ def test_every_rule_speaks_in_a_case() -> None:
             spoken |= set(topic.account.rules) if topic.account else set()
     for name in PRICES:
         spoken |= set(told_alone(ROOT / "tests/questions" / name, "ArbitrationNode").rules)
+    able = load_rulebook(stages=("can", STAGE))
+    for query in ABLE:
+        answer = capability(load_project(str(ROOT / "tests/questions/able.mars")), able, query)
+        spoken |= {rule for verdict in answer.verdicts for rule in verdict.account.rules}
     assert telling == spoken
 
 

@@ -1,23 +1,30 @@
 """Capability queries: what a robot is able to do at one time, decided by `rules/can`.
 
+What is told of each demand `rules/account/capability.lp` decides.
+
 >>> answer = capability(load_project("config.mars"), rulebook, "Rotn_Y of Camera")
 >>> answer.able
 True
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+
+import clingo
 
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.term_ids import as_term
+from mars_asp.asp.solve.term_ids import TermId, as_term
 from mars_asp.asp.trace import Derived, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
-from mars_asp.reasoning.analysis import analyse
+from mars_asp.model.names import read_name
+from mars_asp.reasoning.analysis import Key, analyse
 from mars_asp.reasoning.project import Project, project_facts
+from mars_asp.reasoning.questions.account import Account, names_of, speakers, told, true_atoms
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis.synthesise import costs_of
 from mars_asp.spelling import nearest
@@ -26,7 +33,12 @@ from mars_asp.spelling import nearest
 QUERY = "<query>"
 MOST_DEMANDS = 64
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
-_DEMAND = re.compile(r"\s*(\w+)\s+of\s+(\w+)\s*")
+#: A function and a module, which is written as in a configuration.
+_DEMAND = re.compile(r"\s*(\w+)\s+of\s+(\S.*?)\s*", re.DOTALL)
+#: Between demands, outside of quotes.
+_WHILE = re.compile(r'(?<!\S)while(?!\S)(?=(?:[^"]*"[^"]*")*[^"]*$)')
+#: What accounts are told of here.
+_KIND, _CASE = as_term(clingo.Function("capability")), as_term(clingo.Function("demand"))
 _VERDICTS = (("able", 3), ("lacking", 3), ("busy", 5))
 
 
@@ -41,11 +53,17 @@ class Demand:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Whether a demand can be met, and why or why not."""
+    """Whether a demand can be met, and why or why not: in words, and step by step."""
 
     demand: Demand
     able: bool
+    account: Account
     traces: tuple[Trace, ...]
+
+    @property
+    def rule(self) -> str | None:
+        """Return the id of the rule that decides."""
+        return next((t.rule.id for t in self.traces if isinstance(t, Derived)), None)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -72,8 +90,8 @@ class Answer:
 def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
     """Whether a robot can do what a query asks, all at one time.
 
-    A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stage
-    `can`.
+    A query is `FUNCTION of MODULE`, more of them joined by `while`; `rulebook` holds the stages
+    `can` and `account`.
 
     Raises:
         MarsError: the query cannot be read, or names what does not exist.
@@ -94,13 +112,16 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
         for symbol, is_fact in analysis.grounding.atoms(name, arity)
         if is_fact or as_term(symbol) in resolution.taken
     ]
-    traces = Evidence(rulebook, facts, analysis, resolution).explainer.why(found)
+    evidence = Evidence(rulebook, facts, analysis, resolution)
+    accounts = _accounts(project, evidence, len(demands))
+    traces = evidence.explainer.why(found)
     return Answer(
         query,
         tuple(
             Verdict(
                 demand,
                 any(s.name == "able" and s.arguments[0].number == number for s in found),
+                accounts[number - 1],
                 tuple(traces[s] for s in sorted(found) if s.arguments[0].number == number),
             )
             for number, demand in enumerate(demands, 1)
@@ -108,17 +129,30 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> Answer:
     )
 
 
+def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Account]:
+    """Return what is told of each demand."""
+    keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
+
+    def atoms_of(read: Sequence[Signature]) -> Mapping[Signature, Sequence[TermId]]:
+        return true_atoms(evidence, read)
+
+    rules = speakers(evidence.rulebook, ["capability"])
+    accounts = told(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts
+    return [accounts.get(key, Account(None, (), ())) for key in keys]
+
+
 def _demands(query: str, project: Project) -> Iterator[Demand]:
     names = {name.text for name in project.configuration.modules}
     problems: list[Diagnostic] = []
     column = 1
-    parts = re.split(r"\bwhile\b", query)
+    parts = _WHILE.split(query)
     for part in parts[:MOST_DEMANDS]:
         begin = column + len(part) - len(part.lstrip())
         span = Span(QUERY, 1, begin, 1, begin + len(part.strip()))
         column += len(part) + len("while")
         match = _DEMAND.fullmatch(part)
-        if match is None:
+        module = None if match is None else read_name(match[2])
+        if match is None or module is None:
             found = f"`{part.strip()}`" if part.strip() else "nothing"
             message = f"found {found}, expected `FUNCTION of MODULE`"
             help_text = "such as `Rotn_Y of Camera while Trans_Z of MobilePlatform`"
@@ -126,11 +160,11 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
             continue
         for word, known, what in (
             (match[1], _FUNCTIONS, "a function"),
-            (match[2], names, "a module of this configuration"),
+            (module, names, "a module of this configuration"),
         ):
             if word not in known:
                 problems.append(_unknown(word, known, what, span, query))
-        yield Demand(match[1], match[2], span)
+        yield Demand(match[1], module, span)
     if len(parts) > MOST_DEMANDS:
         span = Span(QUERY, 1, column, 1, column + 1)
         message = f"more than {MOST_DEMANDS} functions in one question"

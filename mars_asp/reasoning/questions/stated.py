@@ -1,0 +1,128 @@
+"""Questions about lines: a relationship as a configuration states it, or a place."""
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import Control, Data, Mount
+from mars_asp.model.described import described_modules
+from mars_asp.model.names import end, quoted, read_end, written
+from mars_asp.reasoning.facts.identifiers import numbered_annotations
+from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.questions.subject import wrong_subject
+from mars_asp.spelling import nearest
+
+_KEYWORDS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
+_NAME = r'(?:"(?:[^"\\]|\\.)*"|[^\s"(),.]+)'
+_END = rf"{_NAME}(?:\.{_NAME})?"
+_STATED = re.compile(rf"({_END})\s+([a-z_]+)\s+({_END})(?:\s.*)?")
+_ATOM = re.compile(rf"({'|'.join(_KEYWORDS)})\(\s*({_END})\s*,\s*({_END})\s*\)")
+_WORD = re.compile(r"[^\W\d]\w*")
+_PLACE = re.compile(r"(.*):([1-9][0-9]{0,8})")
+
+
+class Stated(NamedTuple):
+    """A relationship as a configuration states it, each end with its port where one is named."""
+
+    keyword: str
+    left: str
+    right: str
+
+    @property
+    def line(self) -> str:
+        """Return the line that says it."""
+        return f"{self.left} {self.keyword} {self.right}"
+
+    @property
+    def atom(self) -> str:
+        """Return the atom that says the same: of a client, which input it is is not part of it."""
+        client = (read_end(self.left) or (self.left, None))[0]
+        source = ".".join(filter(None, read_end(self.right) or (self.right, None)))
+        return f"{self.keyword}({_argument(client)},{_argument(source)})"
+
+
+def _argument(name: str) -> str:
+    return name if _WORD.fullmatch(name) else quoted(name)
+
+
+def stated(subject: str, project: Project) -> Stated | None:
+    """Return the relationship that a subject names in the words of a configuration, if it does.
+
+    Raises:
+        MarsError: the word between two ends is like a relationship, and is none.
+    """
+    atom, words = _ATOM.fullmatch(subject), _STATED.fullmatch(subject)
+    if atom is not None:
+        return Stated(atom[1], _end(atom[2]), _end(atom[3]))
+    if words is None or subject in {name.text for name in project.configuration.modules}:
+        return None
+    if words[2] not in _KEYWORDS:
+        near = nearest(words[2], _KEYWORDS)
+        if near is None:
+            return None
+        message = f"`{words[2]}` is not a relationship"
+        raise wrong_subject(project, message, f"did you mean `{near}`?")
+    return Stated(words[2], _end(words[1]), _end(words[3]))
+
+
+def lines_meant(subject: str, project: Project) -> tuple[Span, ...]:
+    """Return the lines that a subject names by what they state, or as `FILE:LINE`; none if neither.
+
+    Raises:
+        MarsError: no line states that, or nothing is stated in that line.
+    """
+    place = _PLACE.fullmatch(subject)
+    if place is not None:
+        found = tuple(
+            span
+            for span in _places(project)
+            if span.line == int(place[2]) and f"/{span.path}".endswith(f"/{place[1]}")
+        )
+        if not found and any(f"/{s.path}".endswith(f"/{place[1]}") for s in _places(project)):
+            help_text = "name a line with a relationship or an annotation"
+            raise wrong_subject(project, f"nothing is stated at {subject}", help_text)
+        return found
+    wanted = stated(subject, project)
+    if wanted is None:
+        return ()
+    lines = tuple(
+        each.span for each in project.configuration.relationships if wanted in _said(each)
+    )
+    if not lines:
+        names = {name.text for name in project.configuration.modules}
+        help_text = f"`--why-not '{wanted.line}'` shows what would give one"
+        for name in wanted[1:]:
+            module = (read_end(name) or (name, None))[0]
+            near = None if module in names else nearest(module, names)
+            help_text = f"did you mean `{written(near)}`?" if near else help_text
+        raise wrong_subject(project, f"there is no line `{wanted.line}`", help_text)
+    return lines
+
+
+def _end(text: str) -> str:
+    """Return an end as a configuration writes it."""
+    read = read_end(text)
+    return text if read is None else end(*read)
+
+
+def _said(line: Mount | Control | Data) -> Iterator[Stated]:
+    """Yield what states a relationship; ports may be left out."""
+    match line:
+        case Mount():
+            yield Stated("is_mounted_on", written(line.mounting), written(line.mounted))
+        case Control():
+            yield Stated("is_controlled_by", written(line.controlled), written(line.controller))
+        case Data():
+            for client in {None, line.client_port}:
+                for source in {None, line.source_port}:
+                    left, right = end(line.client, client), end(line.source, source)
+                    yield Stated("uses_data_from", left, right)
+
+
+def _places(project: Project) -> Iterator[Span]:
+    configuration = project.configuration
+    yield from (each.span for each in configuration.relationships)
+    described = described_modules(configuration, project.modules)
+    for _, _, annotation in numbered_annotations(configuration, described):
+        yield annotation.span
