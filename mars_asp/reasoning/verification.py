@@ -208,14 +208,14 @@ def specification_facts(
     for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
-    yield from _tuples("mount_tuple", project.configuration)
-    yield from _tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
+    yield from mount_tuples("mount_tuple", project.configuration)
+    yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
 
 
-def _tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:
+def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:
     """Yield how each mount of a configuration places its module, poses that are equal alike."""
     for number, line in numbered(configuration.relationships):
         if isinstance(line, Mount):
