@@ -46,6 +46,9 @@ class Wrong:
 def read_commands(text: str) -> tuple[str, ...] | list[Wrong]:
     """Read the functions that a `@ControlOut` commands, or return all that is wrong with them."""
     wrong: list[Wrong] = []
+    if text and not all(part.strip() for _, part in parts(text)):
+        expected = "write a function after each comma"
+        wrong.append(Wrong("MARS114", "a comma with no function beside it", expected))
     words = list(re.finditer(r"[^,\s]+", text))
     for word in words:
         if word[0] not in FUNCTIONS:

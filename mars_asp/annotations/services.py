@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mars_asp.annotations.declarations import Declaration, Parameter
 from mars_asp.annotations.overrides import Overrides
 from mars_asp.annotations.type_words import ARITHMETIC, BUILTIN, NOT_INPUTS
-from mars_asp.annotations.types import representation
+from mars_asp.annotations.types import CALLBACK, representation
 
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
@@ -39,7 +39,7 @@ def read_signature(declaration: Declaration, overrides: Overrides, delivers: boo
     else:
         output = None if declaration.output is None else representation(declaration.output)
         beside = output is not None and (output in ARITHMETIC or _STATUS.fullmatch(output))
-        if output == "" or (beside and any(p.out for p in parameters)):
+        if output in ("", CALLBACK) or (beside and any(p.out for p in parameters)):
             if delivers:
                 remarks.append(_no_output(declaration, parameters))
             output = None

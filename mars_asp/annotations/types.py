@@ -21,7 +21,13 @@ from mars_asp.annotations.type_words import (
     WRAPPERS,
 )
 
-_TOKEN = re.compile(r"'[a-z_]\w*|\.\.\.|::|->|<-|&&|[A-Za-z_$~]\w*|\d[\w.]*|\"[^\"]*\"|\S")
+#: A `$` begins a name, or parts two as `::` does.
+_TOKEN = re.compile(
+    r"'[a-z_]\w*|\.\.\.|::|->|<-|&&|(?:[^\W\d]|~|(?<!\w)\$)\w*|\d[\w.]*|\"[^\"]*\"|\S"
+)
+_NAME = re.compile(r"[^\W\d]|[$~]")
+#: The representation of what is called and is never data.
+CALLBACK = "function"
 _MOST_TOKENS = 2000
 _MOST_DEPTH = 40
 
@@ -151,7 +157,7 @@ class _Reader:
         arguments: list[str | None] | None = None
         while True:
             token = self.take()
-            if not re.match(r"[A-Za-z_$~]", token):
+            if not _NAME.match(token):
                 raise _UnreadableError
             if token in INTEGER_WORDS and not words:
                 return self.integer(token)
@@ -160,7 +166,7 @@ class _Reader:
                 self.skip_group("(", ")")
                 if self.accept("->") or (token == "func" and self.peek() not in ("", ",", ")")):
                     self.union()
-                return "function"
+                return CALLBACK
             if token == "map" and self.peek() == "[":
                 return self.go_map()
             if token == "interface" and self.peek() == "{":
@@ -254,7 +260,7 @@ class _Reader:
             found = self.union()
             if self.peek() == "(":
                 self.skip_group("(", ")")
-                found = "function"
+                found = CALLBACK
             if self.accept("="):
                 found = self.union()
         except _UnreadableError:
@@ -318,7 +324,7 @@ def _applied(words: list[str], arguments: list[str | None] | None) -> str | None
     name = "::".join([*(word for word in words[:-1] if word not in ROS_FOLDERS), last])
     first = arguments[0] if arguments else None
     if last in CALLBACKS and (arguments is not None or len(words) > 1 or last != "function"):
-        return "function"
+        return CALLBACK
     if name in UNKNOWN:
         return None
     if name in NOTHING:

@@ -336,8 +336,9 @@ def _print(checked: Sequence[Checked], arguments: argparse.Namespace) -> None:
                 for text in line_text(line):
                     print(text.removeprefix("   "), file=sys.stderr)
     if not arguments.quiet:
-        for text in _summary(checked):
-            print(text, file=sys.stderr)
+        for told in _summary(checked):
+            for text in wrapped(told, columns(sys.stderr), further="  "):
+                print(text, file=sys.stderr)
 
 
 def _summary(checked: Sequence[Checked]) -> Iterable[str]:

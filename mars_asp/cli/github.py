@@ -46,4 +46,4 @@ def _message(text: str) -> str:
 
 
 def _property(text: str) -> str:
-    return _message(text).replace(":", "%3A").replace(",", "%2C")
+    return visible(_message(text).replace(":", "%3A").replace(",", "%2C"))

@@ -55,5 +55,5 @@ def too_many(span: Span) -> MarsError:
 
 
 def is_writable(name: str) -> bool:
-    """Whether a configuration can write a name: one that is not empty and of one line."""
+    """Whether a configuration can write a name: one of one line, not empty, that can be seen."""
     return read_name(written(name)) is not None

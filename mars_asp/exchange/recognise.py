@@ -26,8 +26,8 @@ def _key(names: str) -> re.Pattern[str]:
     )
 
 
-#: What may stand before the root of a document in XML.
-_PROLOG = r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
+#: What may stand before the root of a document in XML. Its reader refuses a document type.
+_PROLOG = r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->|<!DOCTYPE[^[>]*+(?:\[[^\]]*+\]\s*+)?>)*+"
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
 _LAUNCH = re.compile(
     rf"^def generate_launch_description\b|^launch:|{_PROLOG}<launch[\s/>]",

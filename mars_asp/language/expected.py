@@ -6,6 +6,7 @@ from lark import UnexpectedInput
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
+from mars_asp.model.names import UNSEEN
 from mars_asp.spelling import nearest
 
 KEYWORDS = (
@@ -64,6 +65,8 @@ _SHOWN = {
     "VALUE": "a value",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
+_UNSEEN_HELP = "a name contains no control characters and no marks of direction"
+_UNSEEN_NAME = re.compile(rf'\.?"[^"]*[{UNSEEN}]')
 
 
 def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> Diagnostic:
@@ -94,7 +97,9 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
         "error",
         f"found {found}, {expected}",
         span,
-        help=_hint(piece, match[0] if match else ""),
+        help=_UNSEEN_HELP
+        if _UNSEEN_NAME.match(piece, begin)
+        else _hint(piece, match[0] if match else ""),
         excerpt=layout.line(span.line),
     )
 

@@ -1,8 +1,9 @@
 """`.mars` text to plain values, with every syntax error of a file in one run."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import replace
+from itertools import islice
 from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from mars_asp.language.lines import Read, read_lines
 from mars_asp.language.statements import Builder, Raw, begin_of
 from mars_asp.model.declarations import Configuration, Conversion, PackNode, StandIn, ends_of
 from mars_asp.model.names import BARE, QUOTED, plain
+from mars_asp.output import visible
 from mars_asp.spelling import nearest
 from mars_asp.unsaved import unsaved_bytes
 
@@ -23,6 +25,8 @@ MOST_BYTES = 64 * 1024 * 1024
 MOST_ERRORS = 500
 #: Stands for a converter where a transformer is the abstract one.
 ABSTRACT = "no converter declared"
+#: Those of Unicode that are no white space.
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1b\x7f-\x84\x86-\x9f]")
 _CONVERSION = re.compile(
     r"(?://|#)[ \t]*(?P<node>DataTransformer[0-9]+):[ \t]*"
     rf"(?P<converter>{BARE}|{QUOTED}|{ABSTRACT})[ \t]*\((?P<source>[^\n]*?) -> (?P<target>[^\n]*)\)"
@@ -135,6 +139,8 @@ def parse_text(text: str, path: str) -> Parsed:
         stand_ins = tuple(_stand_ins(layout, blocks))
         pack_nodes = tuple(_pack_nodes(layout, blocks))
     problems += (*builder.problems, *_contrary(stand_ins))
+    wrong = {problem.span.line for problem in problems}
+    problems += islice(_control_characters(text, path, wrong), MOST_ERRORS)
     if problems:
         raise MarsError(problems)
     said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
@@ -149,6 +155,23 @@ def parse_text(text: str, path: str) -> Parsed:
     lines = text.split("\n")
     written = tuple("\n".join(lines[first - 1 : last]) for first, last in blocks.lines)
     return Parsed(configuration, warnings, written)
+
+
+def _control_characters(text: str, path: str, wrong: Set[int]) -> Iterator[Diagnostic]:
+    """Yield the first control character of each line that is in order but for it."""
+    if not _CONTROL.search(text):
+        return
+    for number, line in enumerate(text.split("\n"), 1):
+        found = _CONTROL.search(line)
+        if found and number not in wrong:
+            yield Diagnostic(
+                "syntax",
+                "error",
+                f"a control character, `{visible(found[0])}`",
+                point(path, number, found.start() + 1),
+                help="delete it: a terminal would obey it wherever the line is printed",
+                excerpt=line,
+            )
 
 
 def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:

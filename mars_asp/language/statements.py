@@ -152,7 +152,10 @@ class Builder:
         kind, architecture, period = children
         assert kind is not None
         if self._header is not None:
-            self._note_word(kind, f"`{kind}` occurs twice in the file", "keep one of the two")
+            first, _ = self._header
+            twice = f"`{kind}` occurs twice in the file"
+            message = twice if kind == first else f"`{kind}` in a file that has `{first}`"
+            self._note_word(kind, message, "keep one of the two")
             return
         self._header = (kind, architecture)
         self._period = self._whole(period, PERIOD)

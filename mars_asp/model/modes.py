@@ -52,6 +52,9 @@ def parse_mode(text: str) -> Mode | ModeProblem:
                 at, f"`{stripped}` is not an argument of `{name}`", _takes(name, most)
             )
         offset += len(part) + 1
+    # A distance of zero is what is meant where none is stated.
+    if arguments and arguments[-1] == 0 and (name, len(arguments) - 1) in _DISTANCES:
+        arguments.pop()
     return Mode(name, tuple(arguments), of, written)
 
 

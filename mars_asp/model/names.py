@@ -9,8 +9,10 @@ import re
 
 #: A name as it is, which is no number: `Camera`, `dora-camera`, `/robot1/base`.
 BARE = r"/?(?=[\w/-]*[^\W\d])\w+(?:-+\w+)*(?:/\w+(?:-+\w+)*)*"
+#: What is not seen as it is: control characters but tabs, ends of lines, and marks of direction.
+UNSEEN = r"\x00-\x08\n-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069"
 #: A name in quotes, in one line.
-QUOTED = r'"(?:[^"\\\n]|\\["\\])+"'
+QUOTED = rf'"(?:[^"\\{UNSEEN}]|\\["\\])+"'
 _BARE = re.compile(BARE)
 _NAME = re.compile(f"{BARE}|{QUOTED}")
 #: What would be read as a number where one may stand.

@@ -68,3 +68,19 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[TuplePro
         for place, slot in enumerate(after, len(slots) - 3)
     )
     return tuple(problems) or Transformation(tuple(rotations), (x, y, z))
+
+
+def normalized(transformation: Transformation) -> Transformation:
+    """Return the same pose, stated as all that state it by the same axes are.
+
+    Turns are above -180 and at most 180 degrees; none of 0 is left, and no two in a row are about
+    one axis.
+    """
+    turns: list[tuple[str, Decimal]] = []
+    for axis, degrees in transformation.rotations:
+        before = turns.pop()[1] if turns and turns[-1][0] == axis else 0
+        turn = (before + degrees) % 360  # with the sign of the sum
+        turn += 360 if turn <= -180 else -360 if turn > 180 else 0
+        if turn:
+            turns.append((axis, turn))
+    return Transformation(tuple(turns), transformation.translation)

@@ -14,8 +14,10 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError
-from mars_asp.model.declarations import Configuration
+from mars_asp.language.print import print_transformation
+from mars_asp.model.declarations import Configuration, Mount, Transformation
 from mars_asp.model.described import described_modules
+from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
     TellsAs,
     configuration_facts,
@@ -23,6 +25,7 @@ from mars_asp.reasoning.facts.compile import (
     representation_names,
 )
 from mars_asp.reasoning.facts.ends import ends_in
+from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
 from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
@@ -195,6 +198,7 @@ def specification_facts(
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
 
     Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
+    Besides them there are the tuples of the project's configuration, which no other stage needs.
     """
     described = described_modules(project.configuration, project.modules)
     told_as = TellsAs(
@@ -204,9 +208,19 @@ def specification_facts(
     for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
+    yield from mount_tuples("mount_tuple", project.configuration)
+    yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
+
+
+def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:
+    """Yield how each mount of a configuration places its module, poses that are equal alike."""
+    for number, line in numbered(configuration.relationships):
+        if isinstance(line, Mount):
+            pose = normalized(line.transformation or Transformation())
+            yield Fact(Atom(predicate, (number, print_transformation(pose))), line.span)
 
 
 def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:

@@ -73,6 +73,12 @@ def test_lines_are_shown_without_escapes_and_within_the_width(
     )
     run_here(["explain", str(file), "duplicate_relationship"])
     assert "t.mars:3  A uses_data_from B\n" in capsys.readouterr().out
+    run_here(["check", str(file)])
+    (*_, counted, advice, _) = capsys.readouterr().err.split("\n")
+    assert (counted, advice) == (
+        "2 of them have exactly one repair, shown above; --fix",
+        "  applies it",
+    )
     run_here(["check", str(file), "--fix"])
     fixed = [line for line in capsys.readouterr().err.split("\n") if not line.startswith("    ")]
     assert any(line.startswith("fixed") for line in fixed)

@@ -278,3 +278,11 @@ def test_wrong_input_is_a_command_too(folder: Path, capsys: pytest.CaptureFixtur
 def test_a_repair_is_not_mixed_into_results(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_here(["check", "a b.mars", "--fix", "--format", "sarif"]) == 2
     assert "leave out" in capsys.readouterr().err
+
+
+def test_a_path_that_a_terminal_would_obey_is_shown_escaped(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "a\x1b[2J.mars").write_text("@configuration\n@modules A\nA uses_data_from B\n")
+    run_here(["check", "a\x1b[2J.mars", "--format", "github"])
+    assert "::error file=a\\x1b[2J.mars,line=3," in capsys.readouterr().out

@@ -419,6 +419,8 @@ def test_substitutions_are_parts_of_a_text() -> None:
 def test_launch_files_are_recognised() -> None:
     assert recognised(PYTHON) == "ros2"
     assert recognised("<?xml version='1.0'?>\n<!-- <robot> -->\n<launch/>") == "ros2"
+    assert recognised("<!DOCTYPE launch>\n<launch/>") == "ros2"
+    assert recognised('<!DOCTYPE a [<!ENTITY b "c">]>\n<launch name="&b;"/>') == "ros2"
     assert recognised("launch:\n- node: {}\n") == "ros2"
     assert recognised("# launch: no\n@configuration\n") == "mars"
 

@@ -97,7 +97,7 @@ REFUSED = [
         ],
     ),
     (f'topics: {{"a\\nb": {INPUT}}}\n',
-     ["1:10: error: the name of an input is empty or has a line break"]),
+     ["1:10: error: the name of an input is empty, or has a line break or control character"]),
     (MUX + "3\n", ["4:10: error: input `a` is not a map"]),
     (
         f"{MUX}{INPUT}\n      a: {INPUT}\n",

@@ -43,7 +43,28 @@ def test_these_are_no_names(text: str) -> None:
     assert read_name(text) is None
 
 
-@given(st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Zl", "Zp")), min_size=1))
+@pytest.mark.parametrize("sign", ["\x1b", "\x7f", "\x85", "\u2028", "\u202e", "\u2066"])
+def test_what_a_terminal_obeys_or_hides_is_in_no_name(sign: str) -> None:
+    assert read_name(written(f"a{sign}b")) is None
+    text = f'@configuration\n@modules "a{sign}b", B\nB uses_data_from C."{sign}"\n'
+    with pytest.raises(MarsError) as caught:
+        parse_text(text, "c.mars")
+    first, second = caught.value.diagnostics
+    assert (first.span[1:3], second.span[1:3]) == ((2, 10), (3, 19))
+    assert first.help == second.help
+    assert first.help == "a name contains no control characters and no marks of direction"
+
+
+@given(
+    st.text(
+        st.characters(
+            codec="utf-8",
+            exclude_categories=("Cc", "Zl", "Zp"),
+            exclude_characters="\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069",
+        ),
+        min_size=1,
+    )
+)
 def test_any_name_of_one_line_reads_back(name: str) -> None:
     assert read_name(written(name)) == name
 

@@ -25,6 +25,26 @@ def test_an_argument_can_name_what_is_measured() -> None:
 
 
 @pytest.mark.parametrize(
+    ("short", "long"),
+    [
+        ("NotifyOnValue(30)", "NotifyOnValue(30.0, 0)"),
+        ("NotifyOnValue(0)", "NotifyOnValue(-0, 0.0)"),
+        ("NotifyOnChange", "NotifyOnChange(0)"),
+        ("NotifyOnChange(of=x)", "NotifyOnChange(0, of=x)"),
+    ],
+)
+def test_a_distance_of_zero_is_what_is_meant_where_none_is_stated(short: str, long: str) -> None:
+    assert parse_mode(short) == parse_mode(long)
+
+
+@pytest.mark.parametrize("text", ["NotifyOnMax(0)", "NotifyOnMin(0)", "NotifyOnValue(0)"])
+def test_a_limit_of_zero_is_a_limit(text: str) -> None:
+    found = parse_mode(text)
+    assert isinstance(found, Mode)
+    assert found.arguments == (Decimal(0),)
+
+
+@pytest.mark.parametrize(
     ("text", "offset", "message"),
     [
         ("Notify", 0, "`Notify` is not a delivery mode"),

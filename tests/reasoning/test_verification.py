@@ -5,6 +5,7 @@ import random
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,15 @@ import pytest
 from mars_asp.asp.solve.grounding import Resolution
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model.declarations import Configuration, Control, Data, Mode, Mount, Relationship
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Mode,
+    Mount,
+    Relationship,
+    Transformation,
+)
 from mars_asp.model.modes import parse_mode
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
@@ -101,7 +110,7 @@ def mutations(
     specification: Configuration, nodes: frozenset[str], rng: random.Random
 ) -> Iterator[Configuration]:
     """Yield specifications with a line dropped, doubled, added or redirected, with two priorities
-    swapped, or with another mode for a client.
+    swapped, with another mode for a client, or with a module mounted at another place.
 
     A redirected line that leaves every path as it was is left out: that may realise as well.
     """
@@ -113,10 +122,13 @@ def mutations(
         return replace(specification, relationships=(*lines[:index], *new, *lines[index + 1 :]))
 
     for index, line in enumerate(lines):
-        if isinstance(line, Mount):
-            continue
         yield put(index)
         yield put(index, line, line)
+        if isinstance(line, Mount):
+            moved = Transformation(translation=(Decimal(0), Decimal(7), Decimal("0.25")))
+            yield put(index, replace(line, transformation=moved))
+            yield put(index, replace(line, mounted_vertex=77))
+            continue
         redirected: list[Relationship] = []
         for other in rng.sample(names, 1):
             if isinstance(line, Data):
@@ -509,3 +521,21 @@ def test_a_module_named_like_a_node_is_none() -> None:
     assert judged(straight, configuration)[0] != []
     chained = "@specification\n" + lines.format("", "Eye", "DataSplitter1")
     assert judged(chained, configuration)[0] != []
+
+
+def test_a_mount_by_another_tuple_is_refused_and_the_same_pose_is_not() -> None:
+    text = "@{} hierarchical\n@modules A, B\nA 1 is_mounted_on B 2 {}\n"
+    configuration = parse_text(text.format("configuration", "(x,90,_,_,0,10,0)"), "c.mars")
+    project = Project(configuration.configuration, {}, ())
+    for tuple_, told in (
+        ("(x,90,_,_,0,10,0)", []),
+        ("(x,-270,_,_,_,10.0,_)", []),
+        ("(x,90,y,360,_,10,_)", []),
+        (
+            "(x,91,_,_,0,10,0)",
+            ["`A` is mounted on `B` by (x,91,_,_,_,10,_), which is not declared"],
+        ),
+        ("", ["`A` is mounted on `B` by (_,_,_,_,_,_,_), which is not declared"]),
+    ):
+        changed = parse_text(text.format("specification", tuple_), "s.mars").configuration
+        assert [each.message for each in verify(changed, project, RULEBOOK)] == told

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-_TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||[^\W\d]\w*|[$_]\w*|\d[\w.']*|\"[^\"]*\"|\S")
+_TOKEN = re.compile(r"::|->|\.\.\.|&&|\|\||(?:[^\W\d]|\$)[\w$]*|\d[\w.']*|\"[^\"]*\"|\S")
 _OPENING = frozenset("([{")
 _CLOSING = frozenset(")]}")
 #: How many tokens the arguments of a template may have.

@@ -167,7 +167,7 @@ class _Reader:
         """Note a name that no configuration can write, and one port too many."""
         if not ports.is_writable(name.text):
             message = f"`{name.text[:40]}` cannot be a name"
-            self.wrong(name.span, message, "write a name of one line")
+            self.wrong(name.span, message, "write a name of one visible line")
 
     def port(self, name: Scalar) -> None:
         """Take a port.

@@ -57,7 +57,7 @@ class Dump:
 
     def _check(self, name: str, span: Span) -> None:
         if not ports.is_writable(name):
-            self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one line")
+            self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one visible line")
 
     def skip(self, sort: str, name: str, span: Span) -> None:
         """Note something that is not read."""

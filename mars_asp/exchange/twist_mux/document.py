@@ -293,8 +293,8 @@ class _Reader:
                 )
             first.setdefault(entry.name, entry.span)
             if read_name(written(entry.name)) is None:
-                message = "the name of an input is empty or has a line break"
-                self.wrong(entry.span, message, "write a name of one line")
+                message = "the name of an input is empty, or has a line break or control character"
+                self.wrong(entry.span, message, "write a name of one visible line")
             for what, (key, _) in entry.fields.items():
                 if what not in _FIELDS:
                     self.unread.append(Unread("keys of inputs", f"{entry.name}.{what}", key.span))

@@ -11,7 +11,7 @@ from mars_asp.execution.executor.schedule import Schedule
 from mars_asp.model.declarations import Mode
 
 WHEN_READY, AT_FREQUENCY, ON_REQUEST = "NotifyWhenReady", "NotifyAtFrequency", "RequestWhenReady"
-
+_ON_VALUE = "NotifyOnValue"
 
 #: Where messages enter a link: takes one, to send it now, later or never.
 Offer: TypeAlias = Callable[[Message], None]
@@ -147,6 +147,11 @@ def number_of(value: Any, field: str | None) -> float:
     return float(value)
 
 
+def lacks_value(mode: Mode) -> bool:
+    """Whether a mode is about a value that it does not state, which no run can judge."""
+    return mode.name == _ON_VALUE and not mode.arguments
+
+
 def condition(mode: Mode) -> Callable[[float], bool]:
     """Return the test of one conditional mode; it remembers what it has seen.
 
@@ -165,7 +170,7 @@ def _test(mode: Mode) -> Callable[[float], bool]:
         return _beyond(arguments, 1.0)
     if mode.name == "NotifyOnMin":
         return _beyond(arguments, -1.0)
-    if mode.name == "NotifyOnValue" and arguments:
+    if mode.name == _ON_VALUE and arguments:
         return _entering(arguments[0], arguments[1] if len(arguments) > 1 else Decimal(0))
     if mode.name == "NotifyOnChange":
         return _changing(arguments[0] if arguments else Decimal(0))

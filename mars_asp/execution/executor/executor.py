@@ -11,6 +11,7 @@ from mars_asp.execution.executor.delivery import (
     AT_FREQUENCY,
     ON_REQUEST,
     Offer,
+    lacks_value,
     open_link,
 )
 from mars_asp.execution.executor.link import Failures, Link, Message, Observer
@@ -132,6 +133,8 @@ class Executor:
             if plan.kind(node) == "inheritance_node"
             for problem in _stands_for_none(plan, node, spans.get(node, whole))
         ]
+        links = (link for link in plan.links if link.kind == "data")
+        problems += [_no_value(link) for link in links if lacks_value(plan.carried(link)[0])]
         if problems:
             raise MarsError(problems)
 
@@ -276,6 +279,12 @@ class Executor:
             return element.input(link)
         receive: Callable[[Message], None] = element.receive
         return receive
+
+
+def _no_value(link: Link) -> Diagnostic:
+    message = f"`{link.client}` gets `NotifyOnValue` from `{link.source}` without a value"
+    help_text = "state the value: `NotifyOnValue(30)`"
+    return Diagnostic("condition", "error", message, link.span, (), help_text)
 
 
 def _unbound(name: str, kind: str, span: Span) -> Diagnostic:

@@ -1,7 +1,8 @@
 """What changed between two configurations, and the lines that caused it.
 
 A line has changed when the facts it gives, apart from their identifiers, are not given by any
-line of the other configuration; so order, comments and layout change nothing.
+line of the other configuration; so order, comments and layout change nothing. What a line states
+for runs and pictures alone, such as bounds, counts as well.
 """
 
 import re
@@ -13,16 +14,21 @@ from typing import Generic, Literal, TypeAlias, TypeVar
 
 import clingo
 
-from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
 from mars_asp.asp.trace.tree import Absent, Derived, Given
 from mars_asp.diagnostic import Span
+from mars_asp.language.print import print_transformation
+from mars_asp.model.described import described_modules
+from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
+from mars_asp.reasoning.verification import mount_tuples
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
 #: What a line says, without the identifiers of one file.
@@ -131,7 +137,7 @@ class _Side:
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
-        self.lines = _lines(reasoner.facts)
+        self.lines = _lines((*reasoner.facts, *_stated_besides(reasoner.project)))
         self.changed: frozenset[Span] = frozenset()
 
     def compare(self, other: "_Side") -> None:
@@ -178,6 +184,18 @@ class _Side:
             pairs = zip(wanted.arguments, symbol.arguments, strict=True)
             if all(w in (anything, found) for w, found in pairs) and self.holds(symbol):
                 yield symbol
+
+
+def _stated_besides(project: Project) -> Iterator[Fact]:
+    """Yield what lines state that no rule of analysis is told."""
+    yield from mount_tuples("mount_tuple", project.configuration)
+    for module in described_modules(project.configuration, project.modules).values():
+        for each in module.functions:
+            bounds = (str(bound) for bound in (each.min, each.max, each.rate))
+            yield Fact(Atom("bounds", (module.name, each.name, *bounds)), each.span)
+        for vertex in module.vertices:
+            pose = print_transformation(normalized(vertex.transformation))
+            yield Fact(Atom("vertex", (module.name, vertex.number, pose)), vertex.span)
 
 
 def _lines(facts: Iterable[Fact]) -> Mapping[Span, _Said]:

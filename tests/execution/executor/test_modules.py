@@ -198,6 +198,19 @@ def test_all_that_is_unbound_or_never_runs_is_reported_at_once() -> None:
     ]
 
 
+@pytest.mark.parametrize("stated", ["NotifyOnValue", "NotifyOnValue(of=range)"])
+def test_a_value_that_is_not_stated_is_reported_before_the_run(stated: str) -> None:
+    with pytest.raises(MarsError) as raised:
+        executed(
+            f"D uses_data_from S\nA uses_data_from D {stated}",
+            [sensor("S", stated), data_out("D"), sink("A")],
+            {"S": counter(), "D": lambda x: x},
+            1,
+        )
+    places = [(each.code, each.span.line) for each in raised.value.diagnostics]
+    assert places == [("condition", 3), ("condition", 4)]
+
+
 def test_the_same_run_gives_the_same_trace_to_the_byte() -> None:
     def trace() -> bytes:
         lines: list[str] = []
