@@ -130,7 +130,7 @@ def configuration_of(graph: Graph) -> Mapped:
         opaque=tuple(
             Name(node.name, node.span)
             for node in nodes
-            if node.unread and not (node.published or node.subscribed)
+            if node.unread
         ),
     )
     return Mapped(configuration, tuple(unread))
@@ -194,8 +194,9 @@ class _Wiring:
             self.outputs.setdefault(mux.output, []).append(mux)
         self.passed = {passage.source for passage in passages}
         self._pass_on(passages)
-        ends = chain.from_iterable((*self.published.values(), *self.subscribed.values()))
+        ends = [*chain.from_iterable((*self.published.values(), *self.subscribed.values()))]
         typed = {each.end.topic for each in ends if is_command(each.end.type)}
+        typed -= {each.end.topic for each in ends if each.end.measured}
         ways: dict[str, list[str]] = {}
         for source, target, *_ in passages:
             ways.setdefault(source, []).append(target)

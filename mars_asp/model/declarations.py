@@ -295,8 +295,8 @@ class Configuration:
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
-    `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
-    could be read; `includes` are other configurations that are still to be taken in. `format` is
+    `relays` the places of its relays, contracted already, `opaque` its nodes of which topics could
+    not be read; `includes` are other configurations that are still to be taken in. `format` is
     what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
     `kinds` are those of nodes that rule packs bring, `attributed` its own lines about attributes of
     modules.

@@ -13,7 +13,7 @@ from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, Topic
 from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -336,9 +336,13 @@ class _Robot:
             self.catalogued.setdefault(full, started.span)
         before = len(self.unread)
         self.unread += interface.unread
+        if interface.clients:
+            self.unread.append(Unread(BY_CLIENTS, full, started.span))
+        if interface.spread and not started.name and started.namespace != "/":
+            name = ""
         published = tuple(self._ends(interface.published, started, name, values))
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
-        unread = any(each.sort == AT_RUN_TIME for each in self.unread[before:])
+        unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
         return Node(full, started.span, published, subscribed, guard, relays, unread)
@@ -396,7 +400,9 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(full, topic.type, span, topic.hz, topic.optional)
+                yield Endpoint(
+                    full, topic.type, span, topic.hz, topic.optional, topic.measured
+                )
 
     def _written(
         self, topic: Topic, started: Started, values: Mapping[str, Given]
