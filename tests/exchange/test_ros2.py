@@ -434,7 +434,7 @@ def test_an_autopilot_is_commanded_by_setpoints_and_commands_by_no_measurement(
     (tmp_path / "n.py").write_text(
         "class N(Node):\n  def __init__(self):\n"
         f"    self.create_publisher(TwistStamped, '{below}/setpoint_velocity/cmd_vel', 1)\n"
-        f"    self.create_subscription(TwistStamped, '{below}/local_position/velocity_body', f, 1)\n"
+        f"    self.create_subscription(TwistStamped, '{below}/local_position/velocity_body', f)\n"
         "def main():\n  N()\n"
     )
     word = "type" if path == "x.launch" else "exec"

@@ -10,6 +10,7 @@ from pathlib import Path
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
+from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
@@ -328,6 +329,10 @@ class _Robot:
         if relay is not None:
             return relay
         interface = interface or steered(program, started.arguments, values)
+        if interface is None and is_bridge(program):
+            interface = bridged(
+                program, started.arguments, self._listed(started, values), started.span
+            )
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
@@ -375,6 +380,17 @@ class _Robot:
                 found |= values_for(document, full)
         return {**found, **started.parameters}
 
+    def _listed(self, started: Started, values: Mapping[str, Given]) -> YamlNode | None:
+        """Return the file that tells a bridge what it hands on."""
+        if FILE not in values:
+            return None
+        named = values[FILE].text
+        file = self.workspace.find(named, self.workspace.root)
+        if file is None:
+            sort = "parameter files that are not in the workspace"
+            self.unread.append(Unread(sort, named, started.span))
+        return None if file is None else self.document(file)
+
     def _document(self, file: Path) -> YamlNode | None:
         shown = self.workspace.shown(file)
         try:
@@ -400,9 +416,7 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(
-                    full, topic.type, span, topic.hz, topic.optional, topic.measured
-                )
+                yield Endpoint(full, topic.type, span, topic.hz, topic.optional, topic.measured)
 
     def _written(
         self, topic: Topic, started: Started, values: Mapping[str, Given]

@@ -5,7 +5,8 @@ also into other files of the workspace. A rate is that of the timer whose callba
 """
 
 import ast
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -14,6 +15,7 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.exchange.ros2.python_loops import Loop, calls_in, declared, rounds
 from mars_asp.exchange.unread import Unread
 
 #: What opens a file of the workspace by the name of its module.
@@ -26,6 +28,12 @@ _MOST_SHOWN = 60
 _MOST_STEPS = 1000
 _MOST_CALLS = 5000
 _DEEPEST = 60
+_MOST_TEXT = 1000
+#: Over so many files a constant is followed.
+_FARTHEST = 8
+#: Where texts have holes: those of `%`, and those of `format` that are plain.
+_PERCENT, _BRACES = re.compile(r"%()[sd]"), re.compile(r"\{(\d{0,2})\}")
+_HOLE = re.compile(r"[%{}]")
 _CALLS = frozenset(
     {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
     | {"SimpleActionServer", "SimpleActionClient"}
@@ -133,7 +141,7 @@ class _Program:
             # What starts a program need not name it: a loader may.
             for node in file.outer.values():
                 self.reach(file, node)
-        parts = [_Unit(of, node) for of, node in self.reached.values()]
+        parts = [_Unit(self.programs, of, node) for of, node in self.reached.values()]
         found = [each for part in parts for each in part.topics()]
         rates = {
             keeper: hz for part in parts for keeper, hz in part.rates().items() if hz is not None
@@ -141,13 +149,16 @@ class _Program:
         published = (
             _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
         )
-        names = (name for part in parts for name in part.node_names())
-        unread = tuple(note for part in parts for note in part.unread)
+        nodes = [each for part in parts if part.is_node() for each in part.node_names()]
+        # Other classes, too, hand a name to the class that they are made from.
+        nodes = nodes or [each for part in parts for each in part.node_names()][:1]
+        names = list(dict.fromkeys(each.name for each in nodes))
+        further = (each for each in nodes if each.name != names[0])
         return Interface(
             tuple(published),
             tuple(each.topic for each in found if not each.published),
-            next(names, None),
-            unread=unread,
+            next(iter(names), None),
+            unread=(*(note for part in parts for note in part.unread), *further),
         )
 
     def reach(self, file: _File, node: ast.AST) -> None:
@@ -159,10 +170,9 @@ class _Program:
             if key in self.reached:
                 continue
             self.reached[key] = of, part
-            for name in _mentioned(part):
-                target = self.target(of, name)
-                if target is not None:
-                    waiting.append(target)
+            targets = (self.target(of, name) for name in _mentioned(part))
+            # What is named first is followed first.
+            waiting += reversed([target for target in targets if target is not None])
 
     def target(self, file: _File, name: str) -> tuple[_File, ast.AST] | None:
         """Return the function or class of the workspace that a name stands for."""
@@ -204,13 +214,17 @@ def _dotted(node: ast.expr) -> str:
 class _Unit:
     """A class or function of a program, with the names that hold within it."""
 
-    def __init__(self, file: _File, node: ast.AST) -> None:
+    def __init__(self, programs: PythonPrograms, file: _File, node: ast.AST, far: int = 0) -> None:
+        self.programs = programs
+        self.far = far
         self.file = file
         self.node = node
         self.unread: list[Unread] = []
         self.steps = 0
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
         self.values: dict[str, ast.expr] = dict(file.constants)
+        # What stands in the class itself is an attribute of each object.
+        self.values |= {f"self.{name}": value for name, value in _constants(node)}
         self.parameters: dict[str, ast.expr] = {}
         self.calls: list[tuple[ast.Call, str | None]] = []
         for each in ast.walk(node):
@@ -228,14 +242,16 @@ class _Unit:
                     if isinstance(value, ast.Call):
                         self.calls.append((value, name))
         known = {id(call) for call, _ in self.calls}
-        for each in ast.walk(node):
-            if isinstance(each, ast.Call):
-                if id(each) not in known:
-                    self.calls.append((each, None))
-                if _called(each) == "declare_parameter" and each.args:
-                    name = self.text(each.args[0])
-                    if name is not None and len(each.args) > 1:
-                        self.parameters[name] = each.args[1]
+        self.loops: dict[int, tuple[Loop, ...]] = {}
+        for each, loops in calls_in(node):
+            if id(each) not in known:
+                self.calls.append((each, None))
+            if loops:
+                self.loops[id(each)] = loops
+            for given, default in declared(each, _called(each)):
+                name = self.text(given)
+                if name is not None:
+                    self.parameters[name] = default
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
 
     def span(self, node: ast.expr) -> Span:
@@ -261,7 +277,7 @@ class _Unit:
             name = _called(call)
             owner = _dotted(call.func).rpartition(".")[0]
             match name:
-                case "create_publisher":
+                case "create_publisher" | "create_lifecycle_publisher":
                     yield from self.topic(call, keeper, 0, 1, True)
                 case "create_subscription":
                     yield from self.topic(call, keeper, 0, 1, False)
@@ -290,13 +306,21 @@ class _Unit:
             name = call.args[name_at]
         if name is None or kind is None:
             return
-        parameter = self.parameter(name)
-        text = self.text(name)
-        if text is None and parameter is None:
-            self.note(AT_RUN_TIME, name, self.shown(name))
-            return
-        topic = Topic(text or "", self.type(kind), self.span(name), parameter)
-        yield _Found(topic, keeper, published)
+        before = self.values
+        named_so: set[str] = set()
+        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
+            self.values = {**before, **bound}
+            self.steps = 0
+            parameter = self.parameter(name)
+            text = self.text(name)
+            if text is None and parameter is None:
+                self.note(AT_RUN_TIME, name, self.shown(name))
+                break
+            if (parameter or text or "") not in named_so:
+                named_so.add(parameter or text or "")
+                topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+                yield _Found(topic, keeper, published)
+        self.values = before
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
         """Note something that is not read."""
@@ -339,6 +363,43 @@ class _Unit:
             case _:
                 return None
 
+    def written(self, node: ast.expr) -> ast.expr | None:
+        """Return what a name stands for in this part of the program."""
+        name = _keeper(node) or ""
+        if name.startswith("cls."):
+            name = f"self.{name[4:]}"
+        return self.values.get(name)
+
+    def constant(self, node: ast.expr) -> tuple[_File, ast.expr] | None:
+        """Return what a constant of another class or file is, and the file of the workspace."""
+        names = (_keeper(node) or "").removesuffix(".value").split(".")
+        full = [*self.file.imports.get(names[0], names[0]).split("."), *names[1:]]
+        for file, inner in (
+            (self.file, names),
+            (self.programs._file(".".join(full[:-1])), full[-1:]),
+            (self.programs._file(".".join(full[:-2])), full[-2:]),
+        ):
+            if file is not None and 1 <= len(inner) <= 2:
+                of_class = dict(_constants(file.outer.get(inner[0])))
+                held = of_class.get(inner[1]) if inner[1:] else file.constants.get(inner[0])
+                if held is not None:
+                    return file, held
+        return None
+
+    def imported(self, node: ast.expr) -> str | None:
+        """Return the text of a constant of another class or file."""
+        found = self.constant(node) if self.far < _FARTHEST else None
+        if found is None:
+            return None
+        file, held = found
+        return _Unit(self.programs, file, ast.Module([], []), self.far + 1).text(held)
+
+    def gone_over(self, node: ast.expr) -> ast.expr | None:
+        """Return what a loop over a name goes over."""
+        held = self.written(node)
+        found = self.constant(node) if held is None else None
+        return held if found is None else found[1]
+
     def text(self, node: ast.expr, depth: int = 0) -> str | None:
         """Return the text that an expression is, if it is written somewhere."""
         self.steps += 1
@@ -350,20 +411,34 @@ class _Unit:
             case ast.BinOp(left=left, op=ast.Add(), right=right):
                 first, second = self.text(left, depth + 1), self.text(right, depth + 1)
                 return None if first is None or second is None else first + second
+            case ast.BinOp(left=left, op=ast.Mod(), right=right):
+                given = right.elts if isinstance(right, ast.Tuple) else [right]
+                return self.filled(_PERCENT, left, given, depth)
             case ast.JoinedStr(values=values):
                 parts = [
-                    self.text(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
+                    self.part(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
                     for v in values
+                    if not isinstance(v, ast.FormattedValue) or v.format_spec is None
                 ]
-                return None if None in parts else "".join(filter(None, parts))
+                known = None not in parts and len(parts) == len(values)
+                return "".join(filter(None, parts)) if known else None
+            case ast.Call(func=ast.Name(id="str"), args=[inner]) if not self.parameter(node):
+                return self.part(inner, depth + 1)
+            case ast.Call(func=ast.Attribute(value=form, attr="format"), args=given, keywords=[]):
+                return self.filled(_BRACES, form, given, depth)
+            case ast.Call(
+                func=ast.Attribute(value=ast.Constant(value=str() as between), attr="join"),
+                args=[ast.List(elts=given) | ast.Tuple(elts=given)],
+            ):
+                parts = [self.part(each, depth + 1) for each in given]
+                return None if None in parts else between.join(filter(None, parts))
             case ast.Name() | ast.Attribute():
-                name = _keeper(node)
                 parameter = self.parameter(node)
                 if parameter is not None:
                     default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
                     return None if default is None else self.text(default, depth + 1)
-                held = self.values.get(name or "")
-                return None if held is None else self.text(held, depth + 1)
+                held = self.written(node)
+                return self.imported(node) if held is None else self.text(held, depth + 1)
             case ast.Call():
                 parameter = self.parameter(node)
                 default = self.parameters.get(parameter or "")
@@ -372,6 +447,36 @@ class _Unit:
                 return None if default is None else self.text(default, depth + 1)
             case _:
                 return None
+
+    def part(self, node: ast.expr, depth: int) -> str | None:
+        """Return what an expression, a text or a whole number, is within a text."""
+        if isinstance(node, ast.Name | ast.Attribute):
+            node = self.written(node) or node
+        match node:
+            case ast.Constant(value=bool()):
+                return None
+            case ast.Constant(value=int() as value) if abs(value) < _MOST_TEXT:
+                return str(value)
+            case _:
+                return self.text(node, depth)
+
+    def filled(
+        self, holes: re.Pattern[str], form: ast.expr, given: Sequence[ast.expr], depth: int
+    ) -> str | None:
+        """Return a text with its holes filled, each by its number or else in order."""
+        text = self.text(form, depth + 1)
+        parts = [self.part(each, depth + 1) for each in given]
+        if text is None or None in parts:
+            return None
+        order = iter(range(len(parts)))
+        pieces = holes.split(text)
+        for at in range(1, len(pieces), 2):
+            number = int(pieces[at]) if pieces[at] else next(order, len(parts))
+            if number >= len(parts):
+                return None
+            pieces[at] = parts[number] or ""
+        filled = "".join(pieces)
+        return filled if len(filled) < _MOST_TEXT and not _HOLE.search(filled) else None
 
     def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
         """Return the number that an expression is, if it is written somewhere."""
@@ -468,8 +573,13 @@ class _Unit:
             self._done[id(function)] = frozenset(keepers), frozenset(called)
         return self._done[id(function)]
 
-    def node_names(self) -> Iterator[str]:
-        """Yield the names that the program gives its node."""
+    def is_node(self) -> bool:
+        """Whether this is a class of nodes, by the name of what it is made from."""
+        bases = self.node.bases if isinstance(self.node, ast.ClassDef) else []
+        return any((self.type(base) or "").endswith("Node") for base in bases)
+
+    def node_names(self) -> Iterator[Unread]:
+        """Yield the names that the program gives its node, or several nodes."""
         for call, _ in self.calls[:_MOST_CALLS]:
             self.steps = 0
             name = _called(call)
@@ -483,8 +593,18 @@ class _Unit:
                 given = call.args[1] if len(call.args) > 1 else given
             if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
                 text = None if given is None else self.text(given)
-                if text:
-                    yield text
+                if text and given is not None:
+                    yield Unread("further nodes of one program", text, self.span(given))
+
+
+def _constants(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
+    """Yield what a class assigns in its own body."""
+    for statement in node.body if isinstance(node, ast.ClassDef) else ():
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value
+            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
+                yield name, value
 
 
 def _encloses(outer: ast.AST, inner: ast.AST) -> bool:

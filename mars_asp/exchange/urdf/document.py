@@ -87,7 +87,7 @@ class _Reader:
         links = [child for child in root.children if child.name == "link"]
         joints = [child for child in root.children if child.name == "joint"]
         if not links and not self.problems:
-            self.note(root, "the robot has no links", 'a robot has one at least: `<link name="..."/>`')
+            self.note(root, "the robot has no links", 'write one at least: `<link name="..."/>`')
         self.links = self.names(links)
         self.names(joints)
         read = tuple(map(self.joint, joints))
