@@ -111,6 +111,7 @@ DESCRIPTIONS = [
     ("x = ['a', '_', 'b']", JOY.replace(")", ", name=x)"), ["/a_b"]),
     ("x = {'name': 'k'}", JOY.replace(")", ", **x)"), ["/k"]),
     ("x = f'r{1}'", JOY.replace(")", ", name=x)"), ["/r1"]),
+    ("x = TextSubstitution(text='a')", JOY.replace(")", ", namespace=x)"), ["/a/joy_node"]),
     ("x = [" + JOY.replace(")", ", name=i)") + " for i in ('p', 'q')]", "*x", ["/p", "/q"]),
     (
         "x = []\n    for i in ('p', 'q'):\n        x.append(" + JOY.replace(")", ", name=i)") + ")",
@@ -258,6 +259,32 @@ def test_a_node_known_to_have_no_topics_is_not_one_whose_topics_could_not_be_rea
     found = import_ros2([("", str(tmp_path))]).configuration
     assert [name.text for name in found.modules] == ["/started"]
     assert [name.text for name in found.opaque] == ["/started"] * is_opaque
+
+
+#: What a launch file gives for a parameter, and the topic that a node of our source then has.
+GIVEN = [
+    ("{'out': '/b'}", ["/b"]),
+    ("{'out': LaunchConfiguration('unknown')}", []),
+    ("{'other': LaunchConfiguration('unknown')}", ["/a"]),
+]
+
+
+@pytest.mark.parametrize(("given", "topics"), GIVEN)
+def test_a_default_holds_where_nothing_else_is_given(
+    given: str, topics: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "setup.py").write_text("setup(entry_points={'console_scripts': ['e = n:main']})")
+    declared = "self.declare_parameter('out', 'a').value"
+    (tmp_path / "n.py").write_text(
+        "class N(Node):\n  def __init__(self):\n"
+        f"    self.create_publisher(A, {declared}, 1)\ndef main():\n  N()\n"
+    )
+    node = f"Node(package='mine', executable='e', name='n', parameters=[{given}])"
+    (tmp_path / "x.launch.py").write_text(PYTHON.format(before="pass", nodes=node))
+    found = import_ros2([("", str(tmp_path))]).configuration
+    assert [s.port for module in found.declared for s in module.services] == topics
+    assert bool(found.opaque) == (not topics)
 
 
 #: How launch files give a program remappings among its arguments.

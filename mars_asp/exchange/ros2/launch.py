@@ -202,7 +202,7 @@ class Launch:
         if not action.inherits:
             within.arguments.clear()
         passed = self._parameters(action.arguments, scope, files)
-        within.arguments |= {name: each.text for name, each in passed.items()}
+        within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, (*files, found))
 
     def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
@@ -291,15 +291,16 @@ class Launch:
             names = [step for step in steps if step is not None]
             texts = [self._plain(text, scope, files) for text in each.items or (each.value,)]
             known = [Scalar(text, False, each.span) for text in texts if text is not None]
-            if len(names) < len(steps) or len(known) < len(texts):
+            if len(names) < len(steps):
                 continue
             keys = tuple(
                 # Quoted, as a place is of the whole key.
                 Scalar(name, True, span)
                 for name, (_, span) in zip(names, each.keys, strict=True)
             )
-            value = known[0] if each.items is None else Items(tuple(known), each.span)
-            found[".".join(names)] = Given(keys, each.written or value)
+            is_known = each.written is not None or len(known) == len(texts)
+            value = known[0] if known and each.items is None else Items(tuple(known), each.span)
+            found[".".join(names)] = Given(keys, each.written or value, is_known)
         return found
 
     def _files(

@@ -25,7 +25,7 @@ from mars_asp.exchange.ros2.python_values import (
 #: Functions that return one of their arguments as a path.
 _PATHS = frozenset(
     {"abspath", "realpath", "normpath", "expanduser", "Path", "str", "PathSubstitution"}
-    | {"TextSubstitution", "FileContent"}
+    | {"FileContent"}
 )
 _SHARES = frozenset(
     {
@@ -53,6 +53,8 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
                 return Plain(UNKNOWN, call.span)
             text = None if default is None else text_from(default)
             return Plain((Argument(name, text),), call.span)
+        case "TextSubstitution":
+            return Plain(text_from(call.get("text", 0)), call.span)
         case "ThisLaunchFileDir":
             return Plain((Here(),), call.span)
         case "EnvironmentVariable" | "getenv":

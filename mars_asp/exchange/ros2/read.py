@@ -434,7 +434,8 @@ class _Robot:
             yield from () if listed is None else listed.texts
         else:
             given = values.get(topic.parameter)
-            yield topic.name if given is None else given.text
+            # What is given in a run alone is no reason to take the default.
+            yield topic.name if given is None else given.text if given.is_known else ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""
@@ -451,7 +452,8 @@ class _Robot:
         """Yield what a mux may be given: by its launch file, else by files, else by the user."""
         found: list[MuxParameters] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
-            given = document_of(self._values(started, full).values(), started.span)
+            values = self._values(started, full).values()
+            given = document_of((each for each in values if each.is_known), started.span)
             found += self._muxes(lambda: read_parameters(given, full))
         # cmd_vel_mux names its file in a parameter.
         named = started.parameters.get("yaml_cfg_file")

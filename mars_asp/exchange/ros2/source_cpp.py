@@ -184,7 +184,7 @@ class _File(CppCode):
             return _Value(None)
         if words[:2] == ["this", "->"] or (len(words) == 3 and words[1] in (".", "->")):
             return values.get(words[-1], _Value(None))
-        if len(words) % 2 and words[1::2] == ["::"] * (len(words) // 2) and all(map(is_word, words[::2])):
+        if len(words) % 2 and {*words[1::2]} == {"::"} and all(map(is_word, words[::2])):
             return values.get(words[-1], _Value(None))
         return _Value(None)
 

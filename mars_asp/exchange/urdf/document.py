@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.exchange.elements import Element, read_elements
+from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
 from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
@@ -52,10 +53,14 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """Links and joints in the order in which they stand; the joints make trees of the links."""
+    """Links and joints in the order in which they stand; the joints make trees of the links.
+
+    `unread` is what stands beside them, such as `ros2_control`.
+    """
 
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
+    unread: tuple[Unread, ...] = ()
 
 
 def read_document(text: str, path: str) -> Document:
@@ -95,7 +100,12 @@ class _Reader:
             self.trees(read)
         if self.problems:
             raise MarsError(self.problems)
-        return Document(tuple(Link(e.attributes["name"], e.span) for e in links), read)
+        others = (each for each in root.children if each.name not in ("link", "joint"))
+        return Document(
+            tuple(Link(e.attributes["name"], e.span) for e in links),
+            read,
+            tuple(Unread("elements besides links and joints", e.name, e.span) for e in others),
+        )
 
     def note(self, at: Element | Joint, message: str, help_text: str) -> None:
         excerpt = self.lines[at.span.line - 1]
