@@ -6,6 +6,7 @@ of the timer, or loop, whose function publishes.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -32,6 +33,12 @@ _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
+#: What publishes or hears images with what is known of the camera, and the types of both.
+_CAMERAS = frozenset(
+    {"create_camera_publisher", "create_camera_subscription"}
+    | {"advertiseCamera", "subscribeCamera"}
+)
+_IMAGE, _CAMERA_INFO = "sensor_msgs::msg::Image", "sensor_msgs::msg::CameraInfo"
 #: What filters messages of a type; the node comes first, and then the topic.
 _FILTER = re.compile(r"(?:\w+::)*Subscriber\s*<(?P<type>[^<>,]+)[^<>]*>")
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
@@ -51,6 +58,7 @@ _CALLED = (
     | _SERVICES
     | _PARAMETERS
     | _TWISTS.keys()
+    | _CAMERAS
     | frozenset(
         "create_publisher create_subscription create_generic_publisher create_generic_subscription"
         " advertise subscribe Subscriber Publisher make_unique make_shared Node LifecycleNode"
@@ -94,7 +102,12 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
                 topic, keeper, is_published = found
                 hz = rates.get(keeper or "")
                 topic = Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
-                (published if is_published else subscribed).append(topic)
+                ends = published if is_published else subscribed
+                ends.append(topic)
+                if call.name in _CAMERAS and topic.parameter is None:
+                    beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
+                    beside = f"/{beside}" if topic.name.startswith("/") else beside
+                    ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
         names += file.node_names()
     return Interface(
         tuple(published), tuple(subscribed), next(iter(names), None), unread=tuple(unread)
@@ -190,13 +203,13 @@ class _File(CppCode):
 
     def callbacks(self) -> dict[str, str]:
         """Return the type of the message that each function takes, where it takes one."""
-        found = {}
+        found: dict[str, str] = {}
         for at, token in enumerate(self.tokens):
             end = angle(self.tokens, at + 1) if token.text == "Subscriber" else None
             if end is not None and is_word(text_at(self.tokens, end)):
                 # A filter of messages, which hears its topic later.
-                first, *_ = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
-                found[text_at(self.tokens, end)] = joined(first)
+                inner = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
+                found |= {text_at(self.tokens, end): joined(first) for first in inner[:1]}
         for body in self.bodies:
             groups = split(body.parameters)
             if len(groups) == 1:
@@ -275,6 +288,8 @@ class _File(CppCode):
                 published = call.name == "create_publisher"
                 # The free functions take the node first.
                 name_at = 1 if text_at(tokens, call.at - 1) == "::" else 0
+                if text_at(tokens, call.at - 2) == "image_transport":
+                    kind = _IMAGE
             case "advertise" | "subscribe" if owner and call.arguments:
                 published = call.name == "advertise"
                 kind = kind or self._taken(call, kinds) or kinds.get(owner)
@@ -282,6 +297,11 @@ class _File(CppCode):
                 first, second = (*call.arguments, ())[:2]
                 is_named = first[0].text.startswith('"') or not second
                 name_at = 0 if is_named or not second[0].text.startswith('"') else 1
+            case _ if call.name in _CAMERAS:
+                # Those of ROS 2 take the node first.
+                published = call.name in ("create_camera_publisher", "advertiseCamera")
+                name_at = 1 if call.name.startswith("create") else 0
+                kind = _IMAGE
             case "create_generic_publisher" | "create_generic_subscription":
                 published = call.name == "create_generic_publisher"
                 types = call.arguments[1:2]

@@ -15,7 +15,16 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
-from mars_asp.exchange.ros2.python_loops import Loop, calls_in, declared, rounds
+from mars_asp.exchange.ros2.python_written import (
+    Loop,
+    calls_in,
+    constants_of,
+    declared,
+    defaults_of,
+    distinct,
+    given_by,
+    rounds,
+)
 from mars_asp.exchange.unread import Unread
 
 #: What opens a file of the workspace by the name of its module.
@@ -29,6 +38,8 @@ _MOST_STEPS = 1000
 _MOST_CALLS = 5000
 _DEEPEST = 60
 _MOST_TEXT = 1000
+#: So many objects of a class are told apart.
+_MOST_MADE = 16
 #: Over so many files a constant is followed.
 _FARTHEST = 8
 #: Where texts have holes: those of `%`, and those of `format` that are plain.
@@ -126,6 +137,7 @@ class _Program:
         self.programs = programs
         self.start = file, function
         self.reached: dict[tuple[str, int], tuple[_File, ast.AST]] = {}
+        self.mentioned: dict[tuple[str, int], frozenset[str]] = {}
 
     def interface(self) -> Interface:
         """Return what the program publishes and hears."""
@@ -141,7 +153,11 @@ class _Program:
             # What starts a program need not name it: a loader may.
             for node in file.outer.values():
                 self.reach(file, node)
-        parts = [_Unit(self.programs, of, node) for of, node in self.reached.values()]
+        parts = [
+            _Unit(self.programs, of, node, given=given)
+            for of, node in self.reached.values()
+            for given in self.made_with(of, node)
+        ]
         found = [each for part in parts for each in part.topics()]
         rates = {
             keeper: hz for part in parts for keeper, hz in part.rates().items() if hz is not None
@@ -160,6 +176,28 @@ class _Program:
             next(iter(names), None),
             unread=(*(note for part in parts for note in part.unread), *further),
         )
+
+    def made_with(self, file: _File, node: ast.AST) -> list[dict[str, ast.expr]]:
+        """Return what the parameters of a class stand for, in each object that is made of it."""
+        if not isinstance(node, ast.ClassDef):
+            return [{}]
+        made = [defaults_of(node)]
+        for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
+            for call in ast.walk(part) if self.mentions(of, part, node.name) else ():
+                if isinstance(call, ast.Call) and len(made) <= _MOST_MADE:
+                    found = self.target(of, _dotted(call.func))
+                    if found is not None and found[1] is node:
+                        unit = _Unit(self.programs, of, ast.Module([], []))
+                        made.append({**made[0], **given_by(node, call, unit.text)})
+        return distinct(made[1:] or made)
+
+    def mentions(self, file: _File, part: ast.AST, name: str) -> bool:
+        """Whether a part of a program names something."""
+        key = file.path, getattr(part, "lineno", 0)
+        if key not in self.mentioned:
+            words = {word for each in _mentioned(part) for word in each.split(".")}
+            self.mentioned[key] = frozenset(words)
+        return name in self.mentioned[key]
 
     def reach(self, file: _File, node: ast.AST) -> None:
         """Take up a part of a program and what it names."""
@@ -214,7 +252,14 @@ def _dotted(node: ast.expr) -> str:
 class _Unit:
     """A class or function of a program, with the names that hold within it."""
 
-    def __init__(self, programs: PythonPrograms, file: _File, node: ast.AST, far: int = 0) -> None:
+    def __init__(
+        self,
+        programs: PythonPrograms,
+        file: _File,
+        node: ast.AST,
+        far: int = 0,
+        given: Mapping[str, ast.expr] | None = None,
+    ) -> None:
         self.programs = programs
         self.far = far
         self.file = file
@@ -222,9 +267,9 @@ class _Unit:
         self.unread: list[Unread] = []
         self.steps = 0
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
-        self.values: dict[str, ast.expr] = dict(file.constants)
+        self.values: dict[str, ast.expr] = {**file.constants, **(given or {})}
         # What stands in the class itself is an attribute of each object.
-        self.values |= {f"self.{name}": value for name, value in _constants(node)}
+        self.values |= {f"self.{name}": value for name, value in constants_of(node)}
         self.parameters: dict[str, ast.expr] = {}
         self.calls: list[tuple[ast.Call, str | None]] = []
         for each in ast.walk(node):
@@ -248,8 +293,8 @@ class _Unit:
                 self.calls.append((each, None))
             if loops:
                 self.loops[id(each)] = loops
-            for given, default in declared(each, _called(each)):
-                name = self.text(given)
+            for stated, default in declared(each, _called(each)):
+                name = self.text(stated)
                 if name is not None:
                     self.parameters[name] = default
         self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
@@ -380,7 +425,7 @@ class _Unit:
             (self.programs._file(".".join(full[:-2])), full[-2:]),
         ):
             if file is not None and 1 <= len(inner) <= 2:
-                of_class = dict(_constants(file.outer.get(inner[0])))
+                of_class = dict(constants_of(file.outer.get(inner[0])))
                 held = of_class.get(inner[1]) if inner[1:] else file.constants.get(inner[0])
                 if held is not None:
                     return file, held
@@ -595,16 +640,6 @@ class _Unit:
                 text = None if given is None else self.text(given)
                 if text and given is not None:
                     yield Unread("further nodes of one program", text, self.span(given))
-
-
-def _constants(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
-    """Yield what a class assigns in its own body."""
-    for statement in node.body if isinstance(node, ast.ClassDef) else ():
-        match statement:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                yield name, value
-            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
-                yield name, value
 
 
 def _encloses(outer: ast.AST, inner: ast.AST) -> bool:

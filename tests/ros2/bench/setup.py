@@ -10,6 +10,7 @@ setup(
             "helper = " + package_name + ".helper:main",
             f"worker = {package_name}.worker:main",
             "legacy = bench.legacy:main",
+                "wheels = bench.wheels:main",
         ]
     },
 )

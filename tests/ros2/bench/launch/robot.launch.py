@@ -81,6 +81,7 @@ def generate_launch_description():
                 "ns", default_value=EnvironmentVariable("ROBOT_NS", default_value="")
             ),
             driver,
+            Node(package="bench", executable="wheels"),
             jsp,
             helper,
             gz,

@@ -29,6 +29,7 @@ Driver::Driver(const rclcpp::NodeOptions & options) : Node("driver", options)
   timer_ = create_wall_timer(20ms, [this]() { loop(); });
   timer2_ = rclcpp::create_timer(this, get_clock(), rclcpp::Duration::from_seconds(0.1), std::bind(&Driver::slow, this));
   it_pub_ = image_transport::create_publisher(this, "camera/image");
+  cam_pub_ = image_transport::create_camera_publisher(this, "arm/image_raw");
   it_sub_ = image_transport::create_subscription(this, "camera/in", cb, "raw");
   sync_a_.subscribe(this, "sync/left", rmw_qos_profile_sensor_data);
   sync_b_ = std::make_shared<message_filters::Subscriber<sensor_msgs::msg::Image>>(this, "sync/right");

@@ -1,7 +1,10 @@
-"""Loops and declarations in sources in Python that need no running: what their names stand for."""
+"""What names stand for in sources in Python, as far as that is written out there.
+
+That is in loops, in declarations of parameters, in classes and in the objects made of them.
+"""
 
 import ast
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 
 #: A loop or a part of a comprehension: its target, and what it goes over.
@@ -113,3 +116,46 @@ def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
             match each:
                 case ast.Tuple(elts=[ast.Constant(value=str() as key), default, *_]):
                     yield ast.Constant(f"{prefix!s}.{key}" if prefix else key), default
+
+
+def defaults_of(node: ast.ClassDef) -> dict[str, ast.expr]:
+    """Return the defaults of the parameters with which objects of a class are made."""
+    arguments = _parameters(node)
+    if arguments is None:
+        return {}
+    plain = arguments.args[len(arguments.args) - len(arguments.defaults) :]
+    found = {each.arg: value for each, value in zip(plain, arguments.defaults, strict=False)}
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=False)
+    return found | {each.arg: value for each, value in pairs if value is not None}
+
+
+def given_by(
+    node: ast.ClassDef, call: ast.Call, text: Callable[[ast.expr], str | None]
+) -> dict[str, ast.expr]:
+    """Return what a call that makes an object gives for the parameters, where that is a text."""
+    arguments = _parameters(node)
+    names = [] if arguments is None else [each.arg for each in arguments.args[1:]]
+    given = [*zip(names, call.args, strict=False)]
+    given += [(each.arg, each.value) for each in call.keywords if each.arg]
+    return {name: ast.Constant(text(value)) for name, value in given}
+
+
+def _parameters(node: ast.ClassDef) -> ast.arguments | None:
+    made = (each for each in node.body if isinstance(each, ast.FunctionDef))
+    return next((each.args for each in made if each.name == "__init__"), None)
+
+
+def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
+    """Return what objects are made with, each way once."""
+    found = {tuple((name, ast.dump(value)) for name, value in each.items()): each for each in made}
+    return list(found.values())
+
+
+def constants_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
+    """Yield what a class assigns in its own body."""
+    for statement in node.body if isinstance(node, ast.ClassDef) else ():
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value
+            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
+                yield name, value
