@@ -14,6 +14,8 @@ from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
 
 KINDS = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
+#: What is read of a robot, and its colours, which say nothing of it.
+_READ = frozenset({"link", "joint", "material"})
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _MOST = 200
 _MOST_GUESSES = 20
@@ -100,7 +102,7 @@ class _Reader:
             self.trees(read)
         if self.problems:
             raise MarsError(self.problems)
-        others = (each for each in root.children if each.name not in ("link", "joint"))
+        others = (each for each in root.children if each.name not in _READ)
         return Document(
             tuple(Link(e.attributes["name"], e.span) for e in links),
             read,
