@@ -132,9 +132,8 @@ def _parse(
     first = files[0]
     ours = [file for file in files if file.format == "mars"]
     if not ours:
-        # Of nodes and links in one robot, what is asked of topics is asked of the nodes.
-        format = next((file.format for file in files if file.format != "urdf"), first.format)
-        return read_foreign(files), first.text, format
+        found = read_foreign(files)
+        return found, first.text, found.configuration.origin
     if further:
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
         help_text = "give it alone, or several to `mars-asp check`; only files of others are one"

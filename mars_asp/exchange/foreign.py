@@ -1,6 +1,7 @@
 """Files that are not ours, in whichever of the formats that are read, as one robot."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import NamedTuple, TypeAlias
 
@@ -49,7 +50,10 @@ def read_foreign(files: Sequence[File]) -> Parsed:
             problems += error.diagnostics
     if problems:
         raise MarsError(problems)
-    return united(found)
+    # Of nodes and links in one robot, what is asked of topics is asked of the nodes.
+    origin = next((each for each in formats if each != "urdf"), files[0].format)
+    parsed = united(found)
+    return parsed._replace(configuration=replace(parsed.configuration, origin=origin))
 
 
 def _with(format: str, formats: Collection[str]) -> str:

@@ -23,7 +23,8 @@ class Endpoint:
 
     `topic` is its full name, all renaming done; `type` is the message's as it is written, if it is
     known; `span` is what an owner would change; `hz` is how often it is published, if that is
-    known; `optional` is whether a node that hears it works as well without.
+    known; `optional` is whether a node that hears it works as well without, `measured` whether it
+    is no command, whatever its type.
     """
 
     topic: str
@@ -31,6 +32,7 @@ class Endpoint:
     span: Span
     hz: Fraction | None = None
     optional: bool = False
+    measured: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,9 @@ def lifted(configuration: Configuration) -> Configuration:
         kind="specification",
         modules=(*configuration.modules, *nodes.names),
         relationships=tuple(lines),
-        muxes=(),
+        muxes=tuple(
+            Muxed(arbiters[mux.module], mux.engine, mux.span) for mux in configuration.muxes
+        ),
         relays=(),
     )
 

@@ -26,15 +26,25 @@ def _key(names: str) -> re.Pattern[str]:
     )
 
 
-#: What may stand before the root of a document in XML. Its reader refuses a document type.
-_PROLOG = r"\A(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->|<!DOCTYPE[^[>]*+(?:\[[^\]]*+\]\s*+)?>)*+"
+#: What may stand before the root of a document in XML.
+_PROLOG = r"\A\ufeff?(?:\s++|<\?[^>]*+>|<!--(?:[^-]|-(?!->))*+-->)*+"
+
+
+def _root(name: str) -> str:
+    """Return what matches a document up to its root, also behind a document type.
+
+    Readers refuse document types, but what is refused is known by its root, too.
+    """
+    root = rf"<{name}[\s/>]"
+    return rf"{_PROLOG}(?:<!DOCTYPE\b(?:[^<]|<(?!{name}[\s/>]))*+)?{root}"
+
+
 #: What a launch file says: in Python a function, in XML its root, in YAML its first key.
 _LAUNCH = re.compile(
-    rf"^def generate_launch_description\b|^launch:|{_PROLOG}<launch[\s/>]",
-    re.MULTILINE,
+    rf"^def generate_launch_description\b|^launch:|{_root('launch')}", re.MULTILINE
 )
 #: What begins a document of URDF, expanded or not.
-_URDF = re.compile(rf"{_PROLOG}<robot[\s/>]")
+_URDF = re.compile(_root("robot"))
 _NODES = re.compile(r"(?:^|^\{\s{0,200})[\"']?nodes[\"']?[ \t]{0,8}:", re.MULTILINE)
 _ID = _key("id")
 #: The kinds of dumps of a graph, each by what it alone says.

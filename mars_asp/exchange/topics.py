@@ -127,11 +127,7 @@ def configuration_of(graph: Graph) -> Mapped:
         declared=tuple(module for module in described if module is not None),
         muxes=muxed,
         relays=tuple(relay.span for relay in relays),
-        opaque=tuple(
-            Name(node.name, node.span)
-            for node in nodes
-            if node.unread and not (node.published or node.subscribed)
-        ),
+        opaque=tuple(Name(node.name, node.span) for node in nodes if node.unread),
     )
     return Mapped(configuration, tuple(unread))
 
@@ -194,8 +190,9 @@ class _Wiring:
             self.outputs.setdefault(mux.output, []).append(mux)
         self.passed = {passage.source for passage in passages}
         self._pass_on(passages)
-        ends = chain.from_iterable((*self.published.values(), *self.subscribed.values()))
+        ends = [*chain.from_iterable((*self.published.values(), *self.subscribed.values()))]
         typed = {each.end.topic for each in ends if is_command(each.end.type)}
+        typed -= {each.end.topic for each in ends if each.end.measured}
         ways: dict[str, list[str]] = {}
         for source, target, *_ in passages:
             ways.setdefault(source, []).append(target)
@@ -403,9 +400,11 @@ def _described(node: Node, wiring: _Wiring, loose: _Loose) -> Module | None:
     for end in node.subscribed:
         if end.topic not in wiring.commands or end.topic in loose.inputs:
             services.append(ports.taken(end.topic, represented(end.type), end.span))
-    if commanding or (obeying and services):
+    guard = None
+    if commanding or (obeying and (services or node.guard)):
         at = (*commanding, *obeying)[0]
         services.append(ports.commands(at.topic, at.span))
-    if not services and node.guard is None:
+        guard = node.guard
+    if not services:
         return None
-    return Module(node.name, node.span, tuple(services), named=node.span, guard=node.guard)
+    return Module(node.name, node.span, tuple(services), named=node.span, guard=guard)

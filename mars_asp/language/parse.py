@@ -13,7 +13,17 @@ from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.lines import Read, read_lines
 from mars_asp.language.statements import Builder, Raw, begin_of
-from mars_asp.model.declarations import Configuration, Conversion, PackNode, StandIn, ends_of
+from mars_asp.model.declarations import (
+    ENGINES,
+    FOREIGN,
+    Configuration,
+    Conversion,
+    Muxed,
+    Name,
+    PackNode,
+    StandIn,
+    ends_of,
+)
 from mars_asp.model.names import BARE, QUOTED, plain
 from mars_asp.output import visible
 from mars_asp.spelling import nearest
@@ -41,6 +51,23 @@ OF_PACK = "node of the pack"
 _PACK_NODE = re.compile(
     rf"(?://|#)[ \t]*(?P<node>{BARE}|{QUOTED}):[ \t]*{OF_PACK}[ \t]+(?P<pack>[a-z][a-z0-9_-]*)"
     r"[ \t]*(?= -- |$)",
+    re.MULTILINE,
+)
+
+
+#: In a comment, before the format of the files that a configuration was imported from.
+IMPORTED = "imported from"
+#: Behind the name of a node in a comment: some of its topics could not be read.
+NOT_ALL_READ = "not all topics read"
+#: Behind the name of a module in a comment, before which mux its commands pass.
+OF_MUX = "commands pass a"
+_END = r"[ \t]*(?= -- |$)"
+_IMPORTED = re.compile(
+    rf"^[ \t]*(?://|#)[ \t]*{IMPORTED}[ \t]+(?P<format>{'|'.join(FOREIGN)}){_END}", re.MULTILINE
+)
+_ABOUT_IMPORTED = re.compile(
+    rf"^[ \t]*(?://|#)[ \t]*(?P<module>{BARE}|{QUOTED}):[ \t]*"
+    rf"(?:{NOT_ALL_READ}|{OF_MUX}[ \t]+(?P<engine>{'|'.join(ENGINES)})){_END}",
     re.MULTILINE,
 )
 
@@ -144,6 +171,7 @@ def parse_text(text: str, path: str) -> Parsed:
     if problems:
         raise MarsError(problems)
     said = _conversions(layout, blocks) if configuration.kind == "specification" else ()
+    configuration = _with_origin(configuration, layout, blocks)
     warnings += tuple(_about_nobody(configuration, stand_ins))
     configuration = replace(
         configuration,
@@ -260,6 +288,25 @@ def _pack_nodes(layout: Layout, blocks: Blocks) -> Iterator[PackNode]:
         yield PackNode(plain(match["node"]), match["pack"], span)
 
 
+def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -> Configuration:
+    """Return a configuration with what comments tell of the files that it was imported from."""
+    imported = next(_outside(_IMPORTED, layout, blocks), None)
+    if imported is None:
+        return configuration
+    opaque: list[Name] = []
+    muxes: list[Muxed] = []
+    for match in _outside(_ABOUT_IMPORTED, layout, blocks):
+        module, span = plain(match["module"]), layout.span(match.start("module"), match.end())
+        engine = next((each for each in ENGINES if each == match["engine"]), None)
+        if engine is None:
+            opaque.append(Name(module, span))
+        else:
+            muxes.append(Muxed(module, engine, span))
+    return replace(
+        configuration, origin=imported["format"], opaque=tuple(opaque), muxes=tuple(muxes)
+    )
+
+
 def _outside(pattern: re.Pattern[str], layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
     """Yield the matches of a comment that are not in module blocks."""
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
@@ -282,20 +329,25 @@ def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
 def _about_nobody(
     configuration: Configuration, stand_ins: Iterable[StandIn]
 ) -> Iterator[Diagnostic]:
-    """Yield a warning for each comment of a node, or about a module, that is not there."""
+    """Yield a warning for each comment about a node or module that is not there."""
     known = {name.text for name in configuration.modules}
     known.update(name for each in configuration.relationships for name in ends_of(each))
-    for each in stand_ins:
-        for name, sort in ((each.node, "node"), (each.module, "module")):
-            if name not in known:
-                near = nearest(name, known)
-                yield Diagnostic(
-                    "stand-in",
-                    "warning",
-                    f"the comment names `{name}`, which is not a {sort} of the specification",
-                    each.span,
-                    help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
-                )
+    named = [
+        *((each.node, "node", each.span) for each in stand_ins),
+        *((each.module, "module", each.span) for each in stand_ins),
+        *((each.text, "module", each.span) for each in configuration.opaque),
+        *((each.module, "module", each.span) for each in configuration.muxes),
+    ]
+    for name, sort, span in named:
+        if name not in known:
+            near = nearest(name, known)
+            yield Diagnostic(
+                "stand-in",
+                "warning",
+                f"the comment names `{name}`, which is not a {sort} of the {configuration.kind}",
+                span,
+                help=f"did you mean `{near}`?" if near else "name one, or drop the comment",
+            )
 
 
 def _unreadable(shown: str, reason: str) -> Diagnostic:

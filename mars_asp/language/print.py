@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from decimal import Decimal
 
-from mars_asp.language.parse import ABSTRACT, OF_PACK
+from mars_asp.language.parse import ABSTRACT, IMPORTED, NOT_ALL_READ, OF_MUX, OF_PACK
 from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
     Configuration,
@@ -130,6 +130,7 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     ]
     if names or not configuration.includes:
         yield from fill("@modules", [*(f"{name}," for name in names[:-1]), *names[-1:]])
+    yield from _origins(configuration)
     conversions = {c.transformer: c for c in configuration.conversions}
     modules = {each.node: each.module for each in configuration.stand_ins if not each.evident}
     brought = _packs(configuration)
@@ -148,6 +149,17 @@ def _lines(configuration: Configuration) -> Iterator[str]:
     for module in configuration.declared:
         yield ""
         yield print_module(module)
+
+
+def _origins(configuration: Configuration) -> Iterator[str]:
+    """Yield what is known of the files of others that it was imported from, for our reader."""
+    if configuration.origin is None:
+        return
+    yield f"// {IMPORTED} {configuration.origin}"
+    for name in configuration.opaque:
+        yield f"// {written(name.text)}: {NOT_ALL_READ}"
+    for mux in configuration.muxes:
+        yield f"// {written(mux.module)}: {OF_MUX} {mux.engine}"
 
 
 def _packs(configuration: Configuration) -> dict[str, str]:

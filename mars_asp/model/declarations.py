@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.attributes import Attribute, Attributed
@@ -191,6 +191,7 @@ class Data:
 Relationship: TypeAlias = Mount | Control | Data
 #: What muxes in other people's robots run.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
+ENGINES: tuple[Engine, ...] = get_args(Engine)
 #: The formats of robots that are not ours.
 FOREIGN = ("urdf", "twist_mux", "rosgraph", "dora", "ros2")
 
@@ -296,9 +297,10 @@ class Configuration:
     `stated` is whether the architecture was written; `period_ms` belongs to flat arbitration;
     `sources` are the paths of `@sources`; `declared` the module blocks in the file itself and,
     once extraction has run, those found in sources; `muxes` are those of a file that is not ours,
-    `relays` the places of its relays, contracted already, `opaque` its nodes without a topic that
-    could be read; `includes` are other configurations that are still to be taken in. `format` is
-    what the file is in, where it is no `.mars` file: then the architecture is taken for granted.
+    `relays` the places of its relays, contracted already, `opaque` its nodes of which topics could
+    not be read; `includes` are other configurations that are still to be taken in. `format` is
+    what the file is in, where it is no `.mars` file: then the architecture is taken for granted;
+    `origin` is that of the files it was imported from, be it before it was saved as a `.mars` file.
     `kinds` are those of nodes that rule packs bring, `attributed` its own lines about attributes of
     modules.
     """
@@ -321,6 +323,7 @@ class Configuration:
     opaque: tuple[Name, ...] = ()
     includes: tuple[Include, ...] = ()
     format: str | None = None
+    origin: str | None = None
     kinds: tuple[PackKind, ...] = ()
     attributed: tuple[Attributed, ...] = ()
 

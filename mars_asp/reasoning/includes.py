@@ -87,6 +87,8 @@ def _expanded(parsed: Parsed, chain: tuple[str, ...], reading: _Reading) -> Pars
         ),
         declared=tuple(blocks.values()),
         attributed=tuple(dict.fromkeys(line for each in (*inner, own) for line in each.attributed)),
+        opaque=tuple(dict.fromkeys(name for each in (*inner, own) for name in each.opaque)),
+        muxes=tuple(dict.fromkeys(mux for each in (*inner, own) for mux in each.muxes)),
     )
     warnings = tuple(dict.fromkeys(warning for each in found for warning in each.warnings))
     return Parsed(configuration, (*warnings, *parsed.warnings), tuple(blocks))
@@ -179,7 +181,13 @@ def _behind(prefix: str, parsed: Parsed) -> Parsed:
         for name in _attributed_names(prefix, line.module, names, inner)
     )
     configuration = replace(
-        inner, modules=names, relationships=lines, declared=declared, attributed=attributed
+        inner,
+        modules=names,
+        relationships=lines,
+        declared=declared,
+        attributed=attributed,
+        opaque=tuple(replace(each, text=_prefixed(prefix, each.text)) for each in inner.opaque),
+        muxes=tuple(replace(each, module=_prefixed(prefix, each.module)) for each in inner.muxes),
     )
     return Parsed(configuration, parsed.warnings, tuple(map(print_module, declared)))
 

@@ -126,6 +126,7 @@ def samples() -> tuple[Project, ...]:
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
     node = ranked.configuration.modules[0]
     read = replace(ranked.configuration, muxes=(mux,), opaque=(node,), format="twist_mux")
+    read = replace(read, origin="twist_mux")
     muxed = replace(ranked, configuration=read)
     return muxed, flat, load_project("ports.mars", text=_PORTS)
 

@@ -111,6 +111,7 @@ DESCRIPTIONS = [
     ("x = ['a', '_', 'b']", JOY.replace(")", ", name=x)"), ["/a_b"]),
     ("x = {'name': 'k'}", JOY.replace(")", ", **x)"), ["/k"]),
     ("x = f'r{1}'", JOY.replace(")", ", name=x)"), ["/r1"]),
+    ("x = TextSubstitution(text='a')", JOY.replace(")", ", namespace=x)"), ["/a/joy_node"]),
     ("x = [" + JOY.replace(")", ", name=i)") + " for i in ('p', 'q')]", "*x", ["/p", "/q"]),
     (
         "x = []\n    for i in ('p', 'q'):\n        x.append(" + JOY.replace(")", ", name=i)") + ")",
@@ -231,6 +232,8 @@ def test_a_launch_file_of_includes_alone_asks_for_their_workspace() -> None:
 #: A node, what its program does where we have its source, and whether it may have other topics.
 STARTED = [
     ("x", "pass", True),
+    ("mine", "self.create_publisher(A, other(), 1); self.create_publisher(A, 'a', 1)", True),
+    ("mine", "self.create_publisher(A, 'a', 1)", False),
     ("tf2_ros", "pass", False),
     ("mine", "self.create_publisher(A, other(), 1)", True),
     ("mine", "self.create_service(A, 'ask', other)", False),
@@ -256,6 +259,32 @@ def test_a_node_known_to_have_no_topics_is_not_one_whose_topics_could_not_be_rea
     found = import_ros2([("", str(tmp_path))]).configuration
     assert [name.text for name in found.modules] == ["/started"]
     assert [name.text for name in found.opaque] == ["/started"] * is_opaque
+
+
+#: What a launch file gives for a parameter, and the topic that a node of our source then has.
+GIVEN = [
+    ("{'out': '/b'}", ["/b"]),
+    ("{'out': LaunchConfiguration('unknown')}", []),
+    ("{'other': LaunchConfiguration('unknown')}", ["/a"]),
+]
+
+
+@pytest.mark.parametrize(("given", "topics"), GIVEN)
+def test_a_default_holds_where_nothing_else_is_given(
+    given: str, topics: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "setup.py").write_text("setup(entry_points={'console_scripts': ['e = n:main']})")
+    declared = "self.declare_parameter('out', 'a').value"
+    (tmp_path / "n.py").write_text(
+        "class N(Node):\n  def __init__(self):\n"
+        f"    self.create_publisher(A, {declared}, 1)\ndef main():\n  N()\n"
+    )
+    node = f"Node(package='mine', executable='e', name='n', parameters=[{given}])"
+    (tmp_path / "x.launch.py").write_text(PYTHON.format(before="pass", nodes=node))
+    found = import_ros2([("", str(tmp_path))]).configuration
+    assert [s.port for module in found.declared for s in module.services] == topics
+    assert bool(found.opaque) == (not topics)
 
 
 #: How launch files give a program remappings among its arguments.
@@ -409,6 +438,53 @@ def test_a_users_catalogue_wins(tmp_path: Path) -> None:
     own.write_text("[joy\n", encoding="utf-8")
     with pytest.raises(MarsError, match="this is not TOML"):
         import_ros2([("", str(tmp_path))])
+
+
+#: Where each starts MAVROS: the topics of ROS 2 are below the namespace, where one is given.
+STARTING = [
+    ("x.launch.xml", '<node pkg="mavros" exec="mavros_node"/>', "/mavros"),
+    ("x.launch.xml", '<node pkg="mavros" exec="mavros_node" namespace="uav/a"/>', "/uav/a"),
+    (
+        "x.launch",
+        '<group ns="uav"><node pkg="mavros" type="mavros_node" name="fcu"/></group>',
+        "/uav/fcu",
+    ),
+]
+
+
+@pytest.mark.parametrize(("path", "node", "below"), STARTING)
+def test_an_autopilot_is_commanded_by_setpoints_and_commands_by_no_measurement(
+    path: str, node: str, below: str, tmp_path: Path
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    (tmp_path / "setup.py").write_text("setup(entry_points={'console_scripts': ['a = n:main']})")
+    (tmp_path / "n.py").write_text(
+        "class N(Node):\n  def __init__(self):\n"
+        f"    self.create_publisher(TwistStamped, '{below}/setpoint_velocity/cmd_vel', 1)\n"
+        f"    self.create_subscription(TwistStamped, '{below}/local_position/velocity_body', f)\n"
+        "def main():\n  N()\n"
+    )
+    word = "type" if path == "x.launch" else "exec"
+    (tmp_path / "launch").mkdir()
+    text = f'<launch>{node}<node pkg="mine" {word}="a" name="a"/></launch>'
+    (tmp_path / "launch" / path).write_text(text)
+    found = import_ros2([("", str(tmp_path))]).configuration
+    [fcu, _] = [name.text for name in found.modules]
+    assert set(map(print_relationship, found.relationships)) == {
+        f"{fcu} is_controlled_by /a 0",
+        f"/a.{below}/local_position/velocity_body uses_data_from"
+        f" {fcu}.{below}/local_position/velocity_body",
+    }
+
+
+def test_bridges_have_topics_that_only_their_clients_know() -> None:
+    nodes = "Node(package='foxglove_bridge', executable='foxglove_bridge')"
+    found = launched(PYTHON.format(before="pass", nodes=f"{nodes}, {JOY}"))
+    assert [name.text for name in found.configuration.opaque] == ["/foxglove_bridge"]
+    assert any(
+        note.message == "topics chosen by clients not read: 1 (`/foxglove_bridge`)"
+        for note in found.warnings
+    )
 
 
 def test_substitutions_are_parts_of_a_text() -> None:

@@ -229,6 +229,8 @@ def test_what_is_imported_says_where_each_line_is_from(
         0,
         """@specification hierarchical
 @modules cmd_vel_out, "bumper response", tablet, idle, ArbitrationNode
+// imported from twist_mux
+// ArbitrationNode: commands pass a twist_mux
 cmd_vel_out is_controlled_by ArbitrationNode  // from robot.txt:1
 ArbitrationNode is_controlled_by "bumper response" 7 hold 500  // from robot.txt:2
 ArbitrationNode is_controlled_by tablet 7 hold forever  // from robot.txt:3

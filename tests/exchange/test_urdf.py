@@ -14,6 +14,7 @@ from pytransform3d.urdf import UrdfTransformManager
 
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError, point
+from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.urdf import MOST_BYTES, export_urdf, import_urdf
 from mars_asp.exchange.urdf.angles import rotation_of, turns_of
 from mars_asp.kinematics.frames import Joint, Matrix, build_robot, take_posture
@@ -382,6 +383,7 @@ DAMAGE = [
         (('name="head"', 'name="base"'), (2, 22), "a second link named `base`"),
         (('name="pan"', 'name=""'), (3, 3), "a joint without a name"),
         (("</robot>", "<xacro:arm/></robot>"), (10, 1), "macro"),
+        ((GOOD, '<!-- empty -->\n<robot name="r"/>'), (2, 1), "no links"),
         (('parent link="base"', 'parent link="head"'), (3, 3), "lead back to `head`"),
     ],
 )
@@ -393,6 +395,25 @@ def test_what_is_refused(change: tuple[str, str], place: tuple[int, int], messag
     told = {(d.span.line, d.span.column): f"{d.message} {d.help}" for d in caught.value.diagnostics}
     assert message in told[place]
     assert all(len(line) < 500 for line in told.values())
+
+
+#: What may stand before the root, or keep a document from being read: it is URDF all the same.
+BEGINNINGS = [
+    "\ufeff",
+    "<?xml version='1.0'?>\n",
+    "<!-- <launch> - -->",
+    "<!DOCTYPE robot>",
+    "\ufeff<?xml version='1.0'?><!-- x -->\n<!DOCTYPE r SYSTEM 'file:///etc/passwd'>",
+    "<!DOCTYPE r [<!-- it's --><!ENTITY a '<b>'>]>\n<!-- b -->",
+    "<!DOCTYPE r [" + "<!--" * 60_000,
+]
+
+
+@pytest.mark.parametrize("beginning", BEGINNINGS, ids=range(len(BEGINNINGS)))
+def test_documents_are_recognised_whatever_they_begin_with(beginning: str) -> None:
+    assert recognised(f"{beginning}{GOOD}") == "urdf"
+    assert recognised(f"{beginning}<launch/>") == "ros2"
+    assert recognised(f"{beginning}<html/>") == "mars"
 
 
 def test_everything_wrong_is_told_at_once() -> None:
@@ -433,7 +454,8 @@ def test_loops_of_joints_are_refused() -> None:
 
 def test_depth_and_many_entities_cost_nothing() -> None:
     deep = "<a>" * 100_000 + "</a>" * 100_000
-    assert import_urdf(f'<robot><link name="l"/>{deep}</robot>', "deep.urdf").warnings == ()
+    [note] = import_urdf(f'<robot><link name="l"/>{deep}</robot>', "deep.urdf").warnings
+    assert note.message == "elements besides links and joints not read: 1 (`a`)"
     laughs = "".join(f'<!ENTITY l{n} "&l{n - 1};&l{n - 1};">' for n in range(1, 60))
     with pytest.raises(MarsError, match="document type"):
         import_urdf(f'<!DOCTYPE r [<!ENTITY l0 "ha">{laughs}]><robot>&l59;</robot>', "l.urdf")

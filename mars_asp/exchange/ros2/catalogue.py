@@ -14,9 +14,10 @@ from mars_asp.exchange.ros2.interface import Interface, Topic
 OWN = "mars-catalogue.toml"
 _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<default>[^}]*))?\}")
 _PLACE = re.compile(r"^(?P<said>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
-_TOPICS = ("publishes", "subscribes", "optional")
+_TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is where an entry was read, for people.
 _TEXTS = ("plugin", "node", "read")
+_FLAGS = ("guard", "clients", "spread")
 
 
 class Entry(NamedTuple):
@@ -83,10 +84,10 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
             expected = "a table of topics and message types"
         elif key in _TEXTS:
             fits, expected = isinstance(value, str), "a text"
+        elif key in _FLAGS:
+            fits, expected = isinstance(value, bool), "true or false"
         else:
-            fits, expected = key == "guard" and isinstance(value, bool), "a key of the catalogue"
-            if key == "guard":
-                expected = "true or false"
+            fits, expected = False, "a key of the catalogue"
         if not fits:
             raise _wrong(path, f"`{key}` of `{called}` is not {expected}")
     plugin, node = program.get("plugin"), program.get("node")
@@ -95,13 +96,18 @@ def _entry(package: str, executable: str, program: Mapping[str, object], path: s
         executable,
         plugin if isinstance(plugin, str) else None,
         Interface(
-            tuple(_topics(program.get("publishes"))),
+            (
+                *_topics(program.get("publishes")),
+                *(replace(each, measured=True) for each in _topics(program.get("measures"))),
+            ),
             (
                 *_topics(program.get("subscribes")),
                 *(replace(each, optional=True) for each in _topics(program.get("optional"))),
             ),
             node if isinstance(node, str) else None,
             guard=program.get("guard") is True,
+            clients=program.get("clients") is True,
+            spread=program.get("spread") is True,
         ),
     )
 

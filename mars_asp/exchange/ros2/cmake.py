@@ -21,13 +21,15 @@ _MOST_WORDS = 10_000
 class Targets:
     """Sources of targets, what they link, and which of them are programs and components.
 
-    `programs` are files that are installed as they are.
+    `programs` are files that are installed as they are, `started` the components that programs
+    start.
     """
 
     sources: dict[str, list[str]] = field(default_factory=dict)
     links: dict[str, list[str]] = field(default_factory=dict)
     executables: dict[str, str] = field(default_factory=dict)
     plugins: dict[str, str] = field(default_factory=dict)
+    started: dict[str, str] = field(default_factory=dict)
     programs: list[str] = field(default_factory=list)
 
     def of(self, target: str) -> list[str]:
@@ -71,11 +73,12 @@ def read_cmake(text: str) -> Targets:  # noqa: C901 -- one case for each command
             case "target_link_libraries":
                 targets.links.setdefault(first, []).extend(others)
             case "rclcpp_components_register_node":
-                for key, value in pairwise(others):
-                    if key == "PLUGIN":
-                        targets.plugins[value] = first
-                    elif key == "EXECUTABLE":
-                        targets.executables[value] = first
+                named = dict(pairwise(others))
+                if "PLUGIN" in named:
+                    targets.plugins[named["PLUGIN"]] = first
+                if "EXECUTABLE" in named:
+                    targets.executables[named["EXECUTABLE"]] = first
+                    targets.started[named["EXECUTABLE"]] = named.get("PLUGIN", "")
             case "rclcpp_components_register_nodes":
                 targets.plugins |= dict.fromkeys(others, first)
             case "install" | "catkin_install_python" if first == "PROGRAMS":

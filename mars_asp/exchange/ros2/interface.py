@@ -15,7 +15,7 @@ class Topic:
     `name` is empty where a parameter alone gives it: the one named `parameter`, whose default is
     the name. `type` is the message's, `hz` how often it is published, where they are known; `span`
     is where the program says so, `None` where the catalogue does; `optional` is whether the program
-    works as well without it.
+    works as well without it, `measured` whether it reports a motion, whatever its type.
     """
 
     name: str
@@ -24,17 +24,21 @@ class Topic:
     parameter: str | None = None
     hz: Fraction | None = None
     optional: bool = False
+    measured: bool = False
 
 
-#: What topics are called that a program names while it runs.
+#: What topics are called that a program, or a client of it, names while it runs.
 AT_RUN_TIME = "topics named at run time"
+BY_CLIENTS = "topics chosen by clients"
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
     """The topics of a program, the name that it gives its node, and whether it is a guard.
 
-    `unread` is what the program does beside it, and what only a run knows.
+    `unread` is what the program does beside it, and what only a run knows. `clients` is whether
+    others choose further topics while it runs, `spread` whether it is several nodes, with private
+    topics below the namespace that they are given, or else below its name.
     """
 
     published: tuple[Topic, ...] = ()
@@ -42,6 +46,8 @@ class Interface:
     node: str | None = None
     guard: bool = False
     unread: tuple[Unread, ...] = ()
+    clients: bool = False
+    spread: bool = False
 
 
 def rate_of(period: Fraction) -> Rate | None:

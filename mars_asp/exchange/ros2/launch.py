@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 from mars_asp.diagnostic import MarsError, Span
@@ -23,6 +24,7 @@ from mars_asp.exchange.ros2.actions import (
     Share,
     Start,
     Text,
+    text_of,
 )
 from mars_asp.exchange.ros2.launch_markup import read_markup
 from mars_asp.exchange.ros2.launch_python import read_python
@@ -200,7 +202,7 @@ class Launch:
         if not action.inherits:
             within.arguments.clear()
         passed = self._parameters(action.arguments, scope, files)
-        within.arguments |= {name: each.text for name, each in passed.items()}
+        within.arguments |= {name: each.text for name, each in passed.items() if each.is_known}
         self._walk(actions, within, (*files, found))
 
     def _start(self, action: Start, scope: _Scope, files: tuple[Path, ...]) -> None:
@@ -232,6 +234,8 @@ class Launch:
         ]
         given = dict(scope.parameters)
         given |= self._parameters(action.parameters, scope, files)
+        given |= dict(_set(words, action.span))
+        named = [text_of(path) for before, path in pairwise(words) if before == "--params-file"]
         self.started.append(
             Started(
                 package or "",
@@ -241,7 +245,10 @@ class Launch:
                 joined("/", told.get("__ns") or at),
                 tuple(rule for rule, _ in remaps),
                 dict(reversed(remaps)),
-                (*scope.files, *self._files(action.files, scope, files, action.span)),
+                (
+                    *scope.files,
+                    *self._files((*action.files, *named), scope, files, action.span),
+                ),
                 given,
                 action.span,
                 scope.conditional or action.conditional,
@@ -284,15 +291,16 @@ class Launch:
             names = [step for step in steps if step is not None]
             texts = [self._plain(text, scope, files) for text in each.items or (each.value,)]
             known = [Scalar(text, False, each.span) for text in texts if text is not None]
-            if len(names) < len(steps) or len(known) < len(texts):
+            if len(names) < len(steps):
                 continue
             keys = tuple(
                 # Quoted, as a place is of the whole key.
                 Scalar(name, True, span)
                 for name, (_, span) in zip(names, each.keys, strict=True)
             )
-            value = known[0] if each.items is None else Items(tuple(known), each.span)
-            found[".".join(names)] = Given(keys, each.written or value)
+            is_known = each.written is not None or len(known) == len(texts)
+            value = known[0] if known and each.items is None else Items(tuple(known), each.span)
+            found[".".join(names)] = Given(keys, each.written or value, is_known)
         return found
 
     def _files(
@@ -356,3 +364,18 @@ class Launch:
                 case _:
                     shown.append("...")
         return "".join(shown).lstrip("/") or "..."
+
+
+def _set(words: Sequence[str], span: Span) -> Iterator[tuple[str, Given]]:
+    """Yield the parameters among the arguments of a program."""
+    ours = "--ros-args" in words
+    for before, word in pairwise(["", *words]):
+        name, sign, value = word.partition(":=")
+        if ours:
+            asked = before in ("-p", "--param")
+        else:
+            asked, name = re.match("_[^_]", name) is not None, name[1:]
+        if sign and asked and name:
+            own = name.rpartition(":")[2]
+            keys = tuple(Scalar(step, True, span) for step in own.split("."))
+            yield own, Given(keys, Scalar(value, False, span))

@@ -10,10 +10,11 @@ _PARAMETERS = "ros__parameters"
 
 
 class Given(NamedTuple):
-    """The value of a parameter, and the keys that lead to it."""
+    """The value of a parameter, the keys that lead to it, and whether it is known before a run."""
 
     keys: tuple[Scalar, ...]
     value: Scalar | Items
+    is_known: bool = True
 
     @property
     def text(self) -> str:

@@ -3,7 +3,7 @@
 import ast
 import configparser
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -82,7 +82,10 @@ class Programs:
         targets = self._targets.get(package.name)
         if targets is not None and program.executable in targets.executables:
             target = targets.executables[program.executable]
-            return self._compiled(package, targets.of(target))
+            plugin = targets.started.get(program.executable)
+            return (self._component(plugin) if plugin else None) or self._compiled(
+                package, targets.sources.get(target, ()), targets.of(target)
+            )
         return self._by_name(package, program.executable)
 
     def _by_name(self, package: Package, executable: str) -> Interface | None:
@@ -100,31 +103,52 @@ class Programs:
         ]
         return self._compiled(package, [str(stems[0])]) if stems else None
 
-    def _compiled(self, package: Package, sources: list[str]) -> Interface | None:
-        """Return the interface of sources in C++, with the headers that they include."""
-        files: list[Path] = []
+    def _compiled(
+        self, package: Package, sources: Iterable[str], linked: Iterable[str] = ()
+    ) -> Interface | None:
+        """Return the interface of sources in C++, with the headers that they include.
+
+        Of what is `linked` the files count whose headers are among these: a library may hold other
+        nodes, too.
+        """
+        files = list(self._found(package, sources))
+        return self._with_headers(package, files, list(self._found(package, linked)))
+
+    def _found(self, package: Package, sources: Iterable[str]) -> Iterator[Path]:
         for source in sources:
             path = source.replace("${CMAKE_CURRENT_SOURCE_DIR}", str(package.folder))
             found = self.workspace.find(path, package.folder)
             if found is not None and found.suffix in _CPP | _HEADERS:
-                files.append(found)
-        return self._with_headers(package, files)
+                yield found
 
-    def _with_headers(self, package: Package, files: list[Path]) -> Interface | None:
+    def _with_headers(
+        self, package: Package, files: Sequence[Path], linked: Sequence[Path] = ()
+    ) -> Interface | None:
         texts: dict[Path, str] = {}
         waiting = list(reversed(files))
-        while waiting and len(texts) < _MOST_FILES:
+        left = [file for file in linked if file not in files]
+        while (waiting or left) and len(texts) < _MOST_FILES:
+            if not waiting:
+                reached = [file for file in left if texts.keys() & self._included(package, file)]
+                left = [file for file in left if file not in reached]
+                if not reached:
+                    break
+                waiting = reached[::-1]
             file = waiting.pop()
-            if file in texts:
-                continue
-            try:
-                texts[file] = self.workspace.text(file)
-            except MarsError:
-                continue
-            for name in _INCLUDE.findall(texts[file]):
-                waiting += self._headers.get(name.rpartition("/")[2], {}).get(package.folder, ())
+            text = None if file in texts else self._text(file)
+            if text is not None:
+                texts[file] = text
+                waiting += self._included(package, file)
         shown = [(text, self.workspace.shown(file)) for file, text in texts.items()]
         return read_cpp(shown) if shown else None
+
+    def _included(self, package: Package, file: Path) -> list[Path]:
+        """Return the headers of a package that a file of it includes."""
+        return [
+            header
+            for name in _INCLUDE.findall(self._text(file) or "")
+            for header in self._headers.get(name.rpartition("/")[2], {}).get(package.folder, ())
+        ]
 
     def _component(self, plugin: str) -> Interface | None:
         """Return the interface of a component by its class."""

@@ -13,6 +13,7 @@ from mars_asp.exchange.ros2.python_values import (
     Listed,
     Mapped,
     Plain,
+    Rewritten,
     Value,
     counted,
     folder_of,
@@ -24,7 +25,7 @@ from mars_asp.exchange.ros2.python_values import (
 #: Functions that return one of their arguments as a path.
 _PATHS = frozenset(
     {"abspath", "realpath", "normpath", "expanduser", "Path", "str", "PathSubstitution"}
-    | {"TextSubstitution", "FileContent"}
+    | {"FileContent"}
 )
 _SHARES = frozenset(
     {
@@ -52,6 +53,8 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
                 return Plain(UNKNOWN, call.span)
             text = None if default is None else text_from(default)
             return Plain((Argument(name, text),), call.span)
+        case "TextSubstitution":
+            return Plain(text_from(call.get("text", 0)), call.span)
         case "ThisLaunchFileDir":
             return Plain((Here(),), call.span)
         case "EnvironmentVariable" | "getenv":
@@ -67,9 +70,15 @@ def known(call: Call) -> Value:  # noqa: C901 -- one case for each function
         case "open" | "safe_load" | "full_load" | "load":
             # Of a file of parameters it is enough to know which.
             return File(text_from(first), call.span)
-        case "ParameterFile" | "RewrittenYaml" | "ReplaceString":
-            at = "param_file" if call.name == "ParameterFile" else "source_file"
-            return Plain(text_from(call.get(at, 0)), call.span)
+        case "ParameterFile":
+            file = call.get("param_file", 0)
+            return file if isinstance(file, Rewritten) else Plain(text_from(file), call.span)
+        case "RewrittenYaml":
+            rewrites = call.get("param_rewrites", 1)
+            given = rewrites if isinstance(rewrites, Mapped) else Mapped(())
+            return Rewritten(text_from(call.get("source_file", 0)), given, call.span)
+        case "ReplaceString":
+            return Plain(text_from(call.get("source_file", 0)), call.span)
         case "ParameterValue":
             return call.get("value", 0)
         case "list" | "tuple" | "sorted" | "reversed":

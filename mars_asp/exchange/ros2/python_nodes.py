@@ -17,6 +17,7 @@ from mars_asp.exchange.ros2.python_values import (
     Listed,
     Mapped,
     Plain,
+    Rewritten,
     Value,
     items_of,
     text_from,
@@ -69,8 +70,10 @@ def given_to(value: Value, span: Span) -> tuple[tuple[Text, ...], tuple[Paramete
     for item in items_of(value) or ([] if value is None else [value]):
         if isinstance(item, Mapped):
             parameters += _flat(item, span)
-        elif isinstance(item, Plain | File | Listed):
+        elif isinstance(item, Plain | File | Listed | Rewritten):
             files.append(text_from(item))
+        if isinstance(item, Rewritten):
+            parameters += _flat(item.rewrites, item.span)
     return tuple(files), tuple(parameters)
 
 

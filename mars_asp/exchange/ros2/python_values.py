@@ -71,6 +71,15 @@ class Plain:
 
 
 @dataclass(frozen=True, slots=True)
+class Rewritten:
+    """A file of parameters, some of which get other values."""
+
+    text: Text
+    rewrites: Mapped
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class File:
     """What a file holds that was opened, or a part of it."""
 
@@ -78,13 +87,13 @@ class File:
     span: Span
 
 
-Value: TypeAlias = Plain | File | Call | Listed | Mapped | Local | None
+Value: TypeAlias = Plain | File | Rewritten | Call | Listed | Mapped | Local | None
 Names: TypeAlias = dict[str, Value]
 
 
 def text_from(value: Value) -> Text:
     """Return the text that a value is; a list of texts is one, as substitutions are."""
-    if isinstance(value, Plain | File):
+    if isinstance(value, Plain | File | Rewritten):
         return value.text
     if not isinstance(value, Listed):
         return UNKNOWN

@@ -10,10 +10,11 @@ from pathlib import Path
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.exchange.graph import Endpoint, Graph, Mux, Node, Relay, joined
 from mars_asp.exchange.recognise import is_launch, recognised
+from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
 from mars_asp.exchange.ros2.catalogue import OWN, Catalogue, load_catalogue
 from mars_asp.exchange.ros2.controllers import with_controllers
 from mars_asp.exchange.ros2.glue import handed_on, steered
-from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Topic
+from mars_asp.exchange.ros2.interface import AT_RUN_TIME, BY_CLIENTS, Topic
 from mars_asp.exchange.ros2.launch import NOT_HERE, Launch, Started
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import joined as name_in
@@ -328,6 +329,10 @@ class _Robot:
         if relay is not None:
             return relay
         interface = interface or steered(program, started.arguments, values)
+        if interface is None and is_bridge(program):
+            interface = bridged(
+                program, started.arguments, self._listed(started, values), started.span
+            )
         if interface is None:
             sort = "topics of nodes with neither a source here nor an entry in the catalogue"
             self.unread.append(Unread(sort, full, started.span))
@@ -336,9 +341,13 @@ class _Robot:
             self.catalogued.setdefault(full, started.span)
         before = len(self.unread)
         self.unread += interface.unread
+        if interface.clients:
+            self.unread.append(Unread(BY_CLIENTS, full, started.span))
+        if interface.spread and not started.name and started.namespace != "/":
+            name = ""
         published = tuple(self._ends(interface.published, started, name, values))
         subscribed = tuple(self._ends(interface.subscribed, started, name, values))
-        unread = any(each.sort == AT_RUN_TIME for each in self.unread[before:])
+        unread = any(each.sort in (AT_RUN_TIME, BY_CLIENTS) for each in self.unread[before:])
         guard = started.span if interface.guard else None
         relays = program.package in _RELAYS
         return Node(full, started.span, published, subscribed, guard, relays, unread)
@@ -371,6 +380,17 @@ class _Robot:
                 found |= values_for(document, full)
         return {**found, **started.parameters}
 
+    def _listed(self, started: Started, values: Mapping[str, Given]) -> YamlNode | None:
+        """Return the file that tells a bridge what it hands on."""
+        if FILE not in values:
+            return None
+        named = values[FILE].text
+        file = self.workspace.find(named, self.workspace.root)
+        if file is None:
+            sort = "parameter files that are not in the workspace"
+            self.unread.append(Unread(sort, named, started.span))
+        return None if file is None else self.document(file)
+
     def _document(self, file: Path) -> YamlNode | None:
         shown = self.workspace.shown(file)
         try:
@@ -396,7 +416,7 @@ class _Robot:
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
                 span = topic.span or self._renaming(written, full, started, name) or started.span
-                yield Endpoint(full, topic.type, span, topic.hz, topic.optional)
+                yield Endpoint(full, topic.type, span, topic.hz, topic.optional, topic.measured)
 
     def _written(
         self, topic: Topic, started: Started, values: Mapping[str, Given]
@@ -414,7 +434,8 @@ class _Robot:
             yield from () if listed is None else listed.texts
         else:
             given = values.get(topic.parameter)
-            yield topic.name if given is None else given.text
+            # What is given in a run alone is no reason to take the default.
+            yield topic.name if given is None else given.text if given.is_known else ""
 
     def _renaming(self, written: str, full: str, started: Started, name: str) -> Span | None:
         """Return the place of the remapping that gives a topic its full name."""
@@ -431,7 +452,8 @@ class _Robot:
         """Yield what a mux may be given: by its launch file, else by files, else by the user."""
         found: list[MuxParameters] = []
         if any(key.partition(".")[0] in SORTS for key in started.parameters):
-            given = document_of(self._values(started, full).values(), started.span)
+            values = self._values(started, full).values()
+            given = document_of((each for each in values if each.is_known), started.span)
             found += self._muxes(lambda: read_parameters(given, full))
         # cmd_vel_mux names its file in a parameter.
         named = started.parameters.get("yaml_cfg_file")

@@ -4,12 +4,16 @@ Comments, strings and dead code are told from code by the lexer of annotated sou
 of the timer, or loop, whose function publishes.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import NamedTuple
 
 from mars_asp.annotations.declarations.tokens import (
     Token,
+    angle,
     closing,
     is_word,
     joined,
@@ -29,6 +33,14 @@ _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 #: Wrappers of nav2 that publish and hear velocities.
 _TWISTS = {"TwistPublisher": True, "TwistSubscriber": False}
+#: What publishes or hears images with what is known of the camera, and the types of both.
+_CAMERAS = frozenset(
+    {"create_camera_publisher", "create_camera_subscription"}
+    | {"advertiseCamera", "subscribeCamera"}
+)
+_IMAGE, _CAMERA_INFO = "sensor_msgs::msg::Image", "sensor_msgs::msg::CameraInfo"
+#: What filters messages of a type; the node comes first, and then the topic.
+_FILTER = re.compile(r"(?:\w+::)*Subscriber\s*<(?P<type>[^<>,]+)[^<>]*>")
 _TIMERS = frozenset({"create_wall_timer", "create_timer", "createTimer", "createWallTimer"})
 _RATES = frozenset({"Rate", "WallRate"})
 _SERVICES = frozenset(
@@ -46,6 +58,7 @@ _CALLED = (
     | _SERVICES
     | _PARAMETERS
     | _TWISTS.keys()
+    | _CAMERAS
     | frozenset(
         "create_publisher create_subscription create_generic_publisher create_generic_subscription"
         " advertise subscribe Subscriber Publisher make_unique make_shared Node LifecycleNode"
@@ -66,9 +79,11 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
     files = [_File(text, path, _CALLED, _RATES) for text, path in texts]
     values: dict[str, _Value] = {}
     kinds: dict[str, str] = {}
+    handles: set[str] = set()
     for file in files:
         values |= file.values()
         kinds |= file.callbacks()
+        handles |= file.handles()
     published: list[Topic] = []
     subscribed: list[Topic] = []
     unread: list[Unread] = []
@@ -78,16 +93,21 @@ def read_cpp(texts: Iterable[tuple[str, str]]) -> Interface:
             rates[name] = hz if rates.get(name, hz) == hz else None
     names: list[str] = []
     for file in files:
-        private = file.private_handles()
+        prefixes = file.prefixes(handles)
         for call in file.calls:
-            found = file.topic(call, values, private, kinds)
+            found = file.topic(call, values, prefixes, kinds)
             if isinstance(found, Unread):
                 unread.append(found)
             elif found is not None:
                 topic, keeper, is_published = found
                 hz = rates.get(keeper or "")
                 topic = Topic(topic.name, topic.type, topic.span, topic.parameter, hz)
-                (published if is_published else subscribed).append(topic)
+                ends = published if is_published else subscribed
+                ends.append(topic)
+                if call.name in _CAMERAS and topic.parameter is None:
+                    beside = f"{topic.name.rpartition('/')[0]}/camera_info".removeprefix("/")
+                    beside = f"/{beside}" if topic.name.startswith("/") else beside
+                    ends.append(replace(topic, name=beside, type=_CAMERA_INFO))
         names += file.node_names()
     return Interface(
         tuple(published), tuple(subscribed), next(iter(names), None), unread=tuple(unread)
@@ -104,13 +124,17 @@ class _File(CppCode):
         for at, token in enumerate(tokens):
             if not is_word(token.text):
                 continue
-            sign = text_at(tokens, at + 1)
-            if sign == "=" and text_at(tokens, at + 2) != "=":
-                end = at + 2
+            # Of `char NAME[] = ...` the brackets say nothing.
+            behind = at + 3 if text_at(tokens, at + 1) == "[" else at + 1
+            sign = text_at(tokens, behind)
+            if sign == "=" and text_at(tokens, behind + 1) != "=":
+                end = behind + 1
                 last = min(len(tokens), end + _MOST_WORDS)
                 while end < last and text_at(tokens, end) not in (";", ",", ")"):
                     end = self.closed.get(end, end + 1)
-                value = self.value(tokens[at + 2 : min(end, last)], found)
+                value = self.value(tokens[behind + 1 : min(end, last)], found)
+            elif text_at(tokens, at - 1) == "define" and sign.startswith('"'):
+                value = self.value(tokens[at + 1 : at + 2], found)
             elif sign in ("{", "(") and text_at(tokens, at + 2).startswith('"'):
                 end = min(self.closed[at + 1] - 1, at + _MOST_WORDS)
                 value = self.value(tokens[at + 2 : end], found)
@@ -173,11 +197,19 @@ class _File(CppCode):
             return _Value(None)
         if words[:2] == ["this", "->"] or (len(words) == 3 and words[1] in (".", "->")):
             return values.get(words[-1], _Value(None))
+        if len(words) % 2 and {*words[1::2]} == {"::"} and all(map(is_word, words[::2])):
+            return values.get(words[-1], _Value(None))
         return _Value(None)
 
     def callbacks(self) -> dict[str, str]:
         """Return the type of the message that each function takes, where it takes one."""
-        found = {}
+        found: dict[str, str] = {}
+        for at, token in enumerate(self.tokens):
+            end = angle(self.tokens, at + 1) if token.text == "Subscriber" else None
+            if end is not None and is_word(text_at(self.tokens, end)):
+                # A filter of messages, which hears its topic later.
+                inner = split(self.tokens[at + 2 : min(end - 1, at + _MOST_WORDS)])
+                found |= {text_at(self.tokens, end): joined(first) for first in inner[:1]}
         for body in self.bodies:
             groups = split(body.parameters)
             if len(groups) == 1:
@@ -187,7 +219,26 @@ class _File(CppCode):
         # Declarations count, too: a definition may lie elsewhere.
         return found
 
-    def private_handles(self) -> frozenset[str]:
+    def handles(self) -> frozenset[str]:
+        """Return the names of the node handles that the file declares."""
+        names = (after.text for token, after in pairwise(self.tokens) if token.text == "NodeHandle")
+        return frozenset(filter(is_word, names))
+
+    def prefixes(self, handles: Set[str]) -> Mapping[str, str]:
+        """Return what node handles put before names: `~` where these are private to the node."""
+        tokens = self.tokens
+        found = dict.fromkeys(self._private_handles(), "~")
+        for at, token in enumerate(tokens):
+            if token.text in handles and text_at(tokens, at + 1) in ("(", "{"):
+                end = min(self.closed[at + 1] - 1, at + _MOST_WORDS)
+                *parent, last = split(tokens[at + 2 : end]) or [[]]
+                text = self.string(last[0]) if len(last) == 1 else None
+                if text and len(parent) < 2:
+                    above = found.get(parent[0][0].text, "") if parent and parent[0] else ""
+                    found[token.text] = f"{above}/{text}" if above else text
+        return found
+
+    def _private_handles(self) -> frozenset[str]:
         """Return the names of node handles whose names are private to the node."""
         tokens = self.tokens
         found = set()
@@ -225,7 +276,7 @@ class _File(CppCode):
         self,
         call: Call,
         values: Mapping[str, _Value],
-        private: frozenset[str],
+        prefixes: Mapping[str, str],
         kinds: Mapping[str, str],
     ) -> "tuple[Topic, str | None, bool] | Unread | None":
         """Return the topic that a call makes, what keeps it, and whether it is published."""
@@ -237,13 +288,20 @@ class _File(CppCode):
                 published = call.name == "create_publisher"
                 # The free functions take the node first.
                 name_at = 1 if text_at(tokens, call.at - 1) == "::" else 0
+                if text_at(tokens, call.at - 2) == "image_transport":
+                    kind = _IMAGE
             case "advertise" | "subscribe" if owner and call.arguments:
                 published = call.name == "advertise"
-                kind = kind or self._taken(call, kinds)
+                kind = kind or self._taken(call, kinds) or kinds.get(owner)
                 # Filters of messages take the node first.
                 first, second = (*call.arguments, ())[:2]
                 is_named = first[0].text.startswith('"') or not second
                 name_at = 0 if is_named or not second[0].text.startswith('"') else 1
+            case _ if call.name in _CAMERAS:
+                # Those of ROS 2 take the node first.
+                published = call.name in ("create_camera_publisher", "advertiseCamera")
+                name_at = 1 if call.name.startswith("create") else 0
+                kind = _IMAGE
             case "create_generic_publisher" | "create_generic_subscription":
                 published = call.name == "create_generic_publisher"
                 types = call.arguments[1:2]
@@ -256,10 +314,11 @@ class _File(CppCode):
                 published, name_at = True, 1
             case ("TwistPublisher" | "TwistSubscriber") | "make_unique" | "make_shared":
                 wrapped = call.name if call.name in _TWISTS else (kind or "").rpartition("::")[2]
-                if wrapped not in _TWISTS or len(call.arguments) < 2:
+                filtered = _FILTER.fullmatch(kind or "")
+                if not (filtered or wrapped in _TWISTS) or len(call.arguments) < 2:
                     return None
-                published, name_at = _TWISTS[wrapped], 1
-                kind = "geometry_msgs::msg::TwistStamped"
+                published, name_at = _TWISTS.get(wrapped, False), 1
+                kind = filtered["type"] if filtered else "geometry_msgs::msg::TwistStamped"
             case name if name in _SERVICES:
                 return Unread("services and actions", name, self.span(tokens[call.at]))
             case _:
@@ -274,8 +333,8 @@ class _File(CppCode):
             shown = self.text[argument[0].offset : last.offset + len(last.text)][:60]
             return Unread(AT_RUN_TIME, shown, span)
         text = value.text or ""
-        if owner in private and not text.startswith(("/", "~")):
-            text = f"~/{text}"
+        if owner in prefixes and not text.startswith(("/", "~")):
+            text = f"{prefixes[owner]}/{text}"
         return Topic(text, _written(kind), span, value.parameter), self._keeper(call), published
 
     def _taken(self, call: Call, kinds: Mapping[str, str]) -> str | None:

@@ -5,8 +5,7 @@ also into other files of the workspace. A rate is that of the timer whose callba
 """
 
 import ast
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
@@ -14,18 +13,30 @@ from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.ros2.interface import AT_RUN_TIME, Interface, Topic, rate_of
+from mars_asp.exchange.ros2.python_files import (
+    Files,
+    Find,
+    SourceFile,
+    called_name,
+    dotted_name,
+    keeper_of,
+)
+from mars_asp.exchange.ros2.python_texts import Texts
+from mars_asp.exchange.ros2.python_written import (
+    defaults_of,
+    distinct,
+    given_by,
+    rounds,
+)
 from mars_asp.exchange.unread import Unread
 
-#: What opens a file of the workspace by the name of its module.
-Find = Callable[[str], "tuple[str, str] | None"]
-_MOST_FILES = 200
 _MOST_TIMERS = 200
 _MOST_FOLLOWED = 100
 _MOST_SHOWN = 60
-#: How many expressions are looked into for a name, and how many calls of a class or function.
-_MOST_STEPS = 1000
+#: How many calls of a class or function are looked into.
 _MOST_CALLS = 5000
-_DEEPEST = 60
+#: So many objects of a class are told apart.
+_MOST_MADE = 16
 _CALLS = frozenset(
     {"create_service", "create_client", "ActionServer", "ActionClient", "Service", "ServiceProxy"}
     | {"SimpleActionServer", "SimpleActionClient"}
@@ -40,84 +51,32 @@ class _Found(NamedTuple):
     published: bool
 
 
-@dataclass(slots=True)
-class _File:
-    """A file: its tree, what it imports and what stands at its outer level."""
-
-    path: str
-    lines: list[str]
-    tree: ast.Module
-    imports: dict[str, str] = field(default_factory=dict)
-    outer: dict[str, ast.AST] = field(default_factory=dict)
-    constants: dict[str, ast.expr] = field(default_factory=dict)
-
-
 class PythonPrograms:
     """Reads programs, each file once."""
 
     def __init__(self, find: Find) -> None:
         """Take what finds the text and shown path of a module."""
-        self._find = find
-        self._files: dict[str, _File | None] = {}
+        self._files = Files(find)
 
     def interface(self, module: str, function: str | None) -> Interface | None:
         """Return what a function of a module, or else the module as a program, does.
 
         `None` where the module is not found or not Python.
         """
-        file = self._file(module)
+        file = self._files.file(module)
         if file is None:
             return None
-        return _Program(self, file, function).interface()
-
-    def _file(self, module: str) -> _File | None:
-        if module not in self._files and len(self._files) < _MOST_FILES:
-            found = self._find(module)
-            self._files[module] = None if found is None else _parsed(*found, module)
-        return self._files.get(module)
-
-
-def _parsed(text: str, path: str, module: str) -> _File | None:
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
-    file = _File(path, text.split("\n"), tree)
-    for node in ast.walk(tree):
-        match node:
-            case ast.Import(names=names):
-                for name in names:
-                    # `import a.b` binds `a`.
-                    bound = name.asname or name.name.partition(".")[0]
-                    file.imports[bound] = name.name if name.asname else bound
-            case ast.ImportFrom(module=origin, names=names, level=level):
-                above = module.split(".")[: -level or None] if level else []
-                base = ".".join((*above, *filter(None, (origin,))))
-                file.imports.update((n.asname or n.name, f"{base}.{n.name}") for n in names)
-    for statement in _flat(tree.body):
-        match statement:
-            case ast.FunctionDef(name=defined) | ast.ClassDef(name=defined):
-                file.outer[defined] = statement
-            case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
-                file.constants.setdefault(assigned, value)
-    return file
-
-
-def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
-    """Yield the statements of a module, those in its conditions among them."""
-    for statement in body:
-        yield statement
-        if isinstance(statement, ast.If | ast.Try | ast.With | ast.For | ast.While):
-            yield from _flat(s for s in ast.iter_child_nodes(statement) if isinstance(s, ast.stmt))
+        return _Program(self._files, file, function).interface()
 
 
 class _Program:
     """Follows a program from where it starts, and collects what it does."""
 
-    def __init__(self, programs: PythonPrograms, file: _File, function: str | None) -> None:
-        self.programs = programs
+    def __init__(self, files: Files, file: SourceFile, function: str | None) -> None:
+        self.files = files
         self.start = file, function
-        self.reached: dict[tuple[str, int], tuple[_File, ast.AST]] = {}
+        self.reached: dict[tuple[str, int], tuple[SourceFile, ast.AST]] = {}
+        self.mentioned: dict[tuple[str, int], frozenset[str]] = {}
 
     def interface(self) -> Interface:
         """Return what the program publishes and hears."""
@@ -133,7 +92,11 @@ class _Program:
             # What starts a program need not name it: a loader may.
             for node in file.outer.values():
                 self.reach(file, node)
-        parts = [_Unit(of, node) for of, node in self.reached.values()]
+        parts = [
+            _Unit(self.files, of, node, given=given)
+            for of, node in self.reached.values()
+            for given in self.made_with(of, node)
+        ]
         found = [each for part in parts for each in part.topics()]
         rates = {
             keeper: hz for part in parts for keeper, hz in part.rates().items() if hz is not None
@@ -141,16 +104,41 @@ class _Program:
         published = (
             _at_rate(each.topic, rates.get(each.keeper or "")) for each in found if each.published
         )
-        names = (name for part in parts for name in part.node_names())
-        unread = tuple(note for part in parts for note in part.unread)
+        nodes = [each for part in parts if part.is_node() for each in part.node_names()]
+        # Other classes, too, hand a name to the class that they are made from.
+        nodes = nodes or [each for part in parts for each in part.node_names()][:1]
+        names = list(dict.fromkeys(each.name for each in nodes))
+        further = (each for each in nodes if each.name != names[0])
         return Interface(
             tuple(published),
             tuple(each.topic for each in found if not each.published),
-            next(names, None),
-            unread=unread,
+            next(iter(names), None),
+            unread=(*(note for part in parts for note in part.unread), *further),
         )
 
-    def reach(self, file: _File, node: ast.AST) -> None:
+    def made_with(self, file: SourceFile, node: ast.AST) -> list[dict[str, ast.expr]]:
+        """Return what the parameters of a class stand for, in each object that is made of it."""
+        if not isinstance(node, ast.ClassDef):
+            return [{}]
+        made = [defaults_of(node)]
+        for of, part in islice(self.reached.values(), _MOST_FOLLOWED):
+            for call in ast.walk(part) if self.mentions(of, part, node.name) else ():
+                if isinstance(call, ast.Call) and len(made) <= _MOST_MADE:
+                    found = self.target(of, dotted_name(call.func))
+                    if found is not None and found[1] is node:
+                        unit = Texts(self.files, of, ast.Module([], []))
+                        made.append({**made[0], **given_by(node, call, unit.text)})
+        return distinct(made[1:] or made)
+
+    def mentions(self, file: SourceFile, part: ast.AST, name: str) -> bool:
+        """Whether a part of a program names something."""
+        key = file.path, getattr(part, "lineno", 0)
+        if key not in self.mentioned:
+            words = {word for each in _mentioned(part) for word in each.split(".")}
+            self.mentioned[key] = frozenset(words)
+        return name in self.mentioned[key]
+
+    def reach(self, file: SourceFile, node: ast.AST) -> None:
         """Take up a part of a program and what it names."""
         waiting = [(file, node)]
         while waiting:
@@ -159,12 +147,11 @@ class _Program:
             if key in self.reached:
                 continue
             self.reached[key] = of, part
-            for name in _mentioned(part):
-                target = self.target(of, name)
-                if target is not None:
-                    waiting.append(target)
+            targets = (self.target(of, name) for name in _mentioned(part))
+            # What is named first is followed first.
+            waiting += reversed([target for target in targets if target is not None])
 
-    def target(self, file: _File, name: str) -> tuple[_File, ast.AST] | None:
+    def target(self, file: SourceFile, name: str) -> tuple[SourceFile, ast.AST] | None:
         """Return the function or class of the workspace that a name stands for."""
         first, _, rest = name.partition(".")
         if first in file.outer:
@@ -172,7 +159,7 @@ class _Program:
         if first in file.imports:
             full = f"{file.imports[first]}.{rest}" if rest else file.imports[first]
             module, _, last = full.rpartition(".")
-            found = self.programs._file(module) if module else None
+            found = self.files.file(module) if module else None
             if found is not None and last in found.outer:
                 return found, found.outer[last]
         return None
@@ -188,55 +175,24 @@ def _mentioned(part: ast.AST) -> Iterator[str]:
         if isinstance(node, ast.Name):
             yield node.id
         elif isinstance(node, ast.Attribute):
-            dotted = _dotted(node)
+            dotted = dotted_name(node)
             if dotted:
                 yield dotted
 
 
-def _dotted(node: ast.expr) -> str:
-    names: list[str] = []
-    while isinstance(node, ast.Attribute):
-        names.append(node.attr)
-        node = node.value
-    return ".".join((node.id, *reversed(names))) if isinstance(node, ast.Name) else ""
+class _Unit(Texts):
+    """A class or function of a program: the topics, timers and nodes that it makes."""
 
-
-class _Unit:
-    """A class or function of a program, with the names that hold within it."""
-
-    def __init__(self, file: _File, node: ast.AST) -> None:
-        self.file = file
-        self.node = node
+    def __init__(
+        self,
+        files: Files,
+        file: SourceFile,
+        node: ast.AST,
+        given: Mapping[str, ast.expr] | None = None,
+    ) -> None:
+        super().__init__(files, file, node, given=given)
         self.unread: list[Unread] = []
-        self.steps = 0
         self._done: dict[int, tuple[frozenset[str], frozenset[str]]] = {}
-        self.values: dict[str, ast.expr] = dict(file.constants)
-        self.parameters: dict[str, ast.expr] = {}
-        self.calls: list[tuple[ast.Call, str | None]] = []
-        for each in ast.walk(node):
-            match each:
-                case ast.Assign(targets=[target], value=value):
-                    name = _keeper(target)
-                    if name:
-                        self.values[name] = value
-                    if isinstance(value, ast.Call):
-                        self.calls.append((value, name))
-                case ast.AnnAssign(target=target, value=ast.expr() as value):
-                    name = _keeper(target)
-                    if name:
-                        self.values[name] = value
-                    if isinstance(value, ast.Call):
-                        self.calls.append((value, name))
-        known = {id(call) for call, _ in self.calls}
-        for each in ast.walk(node):
-            if isinstance(each, ast.Call):
-                if id(each) not in known:
-                    self.calls.append((each, None))
-                if _called(each) == "declare_parameter" and each.args:
-                    name = self.text(each.args[0])
-                    if name is not None and len(each.args) > 1:
-                        self.parameters[name] = each.args[1]
-        self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
 
     def span(self, node: ast.expr) -> Span:
         """Return where a topic is named."""
@@ -258,10 +214,10 @@ class _Unit:
         """Yield the topics that calls make."""
         for call, keeper in self.calls[:_MOST_CALLS]:
             self.steps = 0
-            name = _called(call)
-            owner = _dotted(call.func).rpartition(".")[0]
+            name = called_name(call)
+            owner = dotted_name(call.func).rpartition(".")[0]
             match name:
-                case "create_publisher":
+                case "create_publisher" | "create_lifecycle_publisher":
                     yield from self.topic(call, keeper, 0, 1, True)
                 case "create_subscription":
                     yield from self.topic(call, keeper, 0, 1, False)
@@ -290,13 +246,21 @@ class _Unit:
             name = call.args[name_at]
         if name is None or kind is None:
             return
-        parameter = self.parameter(name)
-        text = self.text(name)
-        if text is None and parameter is None:
-            self.note(AT_RUN_TIME, name, self.shown(name))
-            return
-        topic = Topic(text or "", self.type(kind), self.span(name), parameter)
-        yield _Found(topic, keeper, published)
+        before = self.values
+        named_so: set[str] = set()
+        for bound in rounds(self.loops.get(id(call), ()), self.gone_over):
+            self.values = {**before, **bound}
+            self.steps = 0
+            parameter = self.parameter(name)
+            text = self.text(name)
+            if text is None and parameter is None:
+                self.note(AT_RUN_TIME, name, self.shown(name))
+                break
+            if (parameter or text or "") not in named_so:
+                named_so.add(parameter or text or "")
+                topic = Topic(text or "", self.type(kind), self.span(name), parameter)
+                yield _Found(topic, keeper, published)
+        self.values = before
 
     def note(self, sort: str, node: ast.expr, name: str) -> None:
         """Note something that is not read."""
@@ -304,102 +268,12 @@ class _Unit:
 
     def type(self, node: ast.expr) -> str | None:
         """Return the message type that an expression names."""
-        dotted = _dotted(node)
+        dotted = dotted_name(node)
         first, _, rest = dotted.partition(".")
         if not dotted:
             return None
         full = self.file.imports.get(first, first) + (f".{rest}" if rest else "")
         return full.replace(".", "/")
-
-    def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
-        """Return the parameter whose value an expression is."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
-            return None
-        match node:
-            case ast.Attribute(value=inner, attr="value" | "string_value"):
-                return self.parameter(inner, depth + 1)
-            case ast.Call() if _called(node) in ("get_parameter_value", "as_string", "str"):
-                if isinstance(node.func, ast.Attribute):
-                    return self.parameter(node.func.value, depth + 1)
-                return self.parameter(node.args[0], depth + 1) if node.args else None
-            case ast.Call() if _called(node) in (
-                "get_parameter",
-                "declare_parameter",
-                "get_param",
-                "get_parameter_or",
-            ):
-                name = self.text(node.args[0]) if node.args else None
-                if name is not None and len(node.args) > 1:
-                    self.parameters.setdefault(name, node.args[1])
-                return None if name is None else name.lstrip("~")
-            case ast.Name() | ast.Attribute():
-                held = self.values.get(_keeper(node) or "")
-                return None if held is None else self.parameter(held, depth + 1)
-            case _:
-                return None
-
-    def text(self, node: ast.expr, depth: int = 0) -> str | None:
-        """Return the text that an expression is, if it is written somewhere."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
-            return None
-        match node:
-            case ast.Constant(value=str() as value):
-                return value
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
-                first, second = self.text(left, depth + 1), self.text(right, depth + 1)
-                return None if first is None or second is None else first + second
-            case ast.JoinedStr(values=values):
-                parts = [
-                    self.text(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
-                    for v in values
-                ]
-                return None if None in parts else "".join(filter(None, parts))
-            case ast.Name() | ast.Attribute():
-                name = _keeper(node)
-                parameter = self.parameter(node)
-                if parameter is not None:
-                    default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
-                    return None if default is None else self.text(default, depth + 1)
-                held = self.values.get(name or "")
-                return None if held is None else self.text(held, depth + 1)
-            case ast.Call():
-                parameter = self.parameter(node)
-                default = self.parameters.get(parameter or "")
-                if default is None and parameter is not None:
-                    default = self.parameters.get(f"~{parameter}")
-                return None if default is None else self.text(default, depth + 1)
-            case _:
-                return None
-
-    def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
-        """Return the number that an expression is, if it is written somewhere."""
-        self.steps += 1
-        if depth > _DEEPEST or self.steps > _MOST_STEPS:
-            return None
-        match node:
-            case ast.Constant(value=bool()):
-                return None
-            case ast.Constant(value=int() | float() as value):
-                text = repr(value)
-                return Fraction(text) if text not in ("inf", "nan") else None
-            case ast.BinOp(left=left, op=ast.Div() | ast.Mult() as sign, right=right):
-                first, second = self.number(left, depth + 1), self.number(right, depth + 1)
-                if first is None or second is None:
-                    return None
-                if isinstance(sign, ast.Mult):
-                    return first * second
-                return first / second if second else None
-            case ast.Name() | ast.Attribute():
-                held = self.values.get(_keeper(node) or "")
-                return None if held is None else self.number(held, depth + 1)
-            case ast.Call() if _called(node) in ("Duration", "float", "from_sec") and node.args:
-                return self.number(node.args[0], depth + 1)
-            case ast.Call(keywords=[ast.keyword(arg="seconds", value=value)]):
-                return self.number(value, depth + 1)
-            case _:
-                return None
 
     def rates(self) -> Mapping[str, Fraction | None]:
         """Return how often each publisher publishes: `None` where two timers differ."""
@@ -413,7 +287,7 @@ class _Unit:
         """Yield the rate of each timer, and what it calls."""
         for call, _ in self.calls[:_MOST_CALLS]:
             self.steps = 0
-            name = _called(call)
+            name = called_name(call)
             named = {k.arg: k.value for k in call.keywords if k.arg}
             if name in ("create_timer", "Timer", "create_wall_timer"):
                 period = named.get("timer_period_sec") or (call.args[0] if call.args else None)
@@ -438,7 +312,7 @@ class _Unit:
         """Return what a callback is."""
         if isinstance(callback, ast.Lambda):
             return [callback]
-        name = _keeper(callback)
+        name = keeper_of(callback)
         last = (name or "").rpartition(".")[2]
         return [each for each in self.bodies if getattr(each, "name", None) == last]
 
@@ -460,7 +334,7 @@ class _Unit:
             keepers, called = set[str](), set[str]()
             for each in ast.walk(function):
                 if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
-                    owner = _dotted(each.func.value)
+                    owner = dotted_name(each.func.value)
                     if each.func.attr == "publish" and owner:
                         keepers.add(owner)
                     elif owner == "self":
@@ -468,35 +342,29 @@ class _Unit:
             self._done[id(function)] = frozenset(keepers), frozenset(called)
         return self._done[id(function)]
 
-    def node_names(self) -> Iterator[str]:
-        """Yield the names that the program gives its node."""
+    def is_node(self) -> bool:
+        """Whether this is a class of nodes, by the name of what it is made from."""
+        bases = self.node.bases if isinstance(self.node, ast.ClassDef) else []
+        return any((self.type(base) or "").endswith("Node") for base in bases)
+
+    def node_names(self) -> Iterator[Unread]:
+        """Yield the names that the program gives its node, or several nodes."""
         for call, _ in self.calls[:_MOST_CALLS]:
             self.steps = 0
-            name = _called(call)
+            name = called_name(call)
             is_super = isinstance(call.func, ast.Attribute) and (
-                isinstance(call.func.value, ast.Call) and _called(call.func.value) == "super"
+                isinstance(call.func.value, ast.Call) and called_name(call.func.value) == "super"
             )
             named = {k.arg: k.value for k in call.keywords if k.arg}
             given = named.get("node_name") or (call.args[0] if call.args else None)
-            is_init = name == "__init__" and _dotted(call.func) in ("Node.__init__",)
+            is_init = name == "__init__" and dotted_name(call.func) in ("Node.__init__",)
             if is_init:
                 given = call.args[1] if len(call.args) > 1 else given
             if (name == "__init__" and is_super) or is_init or name in ("init_node", "create_node"):
                 text = None if given is None else self.text(given)
-                if text:
-                    yield text
+                if text and given is not None:
+                    yield Unread("further nodes of one program", text, self.span(given))
 
 
 def _encloses(outer: ast.AST, inner: ast.AST) -> bool:
     return any(each is inner for each in ast.walk(outer))
-
-
-def _called(call: ast.Call) -> str:
-    if isinstance(call.func, ast.Attribute):
-        return call.func.attr
-    return call.func.id if isinstance(call.func, ast.Name) else ""
-
-
-def _keeper(target: ast.expr) -> str | None:
-    """Return the name of a variable, or of one of `self`."""
-    return _dotted(target) or None

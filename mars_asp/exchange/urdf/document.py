@@ -8,11 +8,14 @@ from typing import TypeAlias
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.exchange.elements import Element, read_elements
+from mars_asp.exchange.unread import Unread
 from mars_asp.exchange.urdf.angles import FARTHEST, OPEN
 from mars_asp.model.cycles import knots
 from mars_asp.spelling import nearest
 
 KINDS = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
+#: What is read of a robot, and its colours, which say nothing of it.
+_READ = frozenset({"link", "joint", "material"})
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 _MOST = 200
 _MOST_GUESSES = 20
@@ -52,10 +55,14 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """Links and joints in the order in which they stand; the joints make trees of the links."""
+    """Links and joints in the order in which they stand; the joints make trees of the links.
+
+    `unread` is what stands beside them, such as `ros2_control`.
+    """
 
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
+    unread: tuple[Unread, ...] = ()
 
 
 def read_document(text: str, path: str) -> Document:
@@ -86,6 +93,8 @@ class _Reader:
             self.note(macro, message, "expand it first: `xacro FILE > robot.urdf`")
         links = [child for child in root.children if child.name == "link"]
         joints = [child for child in root.children if child.name == "joint"]
+        if not links and not self.problems:
+            self.note(root, "the robot has no links", 'write one at least: `<link name="..."/>`')
         self.links = self.names(links)
         self.names(joints)
         read = tuple(map(self.joint, joints))
@@ -93,7 +102,12 @@ class _Reader:
             self.trees(read)
         if self.problems:
             raise MarsError(self.problems)
-        return Document(tuple(Link(e.attributes["name"], e.span) for e in links), read)
+        others = (each for each in root.children if each.name not in _READ)
+        return Document(
+            tuple(Link(e.attributes["name"], e.span) for e in links),
+            read,
+            tuple(Unread("elements besides links and joints", e.name, e.span) for e in others),
+        )
 
     def note(self, at: Element | Joint, message: str, help_text: str) -> None:
         excerpt = self.lines[at.span.line - 1]

@@ -9,6 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
+from mars_asp.exchange.unread import notes
 from mars_asp.exchange.urdf.angles import (
     QUARTER,
     Turns,
@@ -48,20 +49,6 @@ class _Placed:
     shift: tuple[Decimal, Decimal, Decimal]
 
 
-def import_robot(files: Sequence[tuple[str, str]]) -> Parsed:
-    """Return the configuration of the one URDF document of a robot, each file a text and its path.
-
-    Raises:
-        MarsError: there are several, or what is wrong with the one.
-    """
-    (text, path), *others = files
-    if others:
-        message = f"`{others[0][1]}` is a second document, and a robot has one in URDF"
-        place = point(others[0][1], 1, 1)
-        raise MarsError((Diagnostic("usage", "error", message, place, help="give one of them"),))
-    return import_urdf(text, path)
-
-
 def import_urdf(text: str, path: str) -> Parsed:
     """Return the configuration of a URDF document, with what is noteworthy about it.
 
@@ -93,7 +80,7 @@ def import_urdf(text: str, path: str) -> Parsed:
         relationships=tuple(mounts),
         declared=tuple(described),
     )
-    return Parsed(configuration, tuple(_remarks(document.joints)))
+    return Parsed(configuration, (*_remarks(document.joints), *notes(document.unread)))
 
 
 def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:

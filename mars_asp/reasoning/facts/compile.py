@@ -85,7 +85,7 @@ def _names(described: Mapping[str, Module]) -> Names:
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
-HEADING = frozenset({"architecture", "imported", "period", "muxed"})
+HEADING = frozenset({"architecture", "imported", "period", "muxed", "opaque"})
 MODULES = frozenset({"module", "node", "place"})
 RELATIONSHIPS = frozenset(
     "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
@@ -205,7 +205,8 @@ class Compiler:
         else:
             # No line of theirs states it.
             self.add(_NOWHERE, "architecture", Atom(configuration.architecture))
-            self.add(_NOWHERE, "imported", Atom(configuration.format))
+        if configuration.origin is not None:
+            self.add(_NOWHERE, "imported", Atom(configuration.origin))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
         for mux in configuration.muxes:

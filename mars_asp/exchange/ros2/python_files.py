@@ -1,0 +1,92 @@
+"""Sources in Python: their trees, what they import and what stands at their outer level."""
+
+import ast
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+#: What opens a file of the workspace by the name of its module.
+Find = Callable[[str], "tuple[str, str] | None"]
+_MOST_FILES = 200
+
+
+@dataclass(slots=True)
+class SourceFile:
+    """A file: its tree, what it imports and what stands at its outer level."""
+
+    path: str
+    lines: list[str]
+    tree: ast.Module
+    imports: dict[str, str] = field(default_factory=dict)
+    outer: dict[str, ast.AST] = field(default_factory=dict)
+    constants: dict[str, ast.expr] = field(default_factory=dict)
+
+
+class Files:
+    """Reads files by the names of their modules, each once."""
+
+    def __init__(self, find: Find) -> None:
+        """Take what finds the text and shown path of a module."""
+        self._find = find
+        self._read: dict[str, SourceFile | None] = {}
+
+    def file(self, module: str) -> SourceFile | None:
+        """Return a file, `None` where it is not found or not Python."""
+        if module not in self._read and len(self._read) < _MOST_FILES:
+            found = self._find(module)
+            self._read[module] = None if found is None else _parsed(*found, module)
+        return self._read.get(module)
+
+
+def _parsed(text: str, path: str, module: str) -> SourceFile | None:
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+    file = SourceFile(path, text.split("\n"), tree)
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import(names=names):
+                for name in names:
+                    # `import a.b` binds `a`.
+                    bound = name.asname or name.name.partition(".")[0]
+                    file.imports[bound] = name.name if name.asname else bound
+            case ast.ImportFrom(module=origin, names=names, level=level):
+                above = module.split(".")[: -level or None] if level else []
+                base = ".".join((*above, *filter(None, (origin,))))
+                file.imports.update((n.asname or n.name, f"{base}.{n.name}") for n in names)
+    for statement in _flat(tree.body):
+        match statement:
+            case ast.FunctionDef(name=defined) | ast.ClassDef(name=defined):
+                file.outer[defined] = statement
+            case ast.Assign(targets=[ast.Name(id=assigned)], value=value):
+                file.constants.setdefault(assigned, value)
+    return file
+
+
+def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+    """Yield the statements of a module, those in its conditions among them."""
+    for statement in body:
+        yield statement
+        if isinstance(statement, ast.If | ast.Try | ast.With | ast.For | ast.While):
+            yield from _flat(s for s in ast.iter_child_nodes(statement) if isinstance(s, ast.stmt))
+
+
+def dotted_name(node: ast.expr) -> str:
+    """Return a name with its attributes as it is written, empty where it is no such thing."""
+    names: list[str] = []
+    while isinstance(node, ast.Attribute):
+        names.append(node.attr)
+        node = node.value
+    return ".".join((node.id, *reversed(names))) if isinstance(node, ast.Name) else ""
+
+
+def called_name(call: ast.Call) -> str:
+    """Return the last name of what is called."""
+    if isinstance(call.func, ast.Attribute):
+        return call.func.attr
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
+def keeper_of(target: ast.expr) -> str | None:
+    """Return the name of a variable, or of one of `self`."""
+    return dotted_name(target) or None

@@ -1,0 +1,243 @@
+"""What expressions in sources in Python are, where that is written out: texts and numbers."""
+
+import ast
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from mars_asp.exchange.ros2.python_files import Files, SourceFile, called_name, keeper_of
+from mars_asp.exchange.ros2.python_written import Loop, calls_in, constants_of, declared
+
+#: How many expressions are looked into for a name.
+_MOST_STEPS = 1000
+_DEEPEST = 60
+_MOST_TEXT = 1000
+#: Over so many files a constant is followed.
+_FARTHEST = 8
+#: Where texts have holes: those of `%`, and those of `format` that are plain.
+_PERCENT, _BRACES = re.compile(r"%()[sd]"), re.compile(r"\{(\d{0,2})\}")
+_HOLE = re.compile(r"[%{}]")
+
+
+class Texts:
+    """The expressions of a class or function, with the names that hold within it."""
+
+    def __init__(
+        self,
+        files: Files,
+        file: SourceFile,
+        node: ast.AST,
+        far: int = 0,
+        given: Mapping[str, ast.expr] | None = None,
+    ) -> None:
+        """Take a part of a file, and what `given` parameters of its class stand for.
+
+        `far` is over how many files a constant was followed to here.
+        """
+        self.files = files
+        self.far = far
+        self.file = file
+        self.node = node
+        self.steps = 0
+        self.values: dict[str, ast.expr] = {**file.constants, **(given or {})}
+        # What stands in the class itself is an attribute of each object.
+        self.values |= {f"self.{name}": value for name, value in constants_of(node)}
+        self.parameters: dict[str, ast.expr] = {}
+        self.calls: list[tuple[ast.Call, str | None]] = []
+        for each in ast.walk(node):
+            match each:
+                case ast.Assign(targets=[target], value=value):
+                    name = keeper_of(target)
+                    if name:
+                        self.values[name] = value
+                    if isinstance(value, ast.Call):
+                        self.calls.append((value, name))
+                case ast.AnnAssign(target=target, value=ast.expr() as value):
+                    name = keeper_of(target)
+                    if name:
+                        self.values[name] = value
+                    if isinstance(value, ast.Call):
+                        self.calls.append((value, name))
+        known = {id(call) for call, _ in self.calls}
+        self.loops: dict[int, tuple[Loop, ...]] = {}
+        for each, loops in calls_in(node):
+            if id(each) not in known:
+                self.calls.append((each, None))
+            if loops:
+                self.loops[id(each)] = loops
+            for stated, default in declared(each, called_name(each)):
+                name = self.text(stated)
+                if name is not None:
+                    self.parameters[name] = default
+        self.calls.sort(key=lambda pair: (pair[0].lineno, pair[0].col_offset))
+
+    def parameter(self, node: ast.expr, depth: int = 0) -> str | None:
+        """Return the parameter whose value an expression is."""
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
+            return None
+        match node:
+            case ast.Attribute(value=inner, attr="value" | "string_value"):
+                return self.parameter(inner, depth + 1)
+            case ast.Call() if called_name(node) in ("get_parameter_value", "as_string", "str"):
+                if isinstance(node.func, ast.Attribute):
+                    return self.parameter(node.func.value, depth + 1)
+                return self.parameter(node.args[0], depth + 1) if node.args else None
+            case ast.Call() if called_name(node) in (
+                "get_parameter",
+                "declare_parameter",
+                "get_param",
+                "get_parameter_or",
+            ):
+                name = self.text(node.args[0]) if node.args else None
+                if name is not None and len(node.args) > 1:
+                    self.parameters.setdefault(name, node.args[1])
+                return None if name is None else name.lstrip("~")
+            case ast.Name() | ast.Attribute():
+                held = self.values.get(keeper_of(node) or "")
+                return None if held is None else self.parameter(held, depth + 1)
+            case _:
+                return None
+
+    def written(self, node: ast.expr) -> ast.expr | None:
+        """Return what a name stands for in this part of the program."""
+        name = keeper_of(node) or ""
+        if name.startswith("cls."):
+            name = f"self.{name[4:]}"
+        return self.values.get(name)
+
+    def constant(self, node: ast.expr) -> tuple[SourceFile, ast.expr] | None:
+        """Return what a constant of another class or file is, and the file of the workspace."""
+        names = (keeper_of(node) or "").removesuffix(".value").split(".")
+        full = [*self.file.imports.get(names[0], names[0]).split("."), *names[1:]]
+        for file, inner in (
+            (self.file, names),
+            (self.files.file(".".join(full[:-1])), full[-1:]),
+            (self.files.file(".".join(full[:-2])), full[-2:]),
+        ):
+            if file is not None and 1 <= len(inner) <= 2:
+                of_class = dict(constants_of(file.outer.get(inner[0])))
+                held = of_class.get(inner[1]) if inner[1:] else file.constants.get(inner[0])
+                if held is not None:
+                    return file, held
+        return None
+
+    def imported(self, node: ast.expr) -> str | None:
+        """Return the text of a constant of another class or file."""
+        found = self.constant(node) if self.far < _FARTHEST else None
+        if found is None:
+            return None
+        file, held = found
+        return Texts(self.files, file, ast.Module([], []), self.far + 1).text(held)
+
+    def gone_over(self, node: ast.expr) -> ast.expr | None:
+        """Return what a loop over a name goes over."""
+        held = self.written(node)
+        found = self.constant(node) if held is None else None
+        return held if found is None else found[1]
+
+    def text(self, node: ast.expr, depth: int = 0) -> str | None:
+        """Return the text that an expression is, if it is written somewhere."""
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
+            return None
+        match node:
+            case ast.Constant(value=str() as value):
+                return value
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                first, second = self.text(left, depth + 1), self.text(right, depth + 1)
+                return None if first is None or second is None else first + second
+            case ast.BinOp(left=left, op=ast.Mod(), right=right):
+                given = right.elts if isinstance(right, ast.Tuple) else [right]
+                return self.filled(_PERCENT, left, given, depth)
+            case ast.JoinedStr(values=values):
+                parts = [
+                    self.part(v.value if isinstance(v, ast.FormattedValue) else v, depth + 1)
+                    for v in values
+                    if not isinstance(v, ast.FormattedValue) or v.format_spec is None
+                ]
+                known = None not in parts and len(parts) == len(values)
+                return "".join(filter(None, parts)) if known else None
+            case ast.Call(func=ast.Name(id="str"), args=[inner]) if not self.parameter(node):
+                return self.part(inner, depth + 1)
+            case ast.Call(func=ast.Attribute(value=form, attr="format"), args=given, keywords=[]):
+                return self.filled(_BRACES, form, given, depth)
+            case ast.Call(
+                func=ast.Attribute(value=ast.Constant(value=str() as between), attr="join"),
+                args=[ast.List(elts=given) | ast.Tuple(elts=given)],
+            ):
+                parts = [self.part(each, depth + 1) for each in given]
+                return None if None in parts else between.join(filter(None, parts))
+            case ast.Name() | ast.Attribute():
+                parameter = self.parameter(node)
+                if parameter is not None:
+                    default = self.parameters.get(parameter, self.parameters.get(f"~{parameter}"))
+                    return None if default is None else self.text(default, depth + 1)
+                held = self.written(node)
+                return self.imported(node) if held is None else self.text(held, depth + 1)
+            case ast.Call():
+                parameter = self.parameter(node)
+                default = self.parameters.get(parameter or "")
+                if default is None and parameter is not None:
+                    default = self.parameters.get(f"~{parameter}")
+                return None if default is None else self.text(default, depth + 1)
+            case _:
+                return None
+
+    def part(self, node: ast.expr, depth: int) -> str | None:
+        """Return what an expression, a text or a whole number, is within a text."""
+        if isinstance(node, ast.Name | ast.Attribute):
+            node = self.written(node) or node
+        match node:
+            case ast.Constant(value=bool()):
+                return None
+            case ast.Constant(value=int() as value) if abs(value) < _MOST_TEXT:
+                return str(value)
+            case _:
+                return self.text(node, depth)
+
+    def filled(
+        self, holes: re.Pattern[str], form: ast.expr, given: Sequence[ast.expr], depth: int
+    ) -> str | None:
+        """Return a text with its holes filled, each by its number or else in order."""
+        text = self.text(form, depth + 1)
+        parts = [self.part(each, depth + 1) for each in given]
+        if text is None or None in parts:
+            return None
+        order = iter(range(len(parts)))
+        pieces = holes.split(text)
+        for at in range(1, len(pieces), 2):
+            number = int(pieces[at]) if pieces[at] else next(order, len(parts))
+            if number >= len(parts):
+                return None
+            pieces[at] = parts[number] or ""
+        filled = "".join(pieces)
+        return filled if len(filled) < _MOST_TEXT and not _HOLE.search(filled) else None
+
+    def number(self, node: ast.expr, depth: int = 0) -> Fraction | None:
+        """Return the number that an expression is, if it is written somewhere."""
+        self.steps += 1
+        if depth > _DEEPEST or self.steps > _MOST_STEPS:
+            return None
+        match node:
+            case ast.Constant(value=bool()):
+                return None
+            case ast.Constant(value=int() | float() as value):
+                text = repr(value)
+                return Fraction(text) if text not in ("inf", "nan") else None
+            case ast.BinOp(left=left, op=ast.Div() | ast.Mult() as sign, right=right):
+                first, second = self.number(left, depth + 1), self.number(right, depth + 1)
+                if first is None or second is None:
+                    return None
+                if isinstance(sign, ast.Mult):
+                    return first * second
+                return first / second if second else None
+            case ast.Name() | ast.Attribute():
+                held = self.values.get(keeper_of(node) or "")
+                return None if held is None else self.number(held, depth + 1)
+            case ast.Call() if called_name(node) in ("Duration", "float", "from_sec") and node.args:
+                return self.number(node.args[0], depth + 1)
+            case ast.Call(keywords=[ast.keyword(arg="seconds", value=value)]):
+                return self.number(value, depth + 1)
+            case _:
+                return None

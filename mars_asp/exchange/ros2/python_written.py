@@ -1,0 +1,161 @@
+"""What names stand for in sources in Python, as far as that is written out there.
+
+That is in loops, in declarations of parameters, in classes and in the objects made of them.
+"""
+
+import ast
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
+
+#: A loop or a part of a comprehension: its target, and what it goes over.
+Loop = tuple[ast.expr, ast.expr]
+#: What a name or attribute stands for.
+Held = Callable[[ast.expr], "ast.expr | None"]
+_MOST_ROUNDS = 64
+_DEEPEST = 8
+
+
+def calls_in(node: ast.AST) -> Iterator[tuple[ast.Call, tuple[Loop, ...]]]:
+    """Yield the calls in a part of a program, each with the loops around it, outermost first."""
+    waiting: list[tuple[ast.AST, tuple[Loop, ...]]] = [(node, ())]
+    while waiting:
+        each, loops = waiting.pop()
+        if isinstance(each, ast.Call):
+            yield each, loops
+        within = loops
+        if isinstance(each, ast.For):
+            within = (*loops, (each.target, each.iter))
+        elif isinstance(each, ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp):
+            within = (*loops, *((part.target, part.iter) for part in each.generators))
+        waiting += ((child, within) for child in ast.iter_child_nodes(each))
+
+
+def rounds(loops: Sequence[Loop], held: Held) -> Iterator[dict[str, ast.expr]]:
+    """Yield what the targets of loops stand for in each round, as far as that is written out."""
+    known = []
+    for target, over in loops:
+        items = _items(over, held, 0)
+        if items is not None:
+            known.append([_bound(target, item) for item in items[:_MOST_ROUNDS]])
+    for _, bindings in zip(range(_MOST_ROUNDS), product(*known), strict=False):
+        yield {name: value for binding in bindings for name, value in binding.items()}
+
+
+def _bound(target: ast.expr, item: ast.expr) -> dict[str, ast.expr]:
+    match target, item:
+        case ast.Name(id=name), _:
+            return {name: item}
+        case ast.Tuple(elts=targets), ast.Tuple(elts=items) | ast.List(elts=items):
+            pairs = zip(targets, items, strict=False)
+            return {name: value for pair in pairs for name, value in _bound(*pair).items()}
+        case _:
+            return {}
+
+
+def _items(over: ast.expr, held: Held, depth: int) -> list[ast.expr] | None:
+    """Return what a loop goes over, if it is written out."""
+    if depth > _DEEPEST:
+        return None
+    match over:
+        case ast.List(elts=items) | ast.Tuple(elts=items) | ast.Set(elts=items):
+            return items
+        case ast.Dict(keys=keys):
+            return [key for key in keys if key is not None]
+        case ast.Call(func=ast.Name(id="range"), args=[*limits]):
+            return _range(limits)
+        case ast.Call(func=ast.Name(id="enumerate"), args=[inner]):
+            numbered = _items(inner, held, depth + 1)
+            if numbered is None:
+                return None
+            return [_pair(ast.Constant(number), item) for number, item in enumerate(numbered)]
+        case ast.Call(func=ast.Name(id="zip"), args=[*inner]):
+            columns = [_items(each, held, depth + 1) for each in inner]
+            if any(column is None for column in columns):
+                return None
+            return [_pair(*row) for row in zip(*filter(None, columns), strict=False)]
+        case ast.Call(func=ast.Attribute(value=inner, attr="items" | "keys" | "values" as part)):
+            written = held(inner) if isinstance(inner, ast.Name | ast.Attribute) else inner
+            if not isinstance(written, ast.Dict):
+                return None
+            pairs = [(k, v) for k, v in zip(written.keys, written.values, strict=True) if k]
+            return [
+                _pair(k, v) if part == "items" else k if part == "keys" else v for k, v in pairs
+            ]
+        case ast.Name() | ast.Attribute():
+            written = held(over)
+            return None if written is None else _items(written, held, depth + 1)
+        case _:
+            return None
+
+
+def _range(limits: Sequence[ast.expr]) -> list[ast.expr] | None:
+    numbers = [each.value for each in limits if isinstance(each, ast.Constant)]
+    whole = [number for number in numbers if isinstance(number, int)]
+    if len(whole) < len(limits) or not 1 <= len(whole) <= 2:
+        return None
+    return [ast.Constant(number) for number in range(*whole)[:_MOST_ROUNDS]]
+
+
+def _pair(*items: ast.expr) -> ast.Tuple:
+    return ast.Tuple(list(items), ast.Load())
+
+
+def declared(call: ast.Call, name: str) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Yield the parameters that a call of a name declares, each with its default."""
+    named = {each.arg: each.value for each in call.keywords if each.arg}
+    if name == "declare_parameter":
+        given = named.get("name") or next(iter(call.args), None)
+        value = named.get("value") or (call.args[1] if len(call.args) > 1 else None)
+        if given is not None and value is not None:
+            yield given, value
+    elif name == "declare_parameters":
+        listed = named.get("parameters") or (call.args[1] if len(call.args) > 1 else None)
+        space = named.get("namespace") or next(iter(call.args), None)
+        prefix = space.value if isinstance(space, ast.Constant) else ""
+        for each in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
+            match each:
+                case ast.Tuple(elts=[ast.Constant(value=str() as key), default, *_]):
+                    yield ast.Constant(f"{prefix!s}.{key}" if prefix else key), default
+
+
+def defaults_of(node: ast.ClassDef) -> dict[str, ast.expr]:
+    """Return the defaults of the parameters with which objects of a class are made."""
+    arguments = _parameters(node)
+    if arguments is None:
+        return {}
+    plain = arguments.args[len(arguments.args) - len(arguments.defaults) :]
+    found = {each.arg: value for each, value in zip(plain, arguments.defaults, strict=False)}
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=False)
+    return found | {each.arg: value for each, value in pairs if value is not None}
+
+
+def given_by(
+    node: ast.ClassDef, call: ast.Call, text: Callable[[ast.expr], str | None]
+) -> dict[str, ast.expr]:
+    """Return what a call that makes an object gives for the parameters, where that is a text."""
+    arguments = _parameters(node)
+    names = [] if arguments is None else [each.arg for each in arguments.args[1:]]
+    given = [*zip(names, call.args, strict=False)]
+    given += [(each.arg, each.value) for each in call.keywords if each.arg]
+    return {name: ast.Constant(text(value)) for name, value in given}
+
+
+def _parameters(node: ast.ClassDef) -> ast.arguments | None:
+    made = (each for each in node.body if isinstance(each, ast.FunctionDef))
+    return next((each.args for each in made if each.name == "__init__"), None)
+
+
+def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
+    """Return what objects are made with, each way once."""
+    found = {tuple((name, ast.dump(value)) for name, value in each.items()): each for each in made}
+    return list(found.values())
+
+
+def constants_of(node: ast.AST | None) -> Iterator[tuple[str, ast.expr]]:
+    """Yield what a class assigns in its own body."""
+    for statement in node.body if isinstance(node, ast.ClassDef) else ():
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value
+            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
+                yield name, value
