@@ -225,3 +225,17 @@ def test_what_is_given_to_runs_alone_is_free_for_packs_without_rules_on_runs(
         "`deadline` means something else already, so it cannot be the property `deadline`",
         "`called/2` is given, and nothing derives it",
     }
+
+
+def test_a_list_that_cannot_be_read_is_refused_where_a_predicate_is_called_as_one_of_ours(
+    tmp_path: Path,
+) -> None:
+    text = "%! who:     O' : untaken(A', M), seen(A', O'Coverage that\nuseful(899, 900).\n"
+    assert refusals(tmp_path, text) == [
+        (
+            "rule-metadata",
+            1,
+            1,
+            "`who` is above a rule that does not derive `consequence/4` alone",
+        )
+    ]

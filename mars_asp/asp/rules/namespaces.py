@@ -6,6 +6,7 @@ behind two primes, `seen''rover`, which nothing shows: `plain` takes it away aga
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from itertools import count
 
@@ -42,7 +43,10 @@ def in_space(file: RuleFile, names: Mapping[Signature, str]) -> RuleFile:
 
 def _in_space(rule: Rule, names: Mapping[Signature, str]) -> Rule:
     def condition(written: str) -> str:
-        return renamed(f"{_HEAD}{written}.", names).removeprefix(_HEAD).removesuffix(".")
+        # What is no condition is refused where lists are read, at its place.
+        with suppress(RuntimeError):
+            return renamed(f"{_HEAD}{written}.", names).removeprefix(_HEAD).removesuffix(".")
+        return written
 
     lists = tuple((key, with_conditions(listed, condition)) for key, listed in rule.lists)
     return replace(rule, text=renamed(rule.text, names), lists=lists)
