@@ -38,7 +38,7 @@ _NUMBERED = r"(DataSplitter|DataTransformer|ArbitrationNode|ControlSplitter|Inhe
 _COUNTED = {
     r"modules|controllers": r"[A-Za-z]\w*",
     r"functions": r"(?:Rotn|Trans)_[XYZ]|Grasp",
-    r"lines|relationships|commands|joints|times": r"^.*$",
+    r"lines|relationships|commands|joints|motions|times": r"^.*$",
 }
 #: Words of lines that are no names of modules.
 _KEYWORDS = re.compile(
