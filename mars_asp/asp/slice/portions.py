@@ -222,14 +222,13 @@ def _settled(each: Sequence[Statement]) -> frozenset[Signature]:
     What rules do not read positively has to be settled without what they derive.
     """
     derived, settled = _derived(each), frozenset[Signature]()
-    more = derived
-    while more:
+    while True:
         more = derived
         while open_ := _derived(s for s in each if not _settles(s, more, settled, derived)) & more:
             more -= open_
-        more -= settled
-        settled |= more
-    return settled
+        if more == settled:
+            return settled
+        settled = more
 
 
 def _settles(

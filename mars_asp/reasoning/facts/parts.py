@@ -57,10 +57,10 @@ class Parts:
         }
         self._frame_facts = frame_facts
         self._wanted = wanted
+        #: What `kind` returned, by names of modules, by what modules hold, and by what is told.
         self._kinds: dict[str, int] = {}
         self._known: dict[Hashable, int] = {}
         self._numbers: dict[Hashable, int] = {}
-        self._first_alike: dict[str, Sequence[int]] = {}
 
     @property
     def described(self) -> Mapping[str, Module]:
@@ -80,7 +80,7 @@ class Parts:
                 found += told
                 continue
             own = {place for thing in about.keys() & things for place in about[thing]}
-            found += map(told.__getitem__, sorted(own.union(self._looked_at(name))))
+            found += map(told.__getitem__, sorted(own.union(self._of_every_part.get(name, ()))))
         return (*found, *self._of_things(modules, lines, wanted & _OF_THINGS - self._of_all))
 
     def _of_things(
@@ -161,16 +161,16 @@ class Parts:
             found[name] = about if connected else None
         return found
 
-    def _looked_at(self, name: str) -> Iterable[int]:
-        """Return which facts of a predicate every part has: the first of those that look alike."""
-        if name not in self._everywhere:
-            return ()
-        if name not in self._first_alike:
+    @cached_property
+    def _of_every_part(self) -> Mapping[str, Sequence[int]]:
+        """Return which facts every part has, by predicates: the first of those that look alike."""
+        found: dict[str, Sequence[int]] = {}
+        for name in self._everywhere.keys() & self._told.keys():
             looked, first = self._everywhere[name], dict[Hashable, int]()
             for place, fact in enumerate(self._told[name]):
                 first.setdefault(tuple(fact.atom.arguments[at] for at in looked), place)
-            self._first_alike[name] = tuple(first.values())
-        return self._first_alike[name]
+            found[name] = tuple(first.values())
+        return found
 
     def annotations(self, name: str) -> range:
         """Return the identifiers of the annotations of a module."""
@@ -191,7 +191,7 @@ class Parts:
                 known = self._number((is_named, self._node_kind(name)))
             else:
                 # Modules read once have in common what was read, and identity tells that faster.
-                same = is_named, *map(id, _told(module))
+                same = is_named, *map(id, _held(module))
                 known = self._known.get(same)
                 if known is None:
                     known = self._known[same] = self._number((is_named, _compared(module)))
@@ -265,7 +265,7 @@ class Parts:
         return dict(zip(described, accumulate(counts, initial=first), strict=False))
 
 
-def _told(module: Module) -> Sequence[object]:
+def _held(module: Module) -> Sequence[object]:
     """Return what rules are told of a module, besides whether and where it is named."""
     services, functions = module.services, module.functions
     found: list[object] = [len(services), module.guard is not None]
@@ -277,5 +277,5 @@ def _told(module: Module) -> Sequence[object]:
 
 
 def _compared(module: Module) -> Hashable:
-    # To hash a fraction takes long.
-    return tuple(x.as_integer_ratio() if isinstance(x, Fraction) else x for x in _told(module))
+    """Return what modules hold, to be compared: to hash fractions takes long."""
+    return tuple(x.as_integer_ratio() if isinstance(x, Fraction) else x for x in _held(module))
