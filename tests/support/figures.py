@@ -191,7 +191,7 @@ def _add_comment(comments: list[Text], token: re.Match[str]) -> None:
 
 def _identifiers(code: str, pattern: re.Pattern[str]) -> dict[str, int]:
     """Return the identifiers with a part such as `told`, each with its first line."""
-    names = set(filter(names_speech, pattern.findall(code)))
+    names = set(filter(names_speech, {*pattern.findall(code)}))
     if not names:
         return {}
     first = {match[0]: match.start() for match in reversed([*pattern.finditer(code)])}
