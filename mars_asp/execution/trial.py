@@ -1,7 +1,7 @@
 """A specification in a scenario: world, robot, devices and executor, put together and run."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, dist, inf, radians, sin
@@ -167,29 +167,47 @@ class Trial:
     def _body(self, robot: Robot) -> Body:
         return self.bodies[self.scenario.robots.index(robot)]
 
+    def is_active(self, function: str) -> bool:
+        """Whether an effector carried out a function at some time."""
+        return any(until > since for since, until in self._runs(function))
+
     @property
     def coverage(self) -> float:
-        """Return which share of squares, as wide as the widest robot, a robot's centre has been in.
+        """Return the share of squares that robots' centres were in."""
+        return self.coverages[1]
 
-        Squares lie side by side in the rectangle around all walls, whole ones alone.
+    @property
+    def coverages(self) -> tuple[float, float]:
+        """Return the shares of squares that robots' centres were in at the start and in all.
+
+        Squares, as wide as the widest robot, lie side by side in the rectangle around all walls,
+        whole ones alone.
         """
         segments = self.bodies[0].world.segments
         size = 2 * max(body.radius for body in self.bodies)
         if not len(segments) or not size:
-            return 0.0
+            return 0.0, 0.0
         low = segments.reshape(-1, 2).min(axis=0)
         rows, columns = ((segments.reshape(-1, 2).max(axis=0) - low) // size).astype(int)
-        been = set()
-        for stretch, until in (each for body in self.bodies for each in body.stretches):
-            # Between two times at which it passes a line, it is in one square.
-            passed = {stretch.since, until}
-            for axis in (0, 1):
-                passed.update(stretch.crossings(axis, size, float(low[axis]), until))
-            for since, next_ in pairwise(sorted(passed)):
-                pose = stretch.at((since + next_) / 2)
-                been.add((int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size)))
-        inside = sum(0 <= row < rows and 0 <= column < columns for row, column in been)
-        return float(inside / (rows * columns)) if rows * columns else 0.0
+
+        def share(poses: Iterable[Pose]) -> float:
+            found = {
+                (int((pose.forward - low[0]) // size), int((pose.side - low[1]) // size))
+                for pose in poses
+            }
+            inside = sum(0 <= row < rows and 0 <= column < columns for row, column in found)
+            return float(inside / (rows * columns)) if rows * columns else 0.0
+
+        def passed() -> Iterator[Pose]:
+            for stretch, until in (each for body in self.bodies for each in body.stretches):
+                # Between two times at which it passes a line, it is in one square.
+                times = {stretch.since, until}
+                for axis in (0, 1):
+                    times.update(stretch.crossings(axis, size, float(low[axis]), until))
+                for since, next_ in pairwise(sorted(times)):
+                    yield stretch.at((since + next_) / 2)
+
+        return share(body.motion[0].pose for body in self.bodies), share(passed())
 
 
 def _to_reach(robot: Robot) -> tuple[Point, float, float]:
@@ -300,7 +318,9 @@ def _point(at: Any) -> tuple[float, float]:
 
 
 def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circle]:
-    """Yield circles that leave `free` mm around each start, the last `moving` of them moving.
+    """Yield circles, the last `moving` of them moving.
+
+    They leave `free` mm around each start, each place to reach and each mark.
 
     Raises:
         MarsError: there is no room for as many.
@@ -308,6 +328,9 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
     random = Random(f"{scenario.seed}/world")
     within, free = scatter.get("within", 4000.0), scatter.get("free", 600.0)
     count, low_high = scatter.get("count", SCATTERED), scatter.get("radius", (100.0, 300.0))
+    kept = [robot.start[:2] for robot in scenario.robots]
+    kept += [_point(robot.reach["at"]) for robot in scenario.robots if robot.reach is not None]
+    kept += [_point(mark["at"]) for mark in scenario.world.get("marks", ())]
     made = tries = 0
     while made < count:
         tries += 1
@@ -318,7 +341,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
             raise MarsError([Diagnostic("scenario", "error", message, place, (), help_text)])
         radius = random.uniform(*low_high)
         at = random.uniform(-within, within), random.uniform(-within, within)
-        if any(dist(at, robot.start[:2]) - radius < free for robot in scenario.robots):
+        if any(dist(at, each) - radius < free for each in kept):
             continue
         made, tries = made + 1, 0
         if made > count - scatter.get("moving", 0):

@@ -51,7 +51,7 @@ class Executor:
         self.command_timeout, self.observe = command_timeout, observe
         self._refuse_incomplete()
         depth = max((self.plan.depth(name) for name in self.plan.names), default=0)
-        clocks = self._clock_ranks()
+        clocks = self._data_ranks()
         self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
         self.schedule = Schedule(len(clocks), max(depth, 1))
         self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
@@ -74,19 +74,31 @@ class Executor:
 
     @property
     def failures(self) -> dict[str, Failures]:
-        """Return what modules, converters and links raised that nobody asked for, by who did."""
-        found = {name: getattr(e, "failures", Failures()) for name, e in self.elements.items()}
-        found |= {f"{link.source} -> {link.client}": link.failures for link in self.links}
+        """Return the exceptions of modules, converters and links that no scenario injects."""
+        found = {
+            self.plan.converter(name) or name: getattr(each, "failures", Failures())
+            for name, each in self.elements.items()
+        }
+        found |= {
+            self.plan.called(link): link.failures for link in self.links if link.failures.count
+        }
         return {name: failures for name, failures in found.items() if failures.count}
+
+    @property
+    def runs(self) -> dict[str, int]:
+        """Return how often each module sensed or computed, or how many commands it got."""
+        counts = ((name, getattr(each, "runs", None)) for name, each in self.elements.items())
+        return {name: runs for name, runs in counts if runs is not None}
 
     def step_until(self, time: int) -> None:
         """Run all events up to and including an instant (ns)."""
         self.schedule.step_until(time)
 
-    def _clock_ranks(self) -> list[tuple[int, bool]]:
-        """Return where clocks tick: by depth, a module's own before those of its outputs."""
+    def _data_ranks(self) -> list[tuple[int, bool]]:
+        """Return the ranks of joins and clocks: by depth, a module's own before its outputs'."""
         plan = self.plan
-        ranks = {(plan.data_depth[name], False) for name in plan.names if self._clock(name)}
+        waiting = (name for name in plan.names if self._clock(name) or len(plan.data_in[name]) > 1)
+        ranks = {(plan.data_depth[name], False) for name in waiting}
         for link in plan.links:
             if link.kind == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
                 ranks.add((plan.data_depth[link.source], True))
@@ -134,7 +146,7 @@ class Executor:
             for problem in _stands_for_none(plan, node, spans.get(node, whole))
         ]
         links = (link for link in plan.links if link.kind == "data")
-        problems += [_no_value(link) for link in links if lacks_value(plan.carried(link)[0])]
+        problems += [_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0])]
         if problems:
             raise MarsError(problems)
 
@@ -196,6 +208,11 @@ class Executor:
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
         hz = self._clock(name)
         on_request = kind == "data_out" and self.plan.made(name)[0].name == ON_REQUEST
+        rank = DATA
+        if hz is not None or len(self.plan.data_in[name]) > 1:
+            rank = self._ranks[self.plan.data_depth[name], False]
+        if kind == "control_out":
+            rank = self.schedule.control + self.plan.depth(name)
         algorithm = Algorithm(
             name,
             behaviour,
@@ -205,11 +222,10 @@ class Executor:
             pulls=any(
                 self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
             ),
+            rank=rank,
         )
         self._demands[name] = algorithm.run
         if hz is not None:
-            own = self._ranks[self.plan.data_depth[name], False]
-            rank = self.schedule.control if algorithm.commands else own
             self.schedule.every(hz, rank, algorithm.run)
         return algorithm
 
@@ -281,8 +297,9 @@ class Executor:
         return receive
 
 
-def _no_value(link: Link) -> Diagnostic:
-    message = f"`{link.client}` gets `NotifyOnValue` from `{link.source}` without a value"
+def _no_value(plan: Plan, link: Link) -> Diagnostic:
+    clients = " and ".join(f"`{name}`" for name in plan.targets(link)) or f"`{link.client}`"
+    message = f"{clients} gets `NotifyOnValue` from `{plan.origin(link)}` without a value"
     help_text = "state the value: `NotifyOnValue(30)`"
     return Diagnostic("condition", "error", message, link.span, (), help_text)
 

@@ -92,11 +92,14 @@ class Link:
     priority: int = 0
     hold: int | None = None
     allocation: str | None = None
+    client_port: str | None = None
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
     delivered: int = 0
     #: When (ns) the last few were delivered.
     latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
+    #: Since when (ns) there was a message to repeat, or None before; 0 where none is repeated.
+    begun: int | None = 0
     stale: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
     fault: str = ""

@@ -9,6 +9,7 @@ from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
+from mars_asp.model import ports
 from mars_asp.model.declarations import (
     FOREVER,
     MOTION_FUNCTIONS,
@@ -61,6 +62,7 @@ class Plan:
             hz = None if relationship.hz is None else Fraction(relationship.hz)
             ends = relationship.source, relationship.client
             link = Link("data", *ends, relationship.span, relationship.mode, hz)
+            link.client_port = relationship.client_port
             into, out = self.data_in, self.data_out
         else:
             hold = relationship.hold_ms
@@ -86,6 +88,59 @@ class Plan:
                 if not left[link.client]:
                     ready.append(link.client)
         return depths
+
+    def input_name(self, link: Link) -> str | None:
+        """Return the name of the input that a data link feeds, or None if that is not known."""
+        client = self.modules.get(link.client)
+        named = list(ports.inputs(client)) if client is not None and link.kind == "data" else []
+        return link.client_port or (named[0] if len(named) == 1 else None)
+
+    def origin(self, link: Link) -> str:
+        """Return the modules, or outputs of them, whose messages or commands come over a link."""
+        if link.kind == "control":
+            return " or ".join(dict.fromkeys(self._commanders(link.source)))
+        source, seen = link.source, set[str]()
+        while self.is_node(source) and source not in seen and self.data_in[source]:
+            seen.add(source)
+            source = self.data_in[source][0].source
+        return source
+
+    def targets(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
+        """Return the modules, or inputs of them, that messages or commands of a link are for."""
+        name = link.client
+        if not self.is_node(name):
+            port = link.client_port
+            return [name if port is None else f"{name}.{port}"]
+        following = self.data_out[name] if link.kind == "data" else self.control_out[name]
+        if name in seen:
+            return []
+        found = (target for each in following for target in self.targets(each, seen | {name}))
+        return list(dict.fromkeys(found))
+
+    def converter(self, transformer: str) -> str | None:
+        """Return the converter that a DataTransformer applies, or None if none is declared."""
+        stated = self.configuration.conversions
+        return next((c.converter for c in stated if c.transformer == transformer), None)
+
+    def is_node(self, name: str) -> bool:
+        """Whether a name is a node of the specification, not a module of the user."""
+        return name not in self.modules and self.configuration.node_kind(name) is not None
+
+    def called(self, link: Link) -> str:
+        """Return the name of a link by the modules that it connects, through any nodes."""
+        return f"{self.origin(link)} -> {' and '.join(self.targets(link)) or link.client}"
+
+    def topic(self, link: Link) -> str | None:
+        """Return the name of the messages of a link, or None between two nodes."""
+        origin, targets = self.origin(link), self.targets(link)
+        if self.is_node(link.source):
+            if self.is_node(link.client):
+                return None
+            if link.kind == "control":
+                return f"/{link.client}/received"
+        elif self.is_node(link.client) and (link.kind == "data" or len(targets) != 1):
+            return f"/{link.source}/sent"
+        return f"/{origin}/{targets[0] if targets else link.client}"
 
     def kind(self, name: str) -> str:
         """Return the kind of a node, or what a module is to the executor."""
@@ -190,10 +245,11 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return how many arbiters stand one behind the other before a node."""
+        """Return how many arbiters and commanded controllers commands pass up to a node."""
         if name in seen:
             return 0
-        own = self.kind(name) == "arbitration_node"
+        kind = self.kind(name)
+        own = kind == "arbitration_node" or (kind == "control_out" and bool(self.control_in[name]))
         behind = [self.depth(link.source, seen | {name}) for link in self.control_in[name]]
         return own + max(behind, default=0)
 
