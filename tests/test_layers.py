@@ -11,7 +11,7 @@ from tests.support.imports_drawn import HOUSE, drawing, imported, rooms
 TESTS = ROOT / "tests"
 #: A place imports from layers before its own alone, and files of one layer not from each other.
 LAYERS = (
-    ("diagnostic", "spelling", "output", "unsaved"),
+    ("diagnostic", "spelling", "output", "reading"),
     ("toml_text",),
     ("asp", "model"),
     ("annotations", "behaviour"),
@@ -104,7 +104,7 @@ FILES = {
     "execution/recording": "frame lanes signs picture record mcap replay",
     "lsp": (
         "places words mentions robot rule_text rules actions references rename symbols hover "
-        "completion lenses questions protocol workers desk server"
+        "completion lenses questions protocol workers client_errors desk server"
     ),
     "cli": (
         "deliver encode layout arguments again lines account live watch pace progress outputs "

@@ -24,6 +24,7 @@ from mars_asp.model.declarations import (
 from mars_asp.model.described import described_modules
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
+from mars_asp.output import encodable
 from mars_asp.reasoning.facts.compile import FRAMES, configuration_facts
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.index import Lookup
@@ -39,7 +40,7 @@ from mars_asp.reasoning.includes import (
 from mars_asp.spelling import nearest, resemblances
 
 if TYPE_CHECKING:
-    from mars_asp.annotations.files import Extraction
+    from mars_asp.annotations.files import Entries, Extraction
 
 _HERE = Path()
 
@@ -96,22 +97,32 @@ def described(
     parsed = parsed._replace(configuration=configuration)
     problems: list[Diagnostic] = []
     paths: list[Path] = []
+    named_at: dict[Path, Span] = {}
+    entries = None
+    if configuration.sources:
+        from mars_asp.annotations.files import Entries  # noqa: PLC0415 -- as below
+
+        entries = Entries(configuration.path)
     for name in configuration.sources:
         folder = Path(name.span.path).parent
         advice = "paths of `@sources` are relative to the configuration's own file"
         missing = _missing(name.text, name.span, advice)
-        paths += _found(name.text, missing, problems, folder)
+        matches = _found(name.text, missing, problems, folder, entries)
+        named_at |= dict.fromkeys(matches, name.span)
+        paths += matches
     for argument in sources:
         advice = "paths of `--sources` are relative to the current folder"
         place = point(argument, 1, 1)
-        paths += _found(argument, _missing(argument, place, advice), problems)
+        given = _found(argument, _missing(argument, place, advice), problems)
+        named_at = {path: place for path, place in named_at.items() if path not in given}
+        paths += given
     if problems:
         raise MarsError(problems)
     found = None
     if paths:
         from mars_asp.annotations.files import extract  # noqa: PLC0415 -- only where there are sources
 
-        found = extract(paths)
+        found = extract(paths, named_at, configuration.path)
     return _described(parsed, text, found)
 
 
@@ -303,7 +314,7 @@ def _attributes(project: Project) -> Iterator[Fact]:
         if fact.atom.arguments[0] in told:
             path, line, column = fact.span[:3]
             yield fact
-            yield Fact(Atom("place", (identified(fact), path, line, column)), fact.span)
+            yield Fact(Atom("place", (identified(fact), encodable(path), line, column)), fact.span)
 
 
 def _frame_facts(project: Project, asked: Iterable[tuple[str, str]] = ()) -> tuple[Fact, ...]:
@@ -326,12 +337,20 @@ def _has_functions(project: Project) -> bool:
 
 
 def _found(
-    written: str, missing: Diagnostic, problems: list[Diagnostic], folder: Path = _HERE
+    written: str,
+    missing: Diagnostic,
+    problems: list[Diagnostic],
+    folder: Path = _HERE,
+    entries: "Entries | None" = None,
 ) -> list[Path]:
     """Return the paths that a path or glob of a folder names; note where it names none."""
     from mars_asp.annotations.files import find_paths  # noqa: PLC0415 -- only where there are sources
 
-    matches = find_paths(written, folder)
+    try:
+        matches = find_paths(written, folder, entries)
+    except MarsError as error:
+        problems += (replace(each, span=missing.span, excerpt=None) for each in error.diagnostics)
+        return []
     if not matches:
         problems.append(missing)
     return matches
