@@ -13,6 +13,7 @@ from pathlib import Path
 import clingo
 
 from mars_asp.asp.messages import predicate_of, said, saying
+from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.consistency import minimal_conflict
 from mars_asp.asp.rules.metadata import repeated_ids
 from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, read_rules, told_apart
@@ -83,6 +84,9 @@ class Program:
             MarsError: there are problems, or two rules have one id.
         """
         found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
+        # Clingo itself ends the process at some numbers that do not fit.
+        if not found:
+            found = [each for file in files for each in refused_rules(file.text, file.shown)]
         if found:
             raise MarsError(found)
         return cls(files)

@@ -182,12 +182,28 @@ def test_everything_that_is_wrong_is_told_with_its_place(tmp_path: Path) -> None
         asp.Program.from_text(wrong, "wrong.lp")
     (found,) = raised.value.diagnostics
     assert (found.span.path, found.span.line) == ("wrong.lp", 2)
-    with pytest.raises(MarsError) as raised:
-        asp.Program.from_text("p(X) :- q.", "wrong.lp").solve()
-    (found,) = raised.value.diagnostics
-    assert (found.span.path, found.span.line) == ("wrong.lp", 1)
     with pytest.raises(MarsError):
         asp.Program.from_files(tmp_path / "nothing.lp")
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("p(X) :- q.", [("X", 1, 3)]),
+        ("q.\np(1,\n  Y) :- q,\n  X < Z.", [("Y", 3, 3), ("X", 4, 3), ("Z", 4, 7)]),
+        ('q("üü"). p(X) :- q("üü").', [("X", 1, 12)]),
+        ("#minimize { W : q }. q.", [("W", 1, 13)]),
+    ],
+)
+def test_each_unsafe_variable_is_reported_at_its_own_place(
+    text: str, places: list[tuple[str, int, int]]
+) -> None:
+    with pytest.raises(MarsError) as raised:
+        asp.Program.from_text(text, "wrong.lp")
+    expected = [("rule-unsafe", f"nothing in the body binds `{name}`", line, column)
+                for name, line, column in places]  # fmt: skip
+    found = [(d.code, d.message, d.span.line, d.span.column) for d in raised.value.diagnostics]
+    assert found == expected
 
 
 def solved(text: str) -> tuple[list[frozenset[clingo.Symbol]], list[int]]:
