@@ -114,13 +114,16 @@ class Program:
         return replace(self.rulebook, rules=rules)
 
     def solve(
-        self, constants: Mapping[str, int | str] | None = None, deadline: float | None = None
+        self,
+        constants: Mapping[str, int | str] | None = None,
+        deadline: float | None = None,
+        count: bool = False,
     ) -> "Answer":
         """Return a least answer: an answer, where nothing is minimised.
 
         Parts of the program that share nothing are solved one by one. `constants` replace those of
         `#const`; `deadline` is a time of `time.monotonic`, after which an answer that was found is
-        no longer improved.
+        no longer improved. With `count` the answers that cost as little are counted.
 
         Raises:
             MarsError: clingo refuses the program.
@@ -131,7 +134,7 @@ class Program:
         stated = self._stated
         program = [*self.rulebook.fragments(_STAGE), *saying(_STAGE, stated)]
         try:
-            resolution = grounding.choose(program, deadline)
+            resolution = grounding.choose(program, deadline, count)
         except UnsatisfiableError:
             resolution = None
         except TooCostlyError as error:
@@ -280,7 +283,7 @@ class Answer:
 
     @property
     def count(self) -> int | None:
-        """Return how many answers cost as little; `None` where nobody counted."""
+        """Return how many answers cost as little, or None if `solve` did not count them."""
         return self.resolution.count
 
     @cached_property

@@ -3,13 +3,17 @@
 import random
 import subprocess
 import sys
+from collections.abc import Iterator
 from itertools import islice
+from math import comb
 from pathlib import Path
+from typing import Any
 
 import clingo
 import pytest
 
 from mars_asp import MarsError, asp
+from mars_asp.asp.solve import optimum
 from mars_asp.asp.trace.tree import Derived, Missing
 from tests.support.documents import ROOT
 from tests.support.random_programs import ATOMS, random_program
@@ -116,6 +120,23 @@ def test_what_stands_against_an_atom() -> None:
     assert reason.against is not None
     assert [rule.text for rule in reason.against] == ["{ a; b }.", "c.", ":- a, c.", "d :- a."]
     assert "no answer has it:" in reason.text()
+
+
+def test_optima_are_counted_on_request_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = asp.Program.from_text("{ p(1..10) } 4.")
+    models = []
+    solve_again = optimum._models
+
+    def counted(*given: Any) -> Iterator[clingo.Model]:
+        for model in solve_again(*given):
+            models.append(model)
+            yield model
+
+    monkeypatch.setattr(optimum, "_models", counted)
+    assert program.solve().count is None
+    # One answer is found, and at most two in search of another one.
+    assert len(models) <= 3
+    assert program.solve(count=True).count == sum(comb(10, size) for size in range(5))
 
 
 def test_constants_replace_those_of_the_program() -> None:
@@ -237,8 +258,9 @@ def test_answers_are_clingos_own(seed: int) -> None:
             program.solve()
         assert program.why_unsatisfiable()
         return
-    answer = program.solve()
+    answer = program.solve(count=True)
     assert answer.atoms in answers
+    assert program.solve().atoms == answer.atoms
     assert answer.proven
     if len(answers) < MOST_ANSWERS:
         assert answer.count == len(set(answers))

@@ -303,10 +303,12 @@ class Grounding:
         except UnsatisfiableError:
             raise NoAnswerError(self.refused(_UNSATISFIABLE).diagnostics) from None
 
-    def choose(self, program: Sequence[Fragment], deadline: float | None = None) -> Resolution:
+    def choose(
+        self, program: Sequence[Fragment], deadline: float | None = None, counting: bool = False
+    ) -> Resolution:
         """Ground a program of any sort, and find its least answer; all that is open tells it apart.
 
-        `deadline` is as in `resolve`.
+        `deadline` is as in `resolve`. Answers that cost as little are only counted with `counting`.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -322,7 +324,7 @@ class Grounding:
             if not is_fact
         }
         self._program.projected.update(self._names)
-        return self._least(None, deadline, None, {})
+        return self._least(None, deadline, None, {}, counting)
 
     def _least(
         self,
@@ -330,6 +332,7 @@ class Grounding:
         deadline: float | None,
         progress: Callable[[int, int], None] | None,
         known: dict[Component, Optimum],
+        counting: bool = True,
     ) -> Resolution:
         """Find the least answer; those are counted that cost the same at levels from `counted`."""
         parts = partition(self._program, self._names)
@@ -337,7 +340,7 @@ class Grounding:
             check_costs(component)
         cost = dict(parts.constant)
         bound = dict(parts.constant)
-        count: int | None = 1
+        count: int | None = 1 if counting else None
         proven = True
         decided: list[int] = []
         for done, (component, numbered) in enumerate(parts.components):
@@ -346,7 +349,7 @@ class Grounding:
             # Equal components have equal optima, so each is solved once.
             best = known.get(component)
             if best is None:
-                best = known[component] = self._optimise(component, deadline, counted)
+                best = known[component] = self._optimise(component, deadline, counted, counting)
             part = Part(component, numbered, best)
             self.parts.append(part)
             decided += part.decided(best)
@@ -433,11 +436,11 @@ class Grounding:
         return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
 
     def _optimise(
-        self, component: Component, deadline: float | None, counted: int | None
+        self, component: Component, deadline: float | None, counted: int | None, counting: bool
     ) -> Optimum:
         if deadline is not None:
             deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
-        return optimise(component, deadline, counted)
+        return optimise(component, deadline, counted, counting)
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:

@@ -82,13 +82,16 @@ def _totals(component: Component) -> dict[int, int]:
 
 
 def optimise(
-    component: Component, deadline: float | None = None, counted: int | None = COST_LEVEL
+    component: Component,
+    deadline: float | None = None,
+    counted: int | None = COST_LEVEL,
+    counting: bool = True,
 ) -> Optimum:
     """Find the least answer of a component; of equal ones the first in the order of its atoms.
 
     `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
     the first that satisfies the rules, which is found whatever time that takes. Answers are counted
-    that cost the same at the levels from `counted`, of `None` at all.
+    that cost the same at the levels from `counted`, of `None` at all; without `counting` none are.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -102,11 +105,10 @@ def optimise(
     costs = {
         level: cost for level, cost in found.cost.items() if counted is None or level >= counted
     }
-    count = _count(component, costs, deadline)
-    if count == 1:
-        return Optimum(found.true, found.cost, found.bound, True, 1)
-    true = _first_by_name(component, found, deadline)
-    return Optimum(true, found.cost, found.bound, True, count)
+    # A second optimum is looked for in any case: a single one needs no choice among several.
+    count = _count(component, costs, deadline, MOST_COUNTED if counting else 1)
+    true = found.true if count == 1 else _first_by_name(component, found, deadline)
+    return Optimum(true, found.cost, found.bound, True, count if counting else None)
 
 
 def least(component: Component, deadline: float | None = None) -> Optimum:
@@ -331,8 +333,10 @@ def _bounded(
     return control
 
 
-def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
-    most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
+def _count(
+    component: Component, costs: dict[int, int], deadline: float | None, most: int
+) -> int | None:
+    most = min(most, _MOST_ATOMS_COUNTED // component.size)
     limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
     control = _bounded(component, costs, ("--project=project", *limits))
     with _solving(control, deadline) as handle:
