@@ -29,7 +29,7 @@ FILES = {
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
         "gate trees statements rule premises binding computed expansions checks symbols "
-        "arithmetic outline declarations metadata read namespaces rulebook consistency"
+        "arithmetic outline declarations metadata externals read namespaces rulebook consistency"
     ),
     "asp/lint": (
         "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
@@ -39,7 +39,7 @@ FILES = {
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
-        "proofs explainer absence"
+        "conflicts proofs explainer absence"
     ),
     "model": (
         "cycles names attributes declarations remembered described ranges modes transformation "

@@ -1,13 +1,14 @@
 """The engine's face, on programs of other fields."""
 
 import random
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from itertools import islice
+from collections.abc import Iterable, Iterator
+from itertools import combinations, islice
 from math import comb
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import clingo
 import pytest
@@ -107,7 +108,7 @@ def test_what_an_atom_would_cost() -> None:
     answer = asp.Program.from_text(COLOURING).solve()
     assert (answer.cost, answer.proven) == ({0: 8}, True)
     assert answer.why_not("has(9,3)").extra == {0: 2}
-    assert "costs 2 at priority 0 more" in answer.why_not("has(9,3)").text()
+    assert "an answer would cost 2 more at level 0\n" in f"{answer.why_not('has(9,3)').text()}\n"
     # A variable stands for any value: the cheapest counts.
     assert answer.holds("has(9,1)")
     assert not answer.holds("has(9,2)")
@@ -118,8 +119,53 @@ def test_what_stands_against_an_atom() -> None:
     reason = program.solve().why_not("d")
     assert reason.extra is None
     assert reason.against is not None
-    assert [rule.text for rule in reason.against] == ["{ a; b }.", "c.", ":- a, c.", "d :- a."]
+    assert [each.text for each in reason.against] == ["c.", ":- a, c."]
     assert "no answer has it:" in reason.text()
+
+
+@pytest.mark.parametrize(
+    ("costs", "extra", "words"),
+    [
+        ("2@20,c : c; -1@10,z : z; 1@5,b : b", {20: 2, 10: -1, 5: 0},
+         "2 more at level 20, 1 less at level 10 and as much at level 5"),
+        ("0@20,c : c; 3@7,d : d", {20: 0, 7: 0}, "would cost as much"),
+        ("", {}, "is as good: nothing is minimised"),
+    ],
+)  # fmt: skip
+def test_the_extra_cost_has_a_number_at_every_level(
+    costs: str, extra: dict[int, int], words: str
+) -> None:
+    text = f"1 {{ a; z }} 1. {{ b; d }}. c :- z. #minimize {{ {costs} }}."
+    answer = asp.Program.from_text(text).solve()
+    reason = answer.why_not("c")
+    assert reason.extra == extra
+    assert f"with it, an answer {words}" in reason.text().replace("would cost 2", "2")
+    assert reason.json()["extra_cost"] == {str(level): cost for level, cost in extra.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "atom", "remark", "reasons"),
+    [
+        ("1 { a; b } 1. #minimize { 1 : b }.", "a", "chosen as the cheapest", []),
+        ("1 { a; b } 1. :- b.", "a", "no answer lacks it", ["1 <= { a; b } <= 1.", ":- b."]),
+        # The cost of the others does not matter if no answer lacks the atom.
+        ("1 { a; b } 1. :- b. #minimize { 1 : a }.", "a", "no answer lacks it",
+         ["1 <= { a; b } <= 1.", ":- b."]),
+        ("{ a }. #minimize { 1 : b }. { b }.", "a", "chosen freely: another answer lacks it", []),
+        ("1 { a; b } 1. #minimize { 1 : a; 1 : b }.", "a",
+         "chosen, though an answer without it costs as little", []),
+        ("#maximize { 1 : a }. { a }.", "a", "chosen as the cheapest", []),
+    ],
+)  # fmt: skip
+def test_a_choice_is_compared_with_the_answers_that_lack_its_atom(
+    text: str, atom: str, remark: str, reasons: list[str]
+) -> None:
+    reason = asp.Program.from_text(text).solve().why(atom)
+    lines = [line.strip() for line in reason.text().splitlines()[1:]]
+    assert lines[0].split("  [")[0] == f"{atom}, {remark}"
+    assert [line.rpartition("  ")[0] for line in lines[1:] if ".  " in line] == reasons
+    shown = cast("list[dict[str, object]]", reason.json()["reasons"])
+    assert [each["text"] for each in shown] == reasons
 
 
 def test_optima_are_counted_on_request_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,17 +212,88 @@ def test_facts_with_signs_and_underscores_are_leaves_like_others() -> None:
 
 
 def test_a_conflict_holds_no_rule_too_many() -> None:
-    conflict = asp.Program.from_text(COLOURING).why_unsatisfiable({"n": 2})
-    assert [rule.text for rule in conflict] == [
-        "colour(1..n).",
-        "edge(1,2;2,3;3,1;3,4).",
-        "node(1..4).",
-        "1 { has(X,C) : colour(C) } 1 :- node(X).",
-        ":- edge(X,Y), has(X,C), has(Y,C).",
+    conflicts = asp.Program.from_text(COLOURING).why_unsatisfiable({"n": 1}, limit=2)
+    assert not conflicts.complete
+    (first, second) = conflicts
+    assert [each.text for each in first] == [
+        "edge(1,2).",
+        "node(1).",
+        "node(2).",
+        "1 <= { has(1,C): colour(C) } <= 1 :- node(1).",
+        "1 <= { has(2,C): colour(C) } <= 1 :- node(2).",
+        ":- edge(1,2), has(1,1), has(2,1).",
     ]
-    assert asp.Program.from_text(COLOURING).why_unsatisfiable() == ()
+    assert len(second) == 6
+    assert conflicts.text().startswith("no answer: 2 minimal conflicts, and there may be more\n")
+    assert max(map(len, conflicts.text(width=40).splitlines())) <= 40
+    none = asp.Program.from_text(COLOURING).why_unsatisfiable()
+    assert (len(none), none.text()) == (0, "the program has an answer")
     alone = asp.Program.from_text("p :- not p. q.").why_unsatisfiable()
-    assert [rule.text for rule in alone] == ["p :- not p."]
+    assert [each.text for (conflict) in alone for each in conflict] == ["p :- not p."]
+
+
+def instances_of(text: str) -> list[tuple[str, str]]:
+    """Return the instances of random rules over X = 1..2, and each as it is when left open."""
+    found = []
+    for rule in text.split("\n"):
+        for value in ("1", "2") if "X" in rule else ("",):
+            ground = rule.replace("X", value)
+            head, _, body = ground.rstrip(".").partition(":- ")
+            left_open = f"{{ {head} }} :- {body or '#true'}." if head.strip() else ""
+            if head.startswith("1 {"):
+                left_open = f"{head[2:]} :- {body or '#true'}."
+            found.append((ground, left_open))
+    return found
+
+
+def random_conflicting(seed: int) -> str:
+    rng = random.Random(seed)
+    atoms = ["a", "b", "p(X)", "q(X)", "p(1)", "q(2)"]
+    lines = ["dom(1).", "dom(2)."]
+    for _ in range(rng.randint(4, 6)):
+        body = [f"{rng.choice(('', '', 'not '))}{each}" for each in rng.sample(atoms, 2)]
+        body = body[: rng.randint(1, 2)]
+        head = rng.choice(["", "", "", rng.choice(atoms), f"1 {{ {rng.choice(atoms)}; b }}"])
+        has_variable = "X" in f"{head}{body}"
+        lines.append(f"{head} :- {'; '.join([*body, *(['dom(X)'] if has_variable else [])])}.")
+    return "\n".join(dict.fromkeys([*lines, "{ a }.", "p(1).", "q(2)."])).replace("\n :-", "\n:-")
+
+
+def has_answer(lines: Iterable[str]) -> bool:
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], "\n".join(lines))
+    control.ground()
+    return bool(control.solve().satisfiable)
+
+
+@pytest.mark.parametrize("seed", (1, 3, 11, 31, 66, 97))
+def test_all_minimal_conflicts_are_those_of_brute_force(seed: int) -> None:
+    """Each set of instances is tried, the smallest first; all others are left open."""
+    text = random_conflicting(seed)
+    found = asp.Program.from_text(text).why_unsatisfiable(limit=50)
+    assert found.complete
+    wanted = minimal_sets(text)
+    assert len(set(found)) == len(wanted)
+    for conflict in found:
+        assert frozenset(map(_plain, (each.text for each in conflict))) in wanted, text
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[ ,;]|<=|:-$", "", text)
+
+
+def minimal_sets(text: str) -> set[frozenset[str]]:
+    instances = [each for each in instances_of(text) if not each[0].startswith("{")]
+    free = [line for line in text.split("\n") if line.startswith("{")]
+    found: list[frozenset[int]] = []
+    for size in range(1, len(instances) + 1):
+        for kept in map(frozenset, combinations(range(len(instances)), size)):
+            if any(each <= kept for each in found):
+                continue
+            lines = (each[at not in kept] for at, each in enumerate(instances))
+            if not has_answer([*lines, *free]):
+                found.append(kept)
+    return {frozenset(_plain(instances[at][0]) for at in each) for each in found}
 
 
 def test_an_answer_can_be_asked_again_and_again() -> None:
@@ -247,7 +364,7 @@ def test_answers_are_clingos_own(seed: int) -> None:
     """Random programs, of which clingo says on its own what is least, and all of it."""
     rng = random.Random(seed)
     rules, given = random_program(seed)
-    weights = [f"{rng.randint(1, 3)}@{rng.randint(1, 2)},{n} : {atom}" for n, atom in
+    weights = [f"{rng.choice((-2, -1, 1, 2, 3))}@{rng.randint(1, 2)},{n} : {atom}" for n, atom in
                enumerate(rng.sample(ATOMS, 4))]  # fmt: skip
     costs = f"#minimize {{ {'; '.join(weights)} }}." if rng.random() < 0.6 else ""
     text = "\n".join((rules, *(f"{atom}." for atom in given), costs))

@@ -263,7 +263,7 @@ def misplaced_statements(
                 message = "`#show` of a term shows a term that no rule derives"
                 advice = "derive a predicate, and show that: `#show name/1.`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
-            case "other":
+            case "other" | "external":
                 message = f"`{piece.text.split()[0]}` is not a statement of a rule pack"
                 advice = "a pack contains rules, `#const`, `#defined` and `#show`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)

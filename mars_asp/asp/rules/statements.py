@@ -65,7 +65,16 @@ _read: "dict[str, tuple[Statement, ...]]" = {}
 _MOST = 20_000
 #: What a file of rules is made of: `begin` has no text, it is where each file begins.
 Sort: TypeAlias = Choice[
-    "begin", "comment", "rule", "constant", "declaration", "shown", "term", "cost", "other"
+    "begin",
+    "comment",
+    "rule",
+    "constant",
+    "declaration",
+    "shown",
+    "term",
+    "cost",
+    "external",
+    "other",
 ]
 _SORTS: Mapping[object, Sort] = {
     _TYPE.Program: "begin",
@@ -76,6 +85,7 @@ _SORTS: Mapping[object, Sort] = {
     _TYPE.ShowSignature: "shown",
     _TYPE.ShowTerm: "term",
     _TYPE.Minimize: "cost",
+    _TYPE.External: "external",
 }
 
 
@@ -561,6 +571,13 @@ def replaced(text: str) -> set[str]:
     if "#const" not in text:
         return set()
     return {str(node.name) for node in parsed(text) if node.ast_type == _TYPE.Definition}
+
+
+def external_of(text: str) -> Iterator[tuple[str, str, str]]:
+    """Yield the atoms, the body and the value of each `#external` statement of a text."""
+    for node in parsed(text):
+        if node.ast_type == _TYPE.External:
+            yield str(node.atom), "; ".join(map(str, node.body)), str(node.external_type)
 
 
 def has_rules_alone(text: str) -> bool:

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import clingo
 
@@ -20,6 +20,7 @@ from mars_asp.asp.solve.optimum import (
     Optimum,
     UnsatisfiableError,
     check_costs,
+    has_without,
     least,
     least_with,
     optimise,
@@ -33,6 +34,8 @@ _MOST_MESSAGES = 10_000
 _UNSATISFIABLE = "no answer satisfies the rules that choose"
 #: Each component has at least this long, for most need less, and one must not spoil all others.
 _LEAST_SECONDS = 0.05
+#: How answers compare that lack an atom: there are none, they are as good, cost as little, or more.
+Lack: TypeAlias = Literal["never", "free", "equal", "dearer"]
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
 # What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
 # with the square of a long list, each item of which stands beside the whole list.
@@ -170,6 +173,8 @@ class Grounding:
         self._program = Recorded()
         self._names: dict[int, TermId] = {}
         self._steps = 0
+        #: The atoms that are external, with their values.
+        self.externals: dict[clingo.Symbol, bool | None] = {}
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
         )
@@ -304,11 +309,16 @@ class Grounding:
             raise NoAnswerError(self.refused(_UNSATISFIABLE).diagnostics) from None
 
     def choose(
-        self, program: Sequence[Fragment], deadline: float | None = None, counting: bool = False
+        self,
+        program: Sequence[Fragment],
+        deadline: float | None = None,
+        counting: bool = False,
+        externals: Mapping[clingo.Symbol, bool | None] = MappingProxyType({}),
     ) -> Resolution:
         """Ground a program of any sort, and find its least answer; all that is open tells it apart.
 
         `deadline` is as in `resolve`. Answers that cost as little are only counted with `counting`.
+        `externals` are the values of those that do not keep the one with which they begin.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -317,6 +327,7 @@ class Grounding:
         """
         self._program = record(self.control)
         self.add(program, undefined=True)
+        self._assign(externals)
         self._names = {
             literal: atom
             for signature in self.control.symbolic_atoms.signatures
@@ -325,6 +336,20 @@ class Grounding:
         }
         self._program.projected.update(self._names)
         return self._least(None, deadline, None, {}, counting)
+
+    def _assign(self, externals: Mapping[clingo.Symbol, bool | None]) -> None:
+        """Give externals their values, in the solver and in the program that is cut."""
+        for atom in self.control.symbolic_atoms if self._program.externals else ():
+            # What a rule gives is no longer external.
+            if not atom.is_external:
+                continue
+            value = externals.get(atom.symbol, self._program.externals.get(atom.literal))
+            self.control.assign_external(atom.symbol, value)
+            self.externals[atom.symbol] = value
+            if value:
+                self._program.facts.append(atom.literal)
+            elif value is None:
+                self._program.note(True, (atom.literal,), ())
 
     def _least(
         self,
@@ -415,6 +440,19 @@ class Grounding:
                 free = least(component, deadline)
                 return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
         return None
+
+    def lacks(self, symbol: clingo.Symbol) -> Lack:
+        """Return how answers without an open atom compare with that of `choose`."""
+        part = self.part_of(symbol)
+        if part is None:
+            return "never"
+        component, atoms, best = part
+        atom = 1 + atoms.index(self.control.symbolic_atoms[symbol].literal)
+        if not has_without(component, atom):
+            return "never"
+        if not best.cost:
+            return "free"
+        return "equal" if has_without(component, atom, best.cost) else "dearer"
 
     def telling(self, part: Part) -> Iterator[TermId]:
         """Yield the atoms that tell the answers of a component apart."""

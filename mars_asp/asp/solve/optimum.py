@@ -1,8 +1,9 @@
 """The proven optimum of one component of a ground program."""
 
 import time
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import clingo
@@ -153,6 +154,14 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
     """
     forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
     return least(forced, deadline)
+
+
+def has_without(
+    component: Component, atom: int, costs: Mapping[int, int] = MappingProxyType({})
+) -> bool:
+    """Return whether an answer that costs no more lacks an atom, as far as that is easily found."""
+    control = _bounded(component, costs, (f"--solve-limit={_MOST_CONFLICTS}",))
+    return not control.solve(assumptions=[-atom]).unsatisfiable
 
 
 def others(
@@ -317,7 +326,7 @@ def _first(component: Component, bound: dict[int, int]) -> Optimum:
 
 
 def _bounded(
-    component: Component, costs: dict[int, int], options: Sequence[str] = ()
+    component: Component, costs: Mapping[int, int], options: Sequence[str] = ()
 ) -> clingo.Control:
     """Return a control whose answers are those of these costs."""
     control = _control(component, options)
@@ -327,8 +336,11 @@ def _bounded(
             if most >= totals[level]:
                 continue
             terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
-            # Beyond the cost the sum reaches `most` + 1; negative weights do not occur in costs.
-            backend.add_weight_rule([], most + 1, terms)
+            # What a true atom saves is what a false one costs.
+            saved = sum(-weight for _, weight in terms if weight < 0)
+            terms = [(lit, w) if w > 0 else (-lit, -w) for lit, w in terms]
+            # Beyond the cost the sum reaches `most` + 1.
+            backend.add_weight_rule([], most + saved + 1, terms)
         backend.add_project(component.projected)
     return control
 

@@ -122,14 +122,15 @@ def _absence(
     """
     known = {} if known is None else known
     written, words = shown_pattern(pattern), explainer.given.words_of_absence(as_term(pattern))
+    leaf = Absent(written, words, explainer.given.external(written))
     if pattern in above:
-        return Absent(written, words)
+        return leaf
     if pattern in known:
         return known[pattern]
     if pattern not in found:
         return Missing(written, (), False, words)
     if not found[pattern]:
-        return Absent(written, words)
+        return leaf
     attempts = []
     for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
         lack = _lack(firing)
