@@ -29,7 +29,8 @@ FILES = {
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
         "gate trees statements rule premises binding computed expansions checks symbols "
-        "arithmetic outline declarations metadata externals read namespaces rulebook consistency"
+        "arithmetic outline declarations metadata externals read program_files namespaces "
+        "rulebook consistency"
     ),
     "asp/lint": (
         "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
@@ -216,7 +217,7 @@ TREES = [
     *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
     *("asp/rules/binding.py", "asp/rules/computed.py"),
     *("asp/rules/statements.py", "asp/rules/trees.py"),
-    "asp/trace/counting_rules.py",
+    *("asp/trace/conflicts.py", "asp/trace/counting_rules.py"),
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),
 ]

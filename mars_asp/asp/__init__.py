@@ -10,15 +10,8 @@ It knows nothing of what rules are about; MARS uses it like anyone else. See its
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mars_asp.asp.program import (
-        Answer,
-        Conflicts,
-        NotDerived,
-        Program,
-        Reason,
-        Session,
-        Unsatisfiable,
-    )
+    from mars_asp.asp.program import Answer, NotDerived, Program, Reason, Session, Unsatisfiable
+    from mars_asp.asp.trace.conflicts import Conflicts
 
 __all__ = [
     "Answer",

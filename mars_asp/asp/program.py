@@ -17,7 +17,8 @@ from mars_asp.asp.messages import predicate_of, said, saying
 from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.externals import External, externals_of
 from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, read_rules, told_apart
+from mars_asp.asp.rules.program_files import BASE_PART, Reader, of_part, parts_of
+from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
@@ -67,6 +68,8 @@ class Program:
     """Rules and facts of any logic program, checked; solved as often as somebody likes."""
 
     files: tuple[RuleFile, ...]
+    #: The whole program, of which this has some parts.
+    source: "Program | None" = None
 
     @classmethod
     def from_files(cls, *paths: str | Path) -> "Program":
@@ -76,9 +79,10 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        found = [read_file(Path(path), str(path), _STAGE, problems, True) for path in paths]
-        (space,) = told_apart([NameSpace("", tuple(filter(None, found)))])
-        return cls._checked(space.files, problems)
+        reader = Reader(_STAGE, problems)
+        for path in paths:
+            reader.read_path(path)
+        return cls._checked(reader.files, problems)
 
     @classmethod
     def from_text(cls, text: str, path: str = "program.lp") -> "Program":
@@ -88,16 +92,19 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        found = read_rules(text, path, _STAGE, problems)
-        return cls._checked(() if found is None else (found,), problems)
+        reader = Reader(_STAGE, problems)
+        reader.read_text(text, path)
+        return cls._checked(reader.files, problems)
 
     @classmethod
-    def _checked(cls, files: tuple[RuleFile, ...], problems: Sequence[Diagnostic]) -> "Program":
+    def _checked(cls, found_files: Sequence[RuleFile], problems: Sequence[Diagnostic]) -> "Program":
         """Return a program of files.
 
         Raises:
             MarsError: there are problems, or two rules have one id.
         """
+        (space,) = told_apart([NameSpace("", tuple(found_files))])
+        files = space.files
         found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
         # Clingo itself ends the process at some numbers that do not fit.
         if not found:
@@ -211,8 +218,34 @@ class Program:
         yield Session(self)
 
     def with_parts(self, parts: Sequence[str]) -> "Program":
-        """Return the program of some parts alone."""
-        return self
+        """Return the program of some parts alone, such as `base` and `step(1)`.
+
+        Raises:
+            MarsError: there is no such part.
+        """
+        known = parts_of(self.files)
+        signatures = {(each.name, len(each.parameters)) for each in known}
+        found = [(part, symbol_in(part)) for part in dict.fromkeys(parts)]
+        for part, symbol in found:
+            is_term = symbol is not None and symbol.type == clingo.SymbolType.Function
+            if (
+                symbol is None
+                or not is_term
+                or (symbol.name, len(symbol.arguments)) not in signatures
+            ):
+                names = " and ".join(f"`{each}`" for each in known)
+                message, place = f"`{part}` is not a part of the program", point(self._path, 1, 1)
+                advice = f"it has {names}; give values for parameters"
+                raise MarsError((Diagnostic("part", "error", message, place, help=advice),))
+        if known == [BASE_PART] and found:
+            return self
+        files = tuple(
+            of_part(file, symbol, not number)
+            for number, (_, symbol) in enumerate(found)
+            for file in self.files
+            if symbol is not None
+        )
+        return replace(self, files=files, source=self)
 
     @property
     def _path(self) -> str:
@@ -220,7 +253,8 @@ class Program:
 
     def line_at(self, span: Span) -> str:
         """Return the text of the line where something stands."""
-        text = next((file.text for file in self.files if file.shown == span.path), "")
+        files = (self.source or self).files
+        text = next((file.text for file in files if file.shown == span.path), "")
         return "".join(text.split("\n")[span.line - 1 : span.line]).strip()
 
 
@@ -272,7 +306,8 @@ _REMARKS: Mapping[Lack, str] = {
 
 
 def _remark(choice: Choice) -> Chosen:
-    return Chosen(_REMARKS[choice.lack], tuple(map(instance_line, choice.reasons)))
+    reasons = ("without it, these conflict:", *map(instance_line, choice.reasons))
+    return Chosen(_REMARKS[choice.lack], reasons if choice.reasons else ())
 
 
 def _choice_json(choice: Choice) -> Mapping[str, object]:

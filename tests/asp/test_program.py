@@ -1,5 +1,6 @@
 """The engine's face, on programs of other fields."""
 
+import os
 import random
 import re
 import subprocess
@@ -273,7 +274,7 @@ def test_all_minimal_conflicts_are_those_of_brute_force(seed: int) -> None:
     found = asp.Program.from_text(text).why_unsatisfiable(limit=50)
     assert found.complete
     wanted = minimal_sets(text)
-    assert len(set(found)) == len(wanted)
+    assert len(found) == len(wanted)
     for conflict in found:
         assert frozenset(map(_plain, (each.text for each in conflict))) in wanted, text
 
@@ -387,3 +388,134 @@ def test_answers_are_clingos_own(seed: int) -> None:
     traces = [answer.why(str(atom)).trace for atom in answer.atoms]
     facts = {clingo.parse_term(leaf) for leaf in answer.spans}
     assert faults(traces, facts, answer.atoms) == []
+
+
+def test_a_program_includes_files_relative_to_the_including_one(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    main, inner, last = tmp_path / "main.lp", tmp_path / "sub/inner.lp", tmp_path / "sub/last.lp"
+    main.write_text('% #include "nowhere.lp".\na. #include "sub/inner.lp". d :- c(X), X > 1.\n')
+    inner.write_text('b.\n#include "last.lp".\n#include "last.lp".\nc(2).\n')
+    last.write_text("c(1..2) :-\n b.\n")
+    answer = asp.Program.from_files(main).solve()
+    assert sorted(map(str, answer.atoms)) == ["a", "b", "c(1)", "c(2)", "d"]
+    text = answer.why("d").text(width=200)
+    assert "main.lp:2" in text
+    assert f"c(2)  {inner}:4" in text
+    assert f"[last:1] {last}:1" in answer.why("c(1)").text(width=200)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('a.\n  #include "nope.lp".', "No such file or directory"),
+        ('a.\n  #include "circle.lp".', "`circle.lp` includes itself"),
+        ('a.\n  #include ".".', "no regular file"),
+        ('a.\n  #include "large.lp".', "larger than"),
+        ("a.\n  #include <incmode>.", "`#include` names no file"),
+        ('a.\n  #include "pipe".', "no regular file"),
+    ],
+)
+def test_what_cannot_be_included_is_reported_at_its_include(
+    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("circle.lp").write_text('b.\n  #include "circle.lp".')
+    os.mkfifo("pipe")
+    with Path("large.lp").open("wb") as large:
+        large.truncate(9 * 1024 * 1024)
+    with pytest.raises(MarsError) as raised:
+        asp.Program.from_text(text)
+    (found,) = raised.value.diagnostics
+    assert message in found.message
+    assert (found.span.line, found.span.column) == (2, 3)
+    assert found.help is not None
+
+
+def test_an_include_in_a_string_is_refused_and_in_a_comment_it_means_nothing() -> None:
+    text = 'a. %* #include "x.lp". *% b. % #include "x.lp".\n'
+    assert len(asp.Program.from_text(text).solve().atoms) == 2
+    with pytest.raises(MarsError, match="`#include` is not allowed"):
+        asp.Program.from_text('a("#include x").')
+
+
+def test_externals_are_false_unless_a_value_is_given() -> None:
+    text = "q(1..2). #external e(X) : q(X). #external f. [true]\nr(X) :- e(X). s :- not e(1)."
+    program = asp.Program.from_text(text)
+    assert program.solve(externals={"e(2)": None}, count=True).count == 2
+    answer = program.solve(externals={"e(2)": True, "f": False})
+    assert not answer.holds("f")
+    reason = answer.why("r(2)")
+    assert reason.text().splitlines()[2] == "        e(2), external  program.lp:1"
+    (leaf,) = cast("list[dict[str, object]]", reason.json()["premises"])
+    assert leaf["kind"] == "external"
+    assert "no e(1), external and false  program.lp:1" in answer.why("s").text()
+    absence = answer.why_not("r(1)").text()
+    assert "no e(1), external and false  program.lp:1" in absence
+    assert "#external e(1) is false  program.lp:1" in absence
+    with pytest.raises(MarsError, match=r"`e\(3\)` is not an external of the program"):
+        program.solve(externals={"e(3)": True})
+    with pytest.raises(MarsError, match="is not an atom"):
+        program.solve(externals={"e(": True})
+    conflicts = asp.Program.from_text("#external h. [true] :- h.").why_unsatisfiable()
+    assert "#external h is true  program.lp:1" in conflicts.text()
+    assert len(asp.Program.from_text("#external h. [true] :- h.").why_unsatisfiable(
+        externals={"h": False})) == 0  # fmt: skip
+
+
+def test_parts_are_grounded_on_request_with_their_arguments() -> None:
+    text = "q. #program step(t).\nr(t) :- q,\n not r(t-1). #program base. s."
+    program = asp.Program.from_text(text)
+    assert sorted(map(str, program.solve().atoms)) == ["q", "s"]
+    answer = program.solve(parts=["base", "step(1)", "step(2)", "step(-3)"])
+    assert sorted(map(str, answer.atoms)) == ["q", "r(-3)", "r(1)", "s"]
+    assert "[program:2] program.lp:2" in answer.why("r(1)").text()
+    assert "r(1)  [program:2]" in answer.why_not("r(2)").text()
+    with pytest.raises(MarsError, match="`step` is not a part of the program"):
+        program.solve(parts=["step"])
+
+
+def random_files(rng: random.Random, folder: Path) -> list[str]:
+    """Write three files that include each other, with parts and externals; return parts of them."""
+    names = ["main", "one", "two"]
+    for number, name in enumerate(names):
+        lines = []
+        for _ in range(rng.randint(2, 6)):
+            atoms = [rng.choice(("a", "b", "p(k)", "p(1)", "q(k,2)", "q(1,2)")) for _ in range(2)]
+            sign, end = rng.choice(("", "not ")), rng.choice(("", " [true]", " [false]"))
+            lines.append(rng.choice((f"{atoms[0]}.", f"{atoms[0]} :- {sign}{atoms[1]}.",
+                f"#external {atoms[0]}.{end}", f"{{ {atoms[0]} }}.", "#program base.",
+                "#program go(k).", "#program on(k).", ":- p(k), not a.")))  # fmt: skip
+            if number < 2 and rng.random() < 0.4:
+                lines.append(f'#include "{rng.choice(names[number + 1 :])}.lp".')
+        (folder / f"{name}.lp").write_text("\n".join(lines))
+    return rng.choice((["base"], ["base", "go(1)"], ["base", "go(2)", "on(1)"], ["on(1)"]))
+
+
+@pytest.mark.parametrize("seed", range(0, 60, 10))
+def test_files_parts_and_externals_mean_what_they_do_to_clingo(seed: int, tmp_path: Path) -> None:
+    for each in range(seed, seed + 10):
+        rng = random.Random(each)
+        parts = random_files(rng, tmp_path)
+        try:
+            program = asp.Program.from_files(tmp_path / "main.lp")
+            parts = [part for part in parts if program.with_parts([part])]
+        except MarsError:
+            # Clingo knows any part, and grounds nothing for one that has no statement.
+            continue
+        control = clingo.Control(["0", "--warn=none"])
+        control.load(str(tmp_path / "main.lp"))
+        symbols = list(map(clingo.parse_term, parts))
+        control.ground([(symbol.name, symbol.arguments) for symbol in symbols])
+        known = [atom.symbol for atom in control.symbolic_atoms if atom.is_external]
+        values = {str(symbol): rng.choice((True, False)) for symbol in known if rng.random() < 0.5}
+        for atom, value in values.items():
+            control.assign_external(clingo.parse_term(atom), value)
+        with control.solve(yield_=True) as handle:
+            wanted = {frozenset(model.symbols(atoms=True)) for model in handle}
+        try:
+            answer = program.solve(externals=values, parts=parts, count=True)
+        except asp.Unsatisfiable:
+            assert not wanted, each
+            continue
+        assert answer.atoms in wanted, each
+        assert answer.count == len(wanted), each

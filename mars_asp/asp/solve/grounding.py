@@ -443,11 +443,11 @@ class Grounding:
 
     def lacks(self, symbol: clingo.Symbol) -> Lack:
         """Return how answers without an open atom compare with that of `choose`."""
-        part = self.part_of(symbol)
-        if part is None:
+        part, given = self.part_of(symbol), self.control.symbolic_atoms[symbol]
+        if part is None or given is None:
             return "never"
         component, atoms, best = part
-        atom = 1 + atoms.index(self.control.symbolic_atoms[symbol].literal)
+        atom = 1 + atoms.index(given.literal)
         if not has_without(component, atom):
             return "never"
         if not best.cost:

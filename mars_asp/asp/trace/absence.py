@@ -6,7 +6,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.signature import signature_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing
@@ -23,7 +23,8 @@ def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing
 
     Each level below is one more grounding, or two; at most `depth` of them are asked for.
     """
-    near = NearMisses(explainer.rewriter)
+    derived = frozenset[Signature]().union(*(rule.heads for rule in explainer.rules))
+    near = NearMisses(explainer.rewriter, derived)
     found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
     pending = [pattern]
     for _ in range(depth):

@@ -226,8 +226,8 @@ class ConflictSearch:
             return None if handle.get().satisfiable else list(handle.core())
 
     def _written(self, conflict: frozenset[int]) -> Conflict:
-        found = {self._instance(literal): None for literal in conflict}
-        return tuple(sorted(found, key=lambda each: (each.span, each.text)))
+        found = {(each.span, each.text): each for each in map(self._instance, conflict)}
+        return tuple(found[key] for key in sorted(found))
 
     def _instance(self, literal: int) -> Instance:
         external, symbol = self._elements[literal]
@@ -238,14 +238,7 @@ class ConflictSearch:
         rule, statement = self._statements[number.number]
         names = _names(statement)
         bindings = dict(zip(names, values.arguments, strict=True))
-        return Instance(_ground(statement, head, bindings), rule.span, rule, _Bindings(bindings))
-
-
-class _Bindings(dict[str, clingo.Symbol]):
-    """Values of variables, by which instances can be told apart."""
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(frozenset(self.items()))
+        return Instance(_ground(statement, head, bindings), rule.span, rule, bindings)
 
 
 def _order(conflict: Conflict) -> tuple[int, list[tuple[Span, str]]]:
