@@ -105,6 +105,32 @@ def test_an_absence_names_the_nearest_that_each_rule_comes() -> None:
     assert reason.against is None
 
 
+def test_a_negated_message_is_about_the_instance_of_its_rule() -> None:
+    """The messages hold: there is an edge from `e` to `f`, and 4 has a colour."""
+    text = of("reachability").solve().why_not("reach(f)").text(width=200)
+    assert "reach(f) would hold because an edge leads from `e` to `f`, but" in text
+    text = of("colouring").solve().why_not("has(4,blue)").text(width=200)
+    assert "has(4,blue) would hold because `4` has one colour, but" in text
+    assert "it does not hold that" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "absent"),
+    [
+        # Either premise is absent: the search for `q` would go on to `s` and `t`.
+        ("p(X) :- q(X,Y), r(Z). q(X,Y) :- s(X,Y). s(X,Y) :- t(X,Y). t(1,2).", "no r(Z)"),
+        ("p(X) :- q(X,Y), r(Y,X). q(X,Y) :- s(X,Y). s(X,Y) :- t(X,Y). r(2,3).", "no r(Y,5)"),
+        ("p(X+1) :- p(X), r(X+1). r(0..3). p(0).", "no r(5)"),
+        ("p(X) :- q(X), not r(X). q(X) :- s(X). s(X) :- t(X). r(5).", "r(5)"),
+    ],
+)
+def test_an_absence_ends_at_the_first_given_fact_that_is_absent(text: str, absent: str) -> None:
+    reason = asp.Program.from_text(text).solve().why_not("p(5)")
+    lines = [line.strip() for line in reason.text().splitlines()]
+    assert lines[2].split("  ")[0] == absent
+    assert len(lines) == 3
+
+
 def test_what_an_atom_would_cost() -> None:
     answer = asp.Program.from_text(COLOURING).solve()
     assert (answer.cost, answer.proven) == ({0: 8}, True)

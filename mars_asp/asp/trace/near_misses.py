@@ -103,28 +103,38 @@ class NearMisses:
         match = _Match()
         if not match.atom(head, pattern):
             return
-        literals = (*map(_literal, match.tests), *literals)
+        tests = list(map(_literal, match.tests))
+        literals = (*tests, *literals)
         shared = global_variables((head,), literals)
         asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
         # A given fact that is absent ends the search, so it comes before what rules derive.
-        literals = sorted(literals, key=lambda literal: not self._is_given(literal))
+        literals = (
+            *tests,
+            *sorted(literals[len(tests) :], key=lambda each: not self._is_given(each)),
+        )
         order = list(in_order(literals, match.bound, shared))
-        for literal in literals:
+        matched = [test for test, _ in in_order(tests, match.bound, shared)]
+        for before_it, literal in enumerate(literals):
             if self._is_given(literal) and literal.sign == ast.Sign.NoSign:
-                bound = {*match.bound}
+                bound = match.bound.union(*(needs(test, shared) for test in matched))
                 without = _Projected(bound)(literal).update(sign=ast.Sign.Negation)
                 if OPERATOR.search(bare(literal)) is None:
                     # No value at all satisfies it, whatever the other literals are.
-                    candidate = Candidate(index, number, match.shown(literal), len(literals), True)
+                    candidate = Candidate(
+                        index, number, match.shown(literal), 2 * len(literals) - before_it, True
+                    )
                     test = self._rewriter.renamed(without)
-                    yield from self._candidate(candidate, literal, asked, (), bound, shared, test)
+                    yield from self._candidate(
+                        candidate, literal, asked, matched, bound, shared, test
+                    )
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
             fails = match.shown(literal)
             candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
             yield from self._candidate(candidate, literal, asked, first, before, shared)
             others = [other for other, _ in order if other is not literal]
-            if candidate.alone or not others:
+            # That another atom has all premises is no reason why this one is absent.
+            if candidate.alone or not others or any(literal is test for test in tests):
                 continue
             around = list(in_order(others, match.bound, shared))
             bound = match.bound.union(*(needs(other, shared) for other in others))
