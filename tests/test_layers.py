@@ -29,7 +29,8 @@ FILES = {
     "asp/cases": ("expectations outcomes run probes coverage children mutants killers"),
     "asp/rules": (
         "gate trees statements rule premises binding computed expansions checks symbols "
-        "arithmetic outline declarations metadata read namespaces rulebook consistency"
+        "arithmetic outline declarations metadata externals read program_files namespaces "
+        "rulebook consistency"
     ),
     "asp/lint": (
         "clauses found values orders graph catalogue sorts variables bodies keys aggregates "
@@ -39,7 +40,7 @@ FILES = {
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document near_misses "
-        "proofs explainer absence"
+        "conflicts proofs explainer absence"
     ),
     "model": (
         "cycles names attributes declarations remembered described ranges modes transformation "
@@ -216,7 +217,7 @@ TREES = [
     *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
     *("asp/rules/binding.py", "asp/rules/computed.py"),
     *("asp/rules/statements.py", "asp/rules/trees.py"),
-    "asp/trace/counting_rules.py",
+    *("asp/trace/conflicts.py", "asp/trace/counting_rules.py"),
     *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
     *("asp/trace/patterns.py", "asp/trace/scope.py"),
 ]

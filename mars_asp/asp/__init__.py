@@ -11,8 +11,17 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mars_asp.asp.program import Answer, NotDerived, Program, Reason, Session, Unsatisfiable
+    from mars_asp.asp.trace.conflicts import Conflicts
 
-__all__ = ["Answer", "NotDerived", "Program", "Reason", "Session", "Unsatisfiable"]
+__all__ = [
+    "Answer",
+    "Conflicts",
+    "NotDerived",
+    "Program",
+    "Reason",
+    "Session",
+    "Unsatisfiable",
+]
 
 
 def __getattr__(name: str) -> object:

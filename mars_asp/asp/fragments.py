@@ -13,6 +13,7 @@ _TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
 #: What may name a predicate.
 _NAME = re.compile(r"[a-z][\w']*")
 _NOTE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: (?:error|info): (.*)", re.DOTALL)
+_UNSAFE = re.compile(r"<block>:(\d+):(\d+)(?:-[\d:]+)?: note: '(\w+'*)' is unsafe")
 
 
 class Premises(NamedTuple):
@@ -41,11 +42,15 @@ class Fragment(NamedTuple):
 
 
 class Note(NamedTuple):
-    """What clingo says of a place; `is_copy` where that is in what was made of a rule."""
+    """What clingo says of a place; `is_copy` where that is in what was made of a rule.
+
+    `unsafe` are variables that nothing binds, each with its first location.
+    """
 
     place: Span
     said: str
     is_copy: bool
+    unsafe: tuple[tuple[str, Span], ...] = ()
 
 
 def joined(fragments: Iterable[Fragment]) -> str:
@@ -118,23 +123,48 @@ def blank(text: str) -> str:
 def notes(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Note]:
     """Yield what clingo says of the text of some fragments, in the order in which it was said."""
     for match in filter(None, map(_NOTE.match, said)):
-        line = int(match[1])
-        for fragment in fragments:
-            lines = fragment.text.count("\n") + 1
-            if line <= lines:
-                place = fragment.rule or point(
-                    fragment.path, line, _column(fragment, line, int(match[2]))
-                )
-                yield Note(place, " ".join(match[3].split()), fragment.rule is not None)
-                break
-            line -= lines
+        found = _located(fragments, int(match[1]), int(match[2]))
+        if found is not None:
+            place, is_copy = found
+            variables: dict[str, Span] = {}
+            for line, column, name in sorted(
+                (int(line), int(column), name) for line, column, name in _UNSAFE.findall(match[3])
+            ):
+                location = _located(fragments, line, column)
+                variables.setdefault(name, place if location is None else location[0])
+            text = " ".join(match[3].split())
+            yield Note(place, text, is_copy, tuple(variables.items()))
+
+
+def _located(fragments: Sequence[Fragment], line: int, column: int) -> tuple[Span, bool] | None:
+    """Return a location in the joined fragments as one in a file, and whether it is in a copy."""
+    for fragment in fragments:
+        lines = fragment.text.count("\n") + 1
+        if line <= lines:
+            if fragment.rule is not None:
+                return fragment.rule, True
+            return point(fragment.path, line, _column(fragment, line, column)), False
+        line -= lines
+    return None
+
+
+def unbound(note: Note) -> Iterator[Diagnostic]:
+    """Yield the variables that nothing binds, each at its own location."""
+    for name, place in note.unsafe:
+        message = f"nothing in the body binds `{name}`"
+        advice = "name it in a literal of the body that is not negated"
+        yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
 
 
 def refusals(said: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[Diagnostic]:
     """Yield why clingo cannot use the text of some fragments, once for each place."""
     found = dict.fromkeys(notes(dict.fromkeys(said), fragments))
     # What was made of a rule has no place of its own, and fails where the rule does.
-    for place, told, _ in [note for note in found if not note.is_copy] or found:
+    for note in [note for note in found if not note.is_copy] or found:
+        yield from unbound(note)
+        if note.unsafe:
+            continue
+        place, told = note.place, note.said
         what, colon, term = told.partition(_UNDEFINED)
         if colon and not what:
             message = f"`{term}` has no value" if term.startswith("(") else f"{term}"

@@ -4,38 +4,55 @@
 >>> print(program.solve().why("reach(b)").text())
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple, TypeAlias
 
 import clingo
 
 from mars_asp.asp.messages import predicate_of, said, saying
-from mars_asp.asp.rules.consistency import minimal_conflict
+from mars_asp.asp.rules.checks import refused_rules
+from mars_asp.asp.rules.externals import External, externals_of
 from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.read import NameSpace, RuleFile, read_file, read_rules, told_apart
+from mars_asp.asp.rules.program_files import BASE_PART, Reader, of_part, parts_of
+from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import without_rules
 from mars_asp.asp.rules.symbols import symbol_in, term_of
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.grounding import Grounding, Resolution
+from mars_asp.asp.solve.grounding import Grounding, Lack, Resolution
 from mars_asp.asp.solve.optimum import TooCostlyError, UnsatisfiableError
 from mars_asp.asp.solve.term_ids import as_symbol, text
 from mars_asp.asp.trace.absence import why_not
+from mars_asp.asp.trace.conflicts import (
+    Conflict,
+    Conflicts,
+    ConflictSearch,
+    conflict_json,
+    conflict_lines,
+    instance_line,
+)
 from mars_asp.asp.trace.document import trace_json
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.given import GivenFacts
 from mars_asp.asp.trace.patterns import fits, pattern_in
-from mars_asp.asp.trace.text import WIDTH, leaves_of, traces_text
+from mars_asp.asp.trace.text import WIDTH, Chosen, leaves_of, traces_text
 from mars_asp.asp.trace.tree import Derived, Given, Trace
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
 #: The stage of a program whose rules stand in no folder.
 _STAGE = "base"
+#: The predicate that keeps which statement makes an atom external.
+_EXTERNAL = "_external_base"
 _MOST_TRIED = 100
+_MOST_NAMED = 10
+#: Values of constants by their names, and of externals by their atoms.
+Constants: TypeAlias = Mapping[str, int | str]
+Externals: TypeAlias = Mapping[str, bool | None]
 
 
 class NotDerived(MarsError):  # noqa: N818 -- what is said of an atom
@@ -51,6 +68,8 @@ class Program:
     """Rules and facts of any logic program, checked; solved as often as somebody likes."""
 
     files: tuple[RuleFile, ...]
+    #: The whole program, of which this has some parts.
+    source: "Program | None" = None
 
     @classmethod
     def from_files(cls, *paths: str | Path) -> "Program":
@@ -60,9 +79,10 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        found = [read_file(Path(path), str(path), _STAGE, problems, True) for path in paths]
-        (space,) = told_apart([NameSpace("", tuple(filter(None, found)))])
-        return cls._checked(space.files, problems)
+        reader = Reader(_STAGE, problems)
+        for path in paths:
+            reader.read_path(path)
+        return cls._checked(reader.files, problems)
 
     @classmethod
     def from_text(cls, text: str, path: str = "program.lp") -> "Program":
@@ -72,17 +92,23 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        found = read_rules(text, path, _STAGE, problems)
-        return cls._checked(() if found is None else (found,), problems)
+        reader = Reader(_STAGE, problems)
+        reader.read_text(text, path)
+        return cls._checked(reader.files, problems)
 
     @classmethod
-    def _checked(cls, files: tuple[RuleFile, ...], problems: Sequence[Diagnostic]) -> "Program":
+    def _checked(cls, found_files: Sequence[RuleFile], problems: Sequence[Diagnostic]) -> "Program":
         """Return a program of files.
 
         Raises:
             MarsError: there are problems, or two rules have one id.
         """
+        (space,) = told_apart([NameSpace("", tuple(found_files))])
+        files = space.files
         found = [*problems, *repeated_ids(rule for file in files for rule in file.rules)]
+        # Clingo itself ends the process at some numbers that do not fit.
+        if not found:
+            found = [each for file in files for each in refused_rules(file.text, file.shown)]
         if found:
             raise MarsError(found)
         return cls(files)
@@ -109,34 +135,49 @@ class Program:
         rules = tuple(rule for rule in self.rulebook.rules if id(rule) not in stated)
         return replace(self.rulebook, rules=rules)
 
+    @cached_property
+    def externals(self) -> tuple[External, ...]:
+        """Return the statements that say which atoms are given from outside."""
+        return tuple(each for file in self.files for each in externals_of(file.written, file.shown))
+
     def solve(
-        self, constants: Mapping[str, int | str] | None = None, deadline: float | None = None
+        self,
+        constants: Constants | None = None,
+        deadline: float | None = None,
+        count: bool = False,
+        externals: Externals | None = None,
+        parts: Sequence[str] = ("base",),
     ) -> "Answer":
         """Return a least answer: an answer, where nothing is minimised.
 
-        Parts of the program that share nothing are solved one by one. `constants` replace those of
+        Subprograms that share nothing are solved one by one. `constants` replace those of
         `#const`; `deadline` is a time of `time.monotonic`, after which an answer that was found is
-        no longer improved.
+        no longer improved. With `count` the answers that cost as little are counted. `externals`
+        are the values of atoms that are external, where None leaves one open; `parts` those of
+        the program that are grounded, such as `step(1)`.
 
         Raises:
-            MarsError: clingo refuses the program.
+            MarsError: clingo refuses the program, or there is no such part or external.
             Unsatisfiable: there is no answer.
         """
-        defined = _definitions(constants or {})
+        program = self.with_parts(parts)
+        defined, given = _definitions(constants or {}), _externals(externals or {}, self._path)
         grounding = Grounding((), options=defined)
-        stated = self._stated
-        program = [*self.rulebook.fragments(_STAGE), *saying(_STAGE, stated)]
+        stated = program._stated
+        marked = (e.fragment(_EXTERNAL, at) for at, e in enumerate(program.externals))
+        fragments = [*program.rulebook.fragments(_STAGE), *saying(_STAGE, stated), *marked]
         try:
-            resolution = grounding.choose(program, deadline)
+            resolution = grounding.choose(fragments, deadline, count, given)
         except UnsatisfiableError:
             resolution = None
         except TooCostlyError as error:
-            place = point(self.files[0].shown, 1, 1)
+            place = point(self._path, 1, 1)
             advice = "clingo adds up costs in 32 bits: make the weights smaller"
             found = Diagnostic("costs", "error", str(error), place, help=advice)
             raise MarsError((found,)) from None
+        _check_externals(given, grounding.externals, self._path)
         if resolution is None or not resolution.answer.exists:
-            place = point(self.files[0].shown if self.files else "program", 1, 1)
+            place = point(self._path, 1, 1)
             message = "the program has no answer"
             advice = "`why_unsatisfiable` names rules that exclude every answer together"
             found = Diagnostic("unsatisfiable", "error", message, place, help=advice)
@@ -144,29 +185,76 @@ class Program:
         spans: dict[str, Span] = {}
         for each in said(grounding.control, _STAGE, stated):
             spans.setdefault(text(each.head), each.rule.span)
-        return Answer(self, defined, grounding, resolution, spans)
+        return Answer(program, defined, grounding, resolution, spans)
 
     def why_unsatisfiable(
-        self, constants: Mapping[str, int | str] | None = None
-    ) -> tuple[Rule, ...]:
-        """Return rules and facts that together have no answer, none of which could be left out.
+        self,
+        constants: Constants | None = None,
+        limit: int = 10,
+        externals: Externals | None = None,
+        parts: Sequence[str] = ("base",),
+    ) -> Conflicts:
+        """Return the minimal sets of ground rules and facts that together have no answer.
 
-        There are none where the program has an answer.
+        There are none if the program has an answer, and at most `limit` are returned.
+
+        Raises:
+            MarsError: clingo refuses the program, or there is no such part or external.
         """
-        return self._conflict("", _definitions(constants or {}))
+        given = _externals(externals or {}, self._path)
+        search = self.with_parts(parts).conflicts(_definitions(constants or {}), given)
+        return search.minimal(limit)
+
+    def conflicts(
+        self, defined: Sequence[str], externals: Mapping[clingo.Symbol, bool | None]
+    ) -> ConflictSearch:
+        """Return the search for conflicts, for options of clingo and the values of externals."""
+        rest = "\n".join(without_rules(file.text) for file in self.files)
+        return ConflictSearch(self.rulebook.rules, rest, self.externals, externals, defined)
 
     @contextmanager
     def session(self) -> Iterator["Session"]:
         """Keep what was grounded between questions."""
         yield Session(self)
 
-    def _conflict(self, more: str, defined: Sequence[str]) -> tuple[Rule, ...]:
-        fixed = "\n".join([*(without_rules(file.text) for file in self.files), more])
-        return tuple(minimal_conflict(self.rulebook.rules, fixed, defined))
+    def with_parts(self, parts: Sequence[str]) -> "Program":
+        """Return the program of some parts alone, such as `base` and `step(1)`.
+
+        Raises:
+            MarsError: there is no such part.
+        """
+        known = parts_of(self.files)
+        signatures = {(each.name, len(each.parameters)) for each in known}
+        found = [(part, symbol_in(part)) for part in dict.fromkeys(parts)]
+        for part, symbol in found:
+            is_term = symbol is not None and symbol.type == clingo.SymbolType.Function
+            if (
+                symbol is None
+                or not is_term
+                or (symbol.name, len(symbol.arguments)) not in signatures
+            ):
+                names = " and ".join(f"`{each}`" for each in known)
+                message, place = f"`{part}` is not a part of the program", point(self._path, 1, 1)
+                advice = f"it has {names}; give values for parameters"
+                raise MarsError((Diagnostic("part", "error", message, place, help=advice),))
+        if known == [BASE_PART] and found:
+            return self
+        files = tuple(
+            of_part(file, symbol, not number)
+            for number, (_, symbol) in enumerate(found)
+            for file in self.files
+            if symbol is not None
+        )
+        return replace(self, files=files, source=self)
+
+    @property
+    def _path(self) -> str:
+        return self.files[0].shown if self.files else "program"
 
     def line_at(self, span: Span) -> str:
         """Return the text of the line where something stands."""
-        text = next((file.text for file in self.files if file.shown == span.path), "")
+        files = (self.source or self).files
+        text = next((file.text for file in files if file.shown == span.path), "")
         return "".join(text.split("\n")[span.line - 1 : span.line]).strip()
 
 
@@ -175,13 +263,19 @@ class Session:
     """Questions to a program; each answer is found once."""
 
     program: Program
-    _answers: dict[tuple[tuple[str, int | str], ...], "Answer"] = field(default_factory=dict)
+    _answers: dict[tuple[object, ...], "Answer"] = field(default_factory=dict)
 
-    def solve(self, constants: Mapping[str, int | str] | None = None) -> "Answer":
+    def solve(
+        self,
+        constants: Constants | None = None,
+        externals: Externals | None = None,
+        parts: Sequence[str] = ("base",),
+    ) -> "Answer":
         """Return what `Program.solve` does, found once."""
-        key = tuple(sorted((constants or {}).items()))
+        values = (tuple(sorted((each or {}).items())) for each in (constants, externals))
+        key = (*values, tuple(parts))
         if key not in self._answers:
-            self._answers[key] = self.program.solve(constants)
+            self._answers[key] = self.program.solve(constants, externals=externals, parts=parts)
         return self._answers[key]
 
     def why(self, atom: str, every: bool = False) -> "Reason":
@@ -193,20 +287,49 @@ class Session:
         return self.solve().why_not(atom, depth)
 
 
+class Choice(NamedTuple):
+    """How a chosen atom compares with answers that lack it.
+
+    If there are none, `reasons` are instances of rules that exclude them together.
+    """
+
+    lack: Lack
+    reasons: Conflict = ()
+
+
+_REMARKS: Mapping[Lack, str] = {
+    "never": "no answer lacks it",
+    "free": "chosen freely: another answer lacks it",
+    "equal": "chosen, though an answer without it costs as little",
+    "dearer": "chosen as the cheapest",
+}
+
+
+def _remark(choice: Choice) -> Chosen:
+    reasons = ("without it, these conflict:", *map(instance_line, choice.reasons))
+    return Chosen(_REMARKS[choice.lack], reasons if choice.reasons else ())
+
+
+def _choice_json(choice: Choice) -> Mapping[str, object]:
+    return {"choice": choice.lack, "reasons": conflict_json(choice.reasons)}
+
+
 @dataclass(frozen=True)
 class Reason:
     """Why an atom holds or not: a trace, and how it is shown.
 
-    Of an absence, `extra` is what the cheapest answer with the atom costs more, by priority, and
-    `against` are rules that together exclude every answer with it; each is `None` where it was not
-    looked for: an atom that no choice could give is in no answer anyhow.
+    Of an absence, `extra` is what the cheapest answer with the atom costs more, by level, and
+    `against` are instances of rules that together exclude every answer with it; each is `None`
+    where it was not looked for: an atom that no choice could give is in no answer anyhow. `chosen`
+    compares a step that a choice gives with the answers that lack its atom.
     """
 
     title: str
     trace: Trace
     line_at: Callable[[Span], str]
     extra: Mapping[int, int] | None = None
-    against: tuple[Rule, ...] | None = None
+    against: Conflict | None = None
+    chosen: Callable[[Derived], "Choice"] = lambda _: Choice("dearer")
 
     def text(self, width: int = WIDTH, depth: int | None = None) -> str:
         """Return the trace as text: what rules say, and where they and the facts stand.
@@ -214,20 +337,31 @@ class Reason:
         A rule without a message is told by the atom that it gives. Below `depth`, facts follow.
         """
         topics = [(self.title, self.trace)]
-        lines = list(traces_text(topics, self.line_at, depth, width, folded=False, places=True))
-        if self.extra is not None:
-            costs = [f"{cost} at priority {at}" for at, cost in sorted(self.extra.items())[::-1]]
-            lines.append(f"  with it an answer costs {' and '.join(costs)} more")
-        if self.against:
-            lines.append("  no answer has it:")
-            lines += (
-                f"    {rule.span.path}:{rule.span.line}: {rule.text}" for rule in self.against
+        lines = list(
+            traces_text(
+                topics,
+                self.line_at,
+                depth,
+                width,
+                folded=False,
+                places=True,
+                chosen=lambda step: _remark(self.chosen(step)),
             )
+        )
+        if self.extra is not None:
+            lines.append(f"  with it, an answer {_price(self.extra)}")
+        if self.against is not None:
+            lines += ["  no answer has it:", *conflict_lines(self.against, 1, width)]
         return "\n".join(lines)
 
     def json(self, depth: int | None = None) -> dict[str, object]:
         """Return the trace as values for JSON."""
-        return trace_json(self.trace, depth)
+        found = trace_json(self.trace, depth, lambda step: _choice_json(self.chosen(step)))
+        if self.extra is not None:
+            found["extra_cost"] = {str(level): cost for level, cost in self.extra.items()}
+        if self.against is not None:
+            found["against"] = conflict_json(self.against)
+        return found
 
     def leaves(self) -> Sequence[Given]:
         """Return the facts that the trace rests on, each once, in the order of their places."""
@@ -276,7 +410,7 @@ class Answer:
 
     @property
     def count(self) -> int | None:
-        """Return how many answers cost as little; `None` where nobody counted."""
+        """Return how many answers cost as little, or None if `solve` did not count them."""
         return self.resolution.count
 
     @cached_property
@@ -285,7 +419,7 @@ class Answer:
         control, own = self.grounding.control, predicate_of(_STAGE)
         facts = (atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
         chosen = map(as_symbol, self.resolution.answer.taken)
-        return frozenset(atom for atom in (*facts, *chosen) if atom.name != own)
+        return frozenset(a for a in (*facts, *chosen) if a.name not in (own, _EXTERNAL))
 
     def holds(self, atom: str) -> bool:
         """Whether an atom, as clingo writes it, is in the answer."""
@@ -302,7 +436,8 @@ class Answer:
             message = f"`{atom}` does not hold" if symbol else f"`{atom}` is not an atom"
             found = Diagnostic("atom", "error", message, point(self._path, 1, 1))
             raise NotDerived((found,))
-        return Reason(str(symbol), self._explainer.why([symbol], every)[symbol], self._line_at)
+        trace = self._explainer.why([symbol], every)[symbol]
+        return Reason(str(symbol), trace, self._line_at, chosen=self._choice)
 
     def why_not(self, atom: str, depth: int = 8) -> Reason:
         """Return why an atom does not hold; its variables, and `_`, stand for any value.
@@ -318,34 +453,65 @@ class Answer:
             raise NotDerived((found,))
         trace = why_not(self._explainer, pattern, depth)
         extra, against = self._forced(pattern)
-        return Reason(f"no {atom}", trace, self._line_at, extra, against)
+        return Reason(f"no {atom}", trace, self._line_at, extra, against, self._choice)
 
-    def _forced(
-        self, pattern: clingo.Symbol
-    ) -> tuple[Mapping[int, int] | None, tuple[Rule, ...] | None]:
+    def _forced(self, pattern: clingo.Symbol) -> tuple[Mapping[int, int] | None, Conflict | None]:
         """Return what the cheapest answer with an atom costs more, or what excludes each."""
         found = self.grounding.symbols(pattern.name, len(pattern.arguments))
         best: Mapping[int, int] | None = None
-        offered = [each for each in sorted(found) if fits(pattern, each)][:_MOST_TRIED]
-        for each in offered:
+        offered = [each for each in sorted(found) if fits(pattern, each)]
+        for each in offered[:_MOST_TRIED]:
             extra = self.grounding.extra_cost(each)
-            if extra is not None and (best is None or _ranked(extra) < _ranked(best)):
-                best = extra
+            if extra is not None:
+                extra = {level: extra.get(level, 0) for level in sorted(self.cost, reverse=True)}
+                if best is None or [*extra.values()] < [*best.values()]:
+                    best = extra
         if best is not None or not offered:
             return best, None
-        return None, self.program._conflict(f":- not {offered[0]}.", self.constants)
+        return None, next(iter(self._conflicts.minimal(1, offered)), None)
+
+    @cached_property
+    def _conflicts(self) -> ConflictSearch:
+        return self.program.conflicts(self.constants, self.grounding.externals)
+
+    def _choice(self, step: Derived) -> Choice:
+        symbol = as_symbol(step.head)
+        if symbol not in self._choices:
+            lack = self.grounding.lacks(symbol)
+            reasons: Conflict = ()
+            if lack == "never":
+                reasons = next(iter(self._conflicts.minimal(1, [symbol], holds=False)), ())
+            self._choices[symbol] = Choice(lack, reasons)
+        return self._choices[symbol]
+
+    @cached_property
+    def _choices(self) -> dict[clingo.Symbol, Choice]:
+        return {}
 
     @cached_property
     def _explainer(self) -> Explainer:
-        symbols = ((clingo.parse_term(text), span) for text, span in self.spans.items())
+        external = self._externals
+        spans = {**self.spans, **{each: at for each, at in external.items() if self.holds(each)}}
+        symbols = ((clingo.parse_term(text), span) for text, span in spans.items())
         facts = [Fact(_atom_of(symbol), span) for symbol, span in symbols]
         control, opened = self.grounding.control, self.resolution.answer.true
-        given = GivenFacts(facts, self.program.explained.declarations)
+        given = GivenFacts(facts, self.program.explained.declarations, external)
         return Explainer(self.program.explained, control, given, opened)
 
     @property
+    def _externals(self) -> dict[str, Span]:
+        """Return the places of the atoms that are external, by their texts."""
+        found = self.grounding.control.symbolic_atoms.by_signature(_EXTERNAL, 2)
+        pairs = (atom.symbol.arguments for atom in found if self.grounding.externals)
+        return {
+            str(symbol): self.program.externals[number.number].span
+            for number, symbol in pairs
+            if symbol in self.grounding.externals
+        }
+
+    @property
     def _path(self) -> str:
-        return self.program.files[0].shown if self.program.files else "program"
+        return self.program._path
 
     def _line_at(self, span: Span) -> str:
         return self.program.line_at(span)
@@ -357,7 +523,7 @@ def _atom_of(symbol: clingo.Symbol) -> Atom:
     return Atom(f"{sign}{symbol.name}", tuple(map(term_of, symbol.arguments)))
 
 
-def _definitions(constants: Mapping[str, int | str]) -> tuple[str, ...]:
+def _definitions(constants: Constants) -> tuple[str, ...]:
     """Return constants as options of clingo.
 
     Raises:
@@ -379,5 +545,49 @@ def _states(rule: Rule) -> bool:
     return all(s.forces and not s.literals[1:] and not s.written[1:] for s in rule.statements)
 
 
-def _ranked(extra: Mapping[int, int]) -> list[int]:
-    return [extra[level] for level in sorted(extra, reverse=True)]
+def _price(extra: Mapping[int, int]) -> str:
+    """Return what an answer with an atom would cost beyond the cheapest, at every level."""
+    if not extra:
+        return "is as good: nothing is minimised"
+    if not any(extra.values()):
+        return "would cost as much"
+    *others, last = (f"{_difference(cost)} at level {level}" for level, cost in extra.items())
+    return f"would cost {' and '.join(filter(None, (', '.join(others), last)))}"
+
+
+def _difference(cost: int) -> str:
+    return f"{abs(cost)} {'more' if cost > 0 else 'less'}" if cost else "as much"
+
+
+def _externals(values: Externals, path: str) -> dict[clingo.Symbol, bool | None]:
+    """Return the values of externals by their symbols.
+
+    Raises:
+        MarsError: a name is not an atom.
+    """
+    found = {symbol_in(atom): value for atom, value in values.items()}
+    if None in found:
+        wrong = next(atom for atom in values if symbol_in(atom) is None)
+        place, advice = point(path, 1, 1), "write it as in an answer, such as `open(door)`"
+        message = f"`{wrong}` is not an atom"
+        raise MarsError((Diagnostic("external", "error", message, place, help=advice),))
+    return {atom: value for atom, value in found.items() if atom is not None}
+
+
+def _check_externals(
+    given: Mapping[clingo.Symbol, bool | None], known: Collection[clingo.Symbol], path: str
+) -> None:
+    """Refuse values of atoms that are not external.
+
+    Raises:
+        MarsError: there are some.
+    """
+    names = [f"`{each}`" for each in sorted(known)]
+    advice = (
+        f"external are {', '.join(names[:_MOST_NAMED])}" if names else "declare it: `#external`"
+    )
+    place = point(path, 1, 1)
+    wrong = [each for each in given if each not in known]
+    if wrong:
+        messages = (f"`{each}` is not an external of the program" for each in wrong)
+        raise MarsError(Diagnostic("external", "error", m, place, help=advice) for m in messages)

@@ -1,15 +1,21 @@
 """The engine's face, on programs of other fields."""
 
+import os
 import random
+import re
 import subprocess
 import sys
-from itertools import islice
+from collections.abc import Iterable, Iterator
+from itertools import combinations, islice
+from math import comb
 from pathlib import Path
+from typing import Any, cast
 
 import clingo
 import pytest
 
 from mars_asp import MarsError, asp
+from mars_asp.asp.solve import optimum
 from mars_asp.asp.trace.tree import Derived, Missing
 from tests.support.documents import ROOT
 from tests.support.random_programs import ATOMS, random_program
@@ -99,11 +105,37 @@ def test_an_absence_names_the_nearest_that_each_rule_comes() -> None:
     assert reason.against is None
 
 
+def test_a_negated_message_is_about_the_instance_of_its_rule() -> None:
+    """The messages hold: there is an edge from `e` to `f`, and 4 has a colour."""
+    text = of("reachability").solve().why_not("reach(f)").text(width=200)
+    assert "reach(f) would hold because an edge leads from `e` to `f`, but" in text
+    text = of("colouring").solve().why_not("has(4,blue)").text(width=200)
+    assert "has(4,blue) would hold because `4` has one colour, but" in text
+    assert "it does not hold that" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "absent"),
+    [
+        # Either premise is absent: the search for `q` would go on to `s` and `t`.
+        ("p(X) :- q(X,Y), r(Z). q(X,Y) :- s(X,Y). s(X,Y) :- t(X,Y). t(1,2).", "no r(Z)"),
+        ("p(X) :- q(X,Y), r(Y,X). q(X,Y) :- s(X,Y). s(X,Y) :- t(X,Y). r(2,3).", "no r(Y,5)"),
+        ("p(X+1) :- p(X), r(X+1). r(0..3). p(0).", "no r(5)"),
+        ("p(X) :- q(X), not r(X). q(X) :- s(X). s(X) :- t(X). r(5).", "r(5)"),
+    ],
+)
+def test_an_absence_ends_at_the_first_given_fact_that_is_absent(text: str, absent: str) -> None:
+    reason = asp.Program.from_text(text).solve().why_not("p(5)")
+    lines = [line.strip() for line in reason.text().splitlines()]
+    assert lines[2].split("  ")[0] == absent
+    assert len(lines) == 3
+
+
 def test_what_an_atom_would_cost() -> None:
     answer = asp.Program.from_text(COLOURING).solve()
     assert (answer.cost, answer.proven) == ({0: 8}, True)
     assert answer.why_not("has(9,3)").extra == {0: 2}
-    assert "costs 2 at priority 0 more" in answer.why_not("has(9,3)").text()
+    assert "an answer would cost 2 more at level 0\n" in f"{answer.why_not('has(9,3)').text()}\n"
     # A variable stands for any value: the cheapest counts.
     assert answer.holds("has(9,1)")
     assert not answer.holds("has(9,2)")
@@ -114,8 +146,70 @@ def test_what_stands_against_an_atom() -> None:
     reason = program.solve().why_not("d")
     assert reason.extra is None
     assert reason.against is not None
-    assert [rule.text for rule in reason.against] == ["{ a; b }.", "c.", ":- a, c.", "d :- a."]
+    assert [each.text for each in reason.against] == ["c.", ":- a, c."]
     assert "no answer has it:" in reason.text()
+
+
+@pytest.mark.parametrize(
+    ("costs", "extra", "words"),
+    [
+        ("2@20,c : c; -1@10,z : z; 1@5,b : b", {20: 2, 10: -1, 5: 0},
+         "2 more at level 20, 1 less at level 10 and as much at level 5"),
+        ("0@20,c : c; 3@7,d : d", {20: 0, 7: 0}, "would cost as much"),
+        ("", {}, "is as good: nothing is minimised"),
+    ],
+)  # fmt: skip
+def test_the_extra_cost_has_a_number_at_every_level(
+    costs: str, extra: dict[int, int], words: str
+) -> None:
+    text = f"1 {{ a; z }} 1. {{ b; d }}. c :- z. #minimize {{ {costs} }}."
+    answer = asp.Program.from_text(text).solve()
+    reason = answer.why_not("c")
+    assert reason.extra == extra
+    assert f"with it, an answer {words}" in reason.text().replace("would cost 2", "2")
+    assert reason.json()["extra_cost"] == {str(level): cost for level, cost in extra.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "atom", "remark", "reasons"),
+    [
+        ("1 { a; b } 1. #minimize { 1 : b }.", "a", "chosen as the cheapest", []),
+        ("1 { a; b } 1. :- b.", "a", "no answer lacks it", ["1 <= { a; b } <= 1.", ":- b."]),
+        # The cost of the others does not matter if no answer lacks the atom.
+        ("1 { a; b } 1. :- b. #minimize { 1 : a }.", "a", "no answer lacks it",
+         ["1 <= { a; b } <= 1.", ":- b."]),
+        ("{ a }. #minimize { 1 : b }. { b }.", "a", "chosen freely: another answer lacks it", []),
+        ("1 { a; b } 1. #minimize { 1 : a; 1 : b }.", "a",
+         "chosen, though an answer without it costs as little", []),
+        ("#maximize { 1 : a }. { a }.", "a", "chosen as the cheapest", []),
+    ],
+)  # fmt: skip
+def test_a_choice_is_compared_with_the_answers_that_lack_its_atom(
+    text: str, atom: str, remark: str, reasons: list[str]
+) -> None:
+    reason = asp.Program.from_text(text).solve().why(atom)
+    lines = [line.strip() for line in reason.text().splitlines()[1:]]
+    assert lines[0].split("  [")[0] == f"{atom}, {remark}"
+    assert [line.rpartition("  ")[0] for line in lines[1:] if ".  " in line] == reasons
+    shown = cast("list[dict[str, object]]", reason.json()["reasons"])
+    assert [each["text"] for each in shown] == reasons
+
+
+def test_optima_are_counted_on_request_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = asp.Program.from_text("{ p(1..10) } 4.")
+    models = []
+    solve_again = optimum._models
+
+    def counted(*given: Any) -> Iterator[clingo.Model]:
+        for model in solve_again(*given):
+            models.append(model)
+            yield model
+
+    monkeypatch.setattr(optimum, "_models", counted)
+    assert program.solve().count is None
+    # One answer is found, and at most two in search of another one.
+    assert len(models) <= 3
+    assert program.solve(count=True).count == sum(comb(10, size) for size in range(5))
 
 
 def test_constants_replace_those_of_the_program() -> None:
@@ -145,17 +239,88 @@ def test_facts_with_signs_and_underscores_are_leaves_like_others() -> None:
 
 
 def test_a_conflict_holds_no_rule_too_many() -> None:
-    conflict = asp.Program.from_text(COLOURING).why_unsatisfiable({"n": 2})
-    assert [rule.text for rule in conflict] == [
-        "colour(1..n).",
-        "edge(1,2;2,3;3,1;3,4).",
-        "node(1..4).",
-        "1 { has(X,C) : colour(C) } 1 :- node(X).",
-        ":- edge(X,Y), has(X,C), has(Y,C).",
+    conflicts = asp.Program.from_text(COLOURING).why_unsatisfiable({"n": 1}, limit=2)
+    assert not conflicts.complete
+    (first, second) = conflicts
+    assert [each.text for each in first] == [
+        "edge(1,2).",
+        "node(1).",
+        "node(2).",
+        "1 <= { has(1,C): colour(C) } <= 1 :- node(1).",
+        "1 <= { has(2,C): colour(C) } <= 1 :- node(2).",
+        ":- edge(1,2), has(1,1), has(2,1).",
     ]
-    assert asp.Program.from_text(COLOURING).why_unsatisfiable() == ()
+    assert len(second) == 6
+    assert conflicts.text().startswith("no answer: 2 minimal conflicts, and there may be more\n")
+    assert max(map(len, conflicts.text(width=40).splitlines())) <= 40
+    none = asp.Program.from_text(COLOURING).why_unsatisfiable()
+    assert (len(none), none.text()) == (0, "the program has an answer")
     alone = asp.Program.from_text("p :- not p. q.").why_unsatisfiable()
-    assert [rule.text for rule in alone] == ["p :- not p."]
+    assert [each.text for (conflict) in alone for each in conflict] == ["p :- not p."]
+
+
+def instances_of(text: str) -> list[tuple[str, str]]:
+    """Return the instances of random rules over X = 1..2, and each as it is when left open."""
+    found = []
+    for rule in text.split("\n"):
+        for value in ("1", "2") if "X" in rule else ("",):
+            ground = rule.replace("X", value)
+            head, _, body = ground.rstrip(".").partition(":- ")
+            left_open = f"{{ {head} }} :- {body or '#true'}." if head.strip() else ""
+            if head.startswith("1 {"):
+                left_open = f"{head[2:]} :- {body or '#true'}."
+            found.append((ground, left_open))
+    return found
+
+
+def random_conflicting(seed: int) -> str:
+    rng = random.Random(seed)
+    atoms = ["a", "b", "p(X)", "q(X)", "p(1)", "q(2)"]
+    lines = ["dom(1).", "dom(2)."]
+    for _ in range(rng.randint(4, 6)):
+        body = [f"{rng.choice(('', '', 'not '))}{each}" for each in rng.sample(atoms, 2)]
+        body = body[: rng.randint(1, 2)]
+        head = rng.choice(["", "", "", rng.choice(atoms), f"1 {{ {rng.choice(atoms)}; b }}"])
+        has_variable = "X" in f"{head}{body}"
+        lines.append(f"{head} :- {'; '.join([*body, *(['dom(X)'] if has_variable else [])])}.")
+    return "\n".join(dict.fromkeys([*lines, "{ a }.", "p(1).", "q(2)."])).replace("\n :-", "\n:-")
+
+
+def has_answer(lines: Iterable[str]) -> bool:
+    control = clingo.Control(["--warn=none"])
+    control.add("base", [], "\n".join(lines))
+    control.ground()
+    return bool(control.solve().satisfiable)
+
+
+@pytest.mark.parametrize("seed", (1, 3, 11, 31, 66, 97))
+def test_all_minimal_conflicts_are_those_of_brute_force(seed: int) -> None:
+    """Each set of instances is tried, the smallest first; all others are left open."""
+    text = random_conflicting(seed)
+    found = asp.Program.from_text(text).why_unsatisfiable(limit=50)
+    assert found.complete
+    wanted = minimal_sets(text)
+    assert len(found) == len(wanted)
+    for conflict in found:
+        assert frozenset(map(_plain, (each.text for each in conflict))) in wanted, text
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[ ,;]|<=|:-$", "", text)
+
+
+def minimal_sets(text: str) -> set[frozenset[str]]:
+    instances = [each for each in instances_of(text) if not each[0].startswith("{")]
+    free = [line for line in text.split("\n") if line.startswith("{")]
+    found: list[frozenset[int]] = []
+    for size in range(1, len(instances) + 1):
+        for kept in map(frozenset, combinations(range(len(instances)), size)):
+            if any(each <= kept for each in found):
+                continue
+            lines = (each[at not in kept] for at, each in enumerate(instances))
+            if not has_answer([*lines, *free]):
+                found.append(kept)
+    return {frozenset(_plain(instances[at][0]) for at in each) for each in found}
 
 
 def test_an_answer_can_be_asked_again_and_again() -> None:
@@ -182,12 +347,28 @@ def test_everything_that_is_wrong_is_told_with_its_place(tmp_path: Path) -> None
         asp.Program.from_text(wrong, "wrong.lp")
     (found,) = raised.value.diagnostics
     assert (found.span.path, found.span.line) == ("wrong.lp", 2)
-    with pytest.raises(MarsError) as raised:
-        asp.Program.from_text("p(X) :- q.", "wrong.lp").solve()
-    (found,) = raised.value.diagnostics
-    assert (found.span.path, found.span.line) == ("wrong.lp", 1)
     with pytest.raises(MarsError):
         asp.Program.from_files(tmp_path / "nothing.lp")
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("p(X) :- q.", [("X", 1, 3)]),
+        ("q.\np(1,\n  Y) :- q,\n  X < Z.", [("Y", 3, 3), ("X", 4, 3), ("Z", 4, 7)]),
+        ('q("üü"). p(X) :- q("üü").', [("X", 1, 12)]),
+        ("#minimize { W : q }. q.", [("W", 1, 13)]),
+    ],
+)
+def test_each_unsafe_variable_is_reported_at_its_own_place(
+    text: str, places: list[tuple[str, int, int]]
+) -> None:
+    with pytest.raises(MarsError) as raised:
+        asp.Program.from_text(text, "wrong.lp")
+    expected = [("rule-unsafe", f"nothing in the body binds `{name}`", line, column)
+                for name, line, column in places]  # fmt: skip
+    found = [(d.code, d.message, d.span.line, d.span.column) for d in raised.value.diagnostics]
+    assert found == expected
 
 
 def solved(text: str) -> tuple[list[frozenset[clingo.Symbol]], list[int]]:
@@ -210,7 +391,7 @@ def test_answers_are_clingos_own(seed: int) -> None:
     """Random programs, of which clingo says on its own what is least, and all of it."""
     rng = random.Random(seed)
     rules, given = random_program(seed)
-    weights = [f"{rng.randint(1, 3)}@{rng.randint(1, 2)},{n} : {atom}" for n, atom in
+    weights = [f"{rng.choice((-2, -1, 1, 2, 3))}@{rng.randint(1, 2)},{n} : {atom}" for n, atom in
                enumerate(rng.sample(ATOMS, 4))]  # fmt: skip
     costs = f"#minimize {{ {'; '.join(weights)} }}." if rng.random() < 0.6 else ""
     text = "\n".join((rules, *(f"{atom}." for atom in given), costs))
@@ -221,8 +402,9 @@ def test_answers_are_clingos_own(seed: int) -> None:
             program.solve()
         assert program.why_unsatisfiable()
         return
-    answer = program.solve()
+    answer = program.solve(count=True)
     assert answer.atoms in answers
+    assert program.solve().atoms == answer.atoms
     assert answer.proven
     if len(answers) < MOST_ANSWERS:
         assert answer.count == len(set(answers))
@@ -232,3 +414,134 @@ def test_answers_are_clingos_own(seed: int) -> None:
     traces = [answer.why(str(atom)).trace for atom in answer.atoms]
     facts = {clingo.parse_term(leaf) for leaf in answer.spans}
     assert faults(traces, facts, answer.atoms) == []
+
+
+def test_a_program_includes_files_relative_to_the_including_one(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    main, inner, last = tmp_path / "main.lp", tmp_path / "sub/inner.lp", tmp_path / "sub/last.lp"
+    main.write_text('% #include "nowhere.lp".\na. #include "sub/inner.lp". d :- c(X), X > 1.\n')
+    inner.write_text('b.\n#include "last.lp".\n#include "last.lp".\nc(2).\n')
+    last.write_text("c(1..2) :-\n b.\n")
+    answer = asp.Program.from_files(main).solve()
+    assert sorted(map(str, answer.atoms)) == ["a", "b", "c(1)", "c(2)", "d"]
+    text = answer.why("d").text(width=200)
+    assert "main.lp:2" in text
+    assert f"c(2)  {inner}:4" in text
+    assert f"[last:1] {last}:1" in answer.why("c(1)").text(width=200)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('a.\n  #include "nope.lp".', "No such file or directory"),
+        ('a.\n  #include "circle.lp".', "`circle.lp` includes itself"),
+        ('a.\n  #include ".".', "no regular file"),
+        ('a.\n  #include "large.lp".', "larger than"),
+        ("a.\n  #include <incmode>.", "`#include` names no file"),
+        ('a.\n  #include "pipe".', "no regular file"),
+    ],
+)
+def test_what_cannot_be_included_is_reported_at_its_include(
+    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("circle.lp").write_text('b.\n  #include "circle.lp".')
+    os.mkfifo("pipe")
+    with Path("large.lp").open("wb") as large:
+        large.truncate(9 * 1024 * 1024)
+    with pytest.raises(MarsError) as raised:
+        asp.Program.from_text(text)
+    (found,) = raised.value.diagnostics
+    assert message in found.message
+    assert (found.span.line, found.span.column) == (2, 3)
+    assert found.help is not None
+
+
+def test_an_include_in_a_string_is_refused_and_in_a_comment_it_means_nothing() -> None:
+    text = 'a. %* #include "x.lp". *% b. % #include "x.lp".\n'
+    assert len(asp.Program.from_text(text).solve().atoms) == 2
+    with pytest.raises(MarsError, match="`#include` is not allowed"):
+        asp.Program.from_text('a("#include x").')
+
+
+def test_externals_are_false_unless_a_value_is_given() -> None:
+    text = "q(1..2). #external e(X) : q(X). #external f. [true]\nr(X) :- e(X). s :- not e(1)."
+    program = asp.Program.from_text(text)
+    assert program.solve(externals={"e(2)": None}, count=True).count == 2
+    answer = program.solve(externals={"e(2)": True, "f": False})
+    assert not answer.holds("f")
+    reason = answer.why("r(2)")
+    assert reason.text().splitlines()[2] == "        e(2), external  program.lp:1"
+    (leaf,) = cast("list[dict[str, object]]", reason.json()["premises"])
+    assert leaf["kind"] == "external"
+    assert "no e(1), external and false  program.lp:1" in answer.why("s").text()
+    absence = answer.why_not("r(1)").text()
+    assert "no e(1), external and false  program.lp:1" in absence
+    assert "#external e(1) is false  program.lp:1" in absence
+    with pytest.raises(MarsError, match=r"`e\(3\)` is not an external of the program"):
+        program.solve(externals={"e(3)": True})
+    with pytest.raises(MarsError, match="is not an atom"):
+        program.solve(externals={"e(": True})
+    conflicts = asp.Program.from_text("#external h. [true] :- h.").why_unsatisfiable()
+    assert "#external h is true  program.lp:1" in conflicts.text()
+    assert len(asp.Program.from_text("#external h. [true] :- h.").why_unsatisfiable(
+        externals={"h": False})) == 0  # fmt: skip
+
+
+def test_parts_are_grounded_on_request_with_their_arguments() -> None:
+    text = "q. #program step(t).\nr(t) :- q,\n not r(t-1). #program base. s."
+    program = asp.Program.from_text(text)
+    assert sorted(map(str, program.solve().atoms)) == ["q", "s"]
+    answer = program.solve(parts=["base", "step(1)", "step(2)", "step(-3)"])
+    assert sorted(map(str, answer.atoms)) == ["q", "r(-3)", "r(1)", "s"]
+    assert "[program:2] program.lp:2" in answer.why("r(1)").text()
+    assert "r(1)  [program:2]" in answer.why_not("r(2)").text()
+    with pytest.raises(MarsError, match="`step` is not a part of the program"):
+        program.solve(parts=["step"])
+
+
+def random_files(rng: random.Random, folder: Path) -> list[str]:
+    """Write three files that include each other, with parts and externals; return parts of them."""
+    names = ["main", "one", "two"]
+    for number, name in enumerate(names):
+        lines = []
+        for _ in range(rng.randint(2, 6)):
+            atoms = [rng.choice(("a", "b", "p(k)", "p(1)", "q(k,2)", "q(1,2)")) for _ in range(2)]
+            sign, end = rng.choice(("", "not ")), rng.choice(("", " [true]", " [false]"))
+            lines.append(rng.choice((f"{atoms[0]}.", f"{atoms[0]} :- {sign}{atoms[1]}.",
+                f"#external {atoms[0]}.{end}", f"{{ {atoms[0]} }}.", "#program base.",
+                "#program go(k).", "#program on(k).", ":- p(k), not a.")))  # fmt: skip
+            if number < 2 and rng.random() < 0.4:
+                lines.append(f'#include "{rng.choice(names[number + 1 :])}.lp".')
+        (folder / f"{name}.lp").write_text("\n".join(lines))
+    return rng.choice((["base"], ["base", "go(1)"], ["base", "go(2)", "on(1)"], ["on(1)"]))
+
+
+@pytest.mark.parametrize("seed", range(0, 60, 10))
+def test_files_parts_and_externals_mean_what_they_do_to_clingo(seed: int, tmp_path: Path) -> None:
+    for each in range(seed, seed + 10):
+        rng = random.Random(each)
+        parts = random_files(rng, tmp_path)
+        try:
+            program = asp.Program.from_files(tmp_path / "main.lp")
+            parts = [part for part in parts if program.with_parts([part])]
+        except MarsError:
+            # Clingo knows any part, and grounds nothing for one that has no statement.
+            continue
+        control = clingo.Control(["0", "--warn=none"])
+        control.load(str(tmp_path / "main.lp"))
+        symbols = list(map(clingo.parse_term, parts))
+        control.ground([(symbol.name, symbol.arguments) for symbol in symbols])
+        known = [atom.symbol for atom in control.symbolic_atoms if atom.is_external]
+        values = {str(symbol): rng.choice((True, False)) for symbol in known if rng.random() < 0.5}
+        for atom, value in values.items():
+            control.assign_external(clingo.parse_term(atom), value)
+        with control.solve(yield_=True) as handle:
+            wanted = {frozenset(model.symbols(atoms=True)) for model in handle}
+        try:
+            answer = program.solve(externals=values, parts=parts, count=True)
+        except asp.Unsatisfiable:
+            assert not wanted, each
+            continue
+        assert answer.atoms in wanted, each
+        assert answer.count == len(wanted), each

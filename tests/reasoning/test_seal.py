@@ -160,7 +160,7 @@ def test_a_case_passes_the_gate_and_the_mask(tmp_path: Path) -> None:
         ('p("ü", @f(1)).\n', (1, 8)),
         ('p("ü", 1/0).\n%=\n', (1, 8)),
         ("p(3000000000).\n", (1, 3)),
-        ("p(X) :- q(Y).\n", (1, 1)),
+        ("p(X) :- q(Y).\n", (1, 3)),
     ]:
         path.write_text(text, encoding="utf-8")
         with pytest.raises(MarsError) as caught:

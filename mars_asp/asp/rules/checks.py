@@ -27,7 +27,6 @@ from mars_asp.diagnostic import Diagnostic, Span, point
 from mars_asp.spelling import nearest
 
 _NUMBER = re.compile(r"-?[0-9]+")
-_UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
 
 #: What is found in all packs together.
 _TWICE = "redefinition of constant"
@@ -135,14 +134,10 @@ def refused_rules(text: str, shown: str) -> Iterator[Diagnostic]:
         control.add("base", [], masked(text))
         control.ground([("nothing", [])])
     except RuntimeError:
-        for place, said, _ in fragments.notes(notes, [Fragment(masked(text), shown)]):
-            unsafe = [f"`{name}`" for name in _UNSAFE.findall(said)]
-            if unsafe:
-                message = f"nothing in the body binds {' and '.join(dict.fromkeys(unsafe))}"
-                advice = "name it in a literal of the body that is not negated"
-                yield Diagnostic("rule-unsafe", "error", message, place, help=advice)
-            elif not said.startswith(_TWICE):
-                yield Diagnostic("rule-syntax", "error", said, place)
+        for note in fragments.notes(notes, [Fragment(masked(text), shown)]):
+            yield from fragments.unbound(note)
+            if not note.unsafe and not note.said.startswith(_TWICE):
+                yield Diagnostic("rule-syntax", "error", note.said, note.place)
 
 
 class Reader(NamedTuple):
@@ -268,7 +263,7 @@ def misplaced_statements(
                 message = "`#show` of a term shows a term that no rule derives"
                 advice = "derive a predicate, and show that: `#show name/1.`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)
-            case "other":
+            case "other" | "external":
                 message = f"`{piece.text.split()[0]}` is not a statement of a rule pack"
                 advice = "a pack contains rules, `#const`, `#defined` and `#show`"
                 yield Diagnostic("rule-statement", "error", message, place, help=advice)

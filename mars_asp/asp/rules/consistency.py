@@ -52,44 +52,17 @@ def check_packs(control: clingo.Control, rulebook: Rulebook, facts: str, finding
     )
 
 
-def minimal_conflict(
-    rules: Sequence[Rule], fixed: str, options: Sequence[str] = ()
-) -> Sequence[Rule]:
-    """Return rules that together with a text have no answer, none of which could be left out.
-
-    To leave out a fact can make a conflict of its own, so that they have an answer without their
-    constraints, where the whole program has. There are none where there is an answer. `options` are
-    further ones of clingo's command line.
-    """
-    if _has_answer(rules, fixed, options):
-        return ()
-    others = [rule for rule in rules if rule.heads]
-    constraints = [rule for rule in rules if not rule.heads]
-    if not _has_answer(others, fixed, options):
-        return _minimal(rules, fixed, options)
-    core = _minimal(constraints, fixed, options, others)
-    needed = list(others)
-    for rule in others:
-        rest = [other for other in needed if other is not rule]
-        if _has_answer(rest, fixed, options) and not _has_answer([*rest, *core], fixed, options):
-            needed = rest
-    kept = {id(rule) for rule in (*needed, *core)}
-    return [rule for rule in rules if id(rule) in kept]
-
-
-def _minimal(
-    rules: Sequence[Rule], fixed: str, options: Sequence[str] = (), others: Sequence[Rule] = ()
-) -> list[Rule]:
+def _minimal(rules: Sequence[Rule], fixed: str) -> list[Rule]:
     kept = list(rules)
     for rule in rules:
         rest = [other for other in kept if other is not rule]
-        if not _has_answer([*others, *rest], fixed, options):
+        if not _has_answer(rest, fixed):
             kept = rest
     return kept
 
 
-def _has_answer(rules: Sequence[Rule], fixed: str, options: Sequence[str]) -> bool:
-    control = clingo.Control([*_OPTIONS, *options])
+def _has_answer(rules: Sequence[Rule], fixed: str) -> bool:
+    control = clingo.Control(_OPTIONS)
     control.add("base", [], "\n".join([fixed, *(rule.text for rule in rules)]))
     control.ground()
     return bool(control.solve().satisfiable)

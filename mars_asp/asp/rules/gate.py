@@ -8,6 +8,7 @@ import re
 import stat
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.reading import WallError, read_file, unsaved_bytes
@@ -20,6 +21,11 @@ MOST_OPERATORS = 4096
 #: Of one file so many refusals are told.
 _MOST_TOLD = 20
 _REFUSED = re.compile(r"#\s*(include|script|theory|program|external|edge|heuristic)\b")
+#: Of the caller's own files; what they include is no longer in their texts.
+_REFUSED_OWN = re.compile(r"#\s*(include|script|theory|edge|heuristic)\b")
+#: Strings, comments, and what includes a file.
+_INCLUDING = re.compile(r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|#\s*include\b')
+_INCLUDE = re.compile(r'#include\s*"([^"\\\n]+)"\s*\.')
 #: Where clingo's own scanner would find strings, comments, ends of statements and what nests.
 _TOKEN = re.compile(
     r'"(?:[^"\\\n]|\\["\\n])*"|%\*|%[^\n]*|\.\.?|[()\[\]{},;:]|[-+*/\\&?^|~]|[^\t\n\r -~]+'
@@ -33,6 +39,63 @@ def gate_text(path: Path, shown: str) -> str:
 
     Raises:
         MarsError: the file cannot be read or may not be given to clingo.
+    """
+    text = read_text(path, shown)
+    check_text(text, shown)
+    return text
+
+
+class Include(NamedTuple):
+    """A statement `#include`: the path that it names, and where it begins."""
+
+    path: str
+    begin: tuple[int, int]
+
+
+def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic]]:
+    """Return a text without its `#include` statements, those, and what is wrong with others.
+
+    All else stays at its place. In comments the word is masked as well, so that clingo reads no
+    file wherever it takes a comment to end.
+    """
+    found: list[Include] = []
+    wrong: list[Diagnostic] = []
+    parts: list[str] = []
+    at = kept = 0
+    while match := _INCLUDING.search(text, at):
+        begin, at = match.span()
+        if match[0].startswith("%"):
+            at = _closed(text, at) if match[0] == "%*" else at
+            parts += (text[kept:begin], _REFUSED.sub(_masked, text[begin:at]))
+            kept = at
+        elif match[0].startswith("#"):
+            line = text.count("\n", 0, begin) + 1
+            column = begin - text.rfind("\n", 0, begin)
+            statement = _INCLUDE.match(text, begin)
+            if statement is None:
+                advice = 'write `#include "file.lp".`, with `/` in the path'
+                wrong.append(_refusal(shown, line, column, "`#include` names no file", advice))
+            else:
+                at = statement.end()
+                found.append(Include(statement[1], (line, column)))
+            parts += (text[kept:begin], _blank(text[begin:at]))
+            kept = at
+    return "".join((*parts, text[kept:])), found, wrong
+
+
+def _masked(match: re.Match[str]) -> str:
+    return f" {match[0][1:]}" if match[1] == "include" else match[0]
+
+
+def _blank(text: str) -> str:
+    return re.sub(r"[^\n]", " ", text)
+
+
+def read_text(path: Path, shown: str) -> str:
+    """Return the text of a regular file within the limits.
+
+    Raises:
+        MarsError: the file cannot be read.
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
@@ -50,18 +113,17 @@ def gate_text(path: Path, shown: str) -> str:
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
         raise _refused(shown, "not UTF-8", "save it as UTF-8", line) from None
-    check_text(text, shown)
     return text
 
 
-def check_text(text: str, shown: str) -> None:
-    """Refuse a text that may not be given to clingo.
+def check_text(text: str, shown: str, is_own: bool = False) -> None:
+    """Refuse a text that may not be given to clingo; less is refused of the caller's own.
 
     Raises:
         MarsError: with the first reasons.
     """
     found: list[Diagnostic] = []
-    for offset, what, advice in _wrong(text):
+    for offset, what, advice in _wrong(text, _REFUSED_OWN if is_own else _REFUSED):
         line = text.count("\n", 0, offset) + 1
         column = offset - text.rfind("\n", 0, offset)
         found.append(_refusal(shown, line, column, what, advice))
@@ -71,7 +133,7 @@ def check_text(text: str, shown: str) -> None:
         raise MarsError(found)
 
 
-def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
+def _wrong(text: str, refused: re.Pattern[str]) -> Iterator[tuple[int, str, str]]:
     """Yield what clingo may not be given: where it is, what it is and what to do."""
     for sign, name in (("\ufeff", "a byte order mark"), ("\0", "a NUL character")):
         if sign in text:
@@ -79,7 +141,7 @@ def _wrong(text: str) -> Iterator[tuple[int, str, str]]:
             return
     if text.lstrip().startswith("asp "):
         yield 0, "an intermediate format, not rules", "pass the rules themselves"
-    for match in _REFUSED.finditer(text):
+    for match in refused.finditer(text):
         yield match.start(), f"`#{match[1]}` is not allowed", "leave it out"
     yield from _unfit(text)
 

@@ -29,7 +29,9 @@ from mars_asp.asp.rules.gate import check_text, gate_text
 from mars_asp.asp.rules.metadata import file_name, repeated_ids, rules_of, wrong_holes
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.statements import (
+    Part,
     Piece,
+    Place,
     RuleSyntaxError,
     costs,
     defined,
@@ -52,6 +54,8 @@ class RuleFile(NamedTuple):
     written: tuple[Piece, ...]
     rules: tuple[Rule, ...]
     docstrings: tuple[Docstring, ...] = ()
+    #: The parts of a caller's own program, each with the place where it begins.
+    begins: tuple[tuple[Place, Part], ...] = ()
 
     @property
     def documented(self) -> Documented:
@@ -129,10 +133,11 @@ def read_rules(
     stage: str,
     problems: list[Diagnostic],
     expansions: Expansions = MappingProxyType({}),
+    is_own: bool = False,
 ) -> RuleFile | None:
-    """Return a text as if it were a file of rules, all of it checked."""
+    """Return a text as if it were a file of rules, all of it checked; `is_own` is the caller's."""
     try:
-        check_text(text, shown)
+        check_text(text, shown, is_own)
     except MarsError as error:
         problems += error.diagnostics
         return None

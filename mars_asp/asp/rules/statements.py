@@ -65,7 +65,16 @@ _read: "dict[str, tuple[Statement, ...]]" = {}
 _MOST = 20_000
 #: What a file of rules is made of: `begin` has no text, it is where each file begins.
 Sort: TypeAlias = Choice[
-    "begin", "comment", "rule", "constant", "declaration", "shown", "term", "cost", "other"
+    "begin",
+    "comment",
+    "rule",
+    "constant",
+    "declaration",
+    "shown",
+    "term",
+    "cost",
+    "external",
+    "other",
 ]
 _SORTS: Mapping[object, Sort] = {
     _TYPE.Program: "begin",
@@ -76,6 +85,7 @@ _SORTS: Mapping[object, Sort] = {
     _TYPE.ShowSignature: "shown",
     _TYPE.ShowTerm: "term",
     _TYPE.Minimize: "cost",
+    _TYPE.External: "external",
 }
 
 
@@ -281,6 +291,18 @@ class Piece(NamedTuple):
     text: str
     begin: Place
     end: Place
+
+
+class Part(NamedTuple):
+    """A part of a program, by its name and parameters."""
+
+    name: str
+    parameters: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """Return the part as `#program` names it."""
+        inside = ",".join(self.parameters)
+        return f"{self.name}({inside})" if inside else self.name
 
 
 class RuleSyntaxError(Exception):
@@ -561,6 +583,41 @@ def replaced(text: str) -> set[str]:
     if "#const" not in text:
         return set()
     return {str(node.name) for node in parsed(text) if node.ast_type == _TYPE.Definition}
+
+
+def part_of(text: str) -> tuple[str, tuple[str, ...]]:
+    """Return the name and the parameters of the part that a `#program` statement begins."""
+    node = parsed(text)[-1]
+    return node.name, tuple(each.name for each in node.parameters)
+
+
+def with_constants(text: str, values: Mapping[str, str]) -> str:
+    """Return the text of a statement with other terms for some constants, line by line."""
+    place = places(text)
+    found = {
+        (place(node), node.symbol.name)
+        for one in parsed(text)
+        for node in below(plain(one))
+        if node.ast_type == _TYPE.SymbolicTerm
+        and node.symbol.type == SymbolType.Function
+        and not node.symbol.arguments
+        and node.symbol.name in values
+    }
+    lines = text.split("\n")
+    for (line, column), name in sorted(found, reverse=True):
+        value = values[name]
+        # `-k` of a negative number is no comment and no operator of another sort.
+        value = f"({value})" if value.startswith("-") else value
+        before, after = lines[line - 1][: column - 1], lines[line - 1][column - 1 + len(name) :]
+        lines[line - 1] = f"{before}{value}{after}"
+    return "\n".join(lines)
+
+
+def external_of(text: str) -> Iterator[tuple[str, str, str]]:
+    """Yield the atoms, the body and the value of each `#external` statement of a text."""
+    for node in parsed(text):
+        if node.ast_type == _TYPE.External:
+            yield str(node.atom), "; ".join(map(str, node.body)), str(node.external_type)
 
 
 def has_rules_alone(text: str) -> bool:

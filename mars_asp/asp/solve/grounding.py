@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import clingo
 
@@ -20,6 +20,7 @@ from mars_asp.asp.solve.optimum import (
     Optimum,
     UnsatisfiableError,
     check_costs,
+    has_without,
     least,
     least_with,
     optimise,
@@ -33,6 +34,8 @@ _MOST_MESSAGES = 10_000
 _UNSATISFIABLE = "no answer satisfies the rules that choose"
 #: Each component has at least this long, for most need less, and one must not spoil all others.
 _LEAST_SECONDS = 0.05
+#: How answers compare that lack an atom: there are none, they are as good, cost as little, or more.
+Lack: TypeAlias = Literal["never", "free", "equal", "dearer"]
 _PROJECTED = re.compile(r"^#project (\w+)/(\d+)\.", re.MULTILINE)
 # What is shown is read from the atoms: the texts that clingo would write of it for its solver grow
 # with the square of a long list, each item of which stands beside the whole list.
@@ -170,6 +173,8 @@ class Grounding:
         self._program = Recorded()
         self._names: dict[int, TermId] = {}
         self._steps = 0
+        #: The atoms that are external, with their values.
+        self.externals: dict[clingo.Symbol, bool | None] = {}
         self.control = clingo.Control(
             [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
         )
@@ -303,10 +308,17 @@ class Grounding:
         except UnsatisfiableError:
             raise NoAnswerError(self.refused(_UNSATISFIABLE).diagnostics) from None
 
-    def choose(self, program: Sequence[Fragment], deadline: float | None = None) -> Resolution:
+    def choose(
+        self,
+        program: Sequence[Fragment],
+        deadline: float | None = None,
+        counting: bool = False,
+        externals: Mapping[clingo.Symbol, bool | None] = MappingProxyType({}),
+    ) -> Resolution:
         """Ground a program of any sort, and find its least answer; all that is open tells it apart.
 
-        `deadline` is as in `resolve`.
+        `deadline` is as in `resolve`. Answers that cost as little are only counted with `counting`.
+        `externals` are the values of those that do not keep the one with which they begin.
 
         Raises:
             MarsError: clingo refuses a rule.
@@ -315,6 +327,7 @@ class Grounding:
         """
         self._program = record(self.control)
         self.add(program, undefined=True)
+        self._assign(externals)
         self._names = {
             literal: atom
             for signature in self.control.symbolic_atoms.signatures
@@ -322,7 +335,21 @@ class Grounding:
             if not is_fact
         }
         self._program.projected.update(self._names)
-        return self._least(None, deadline, None, {})
+        return self._least(None, deadline, None, {}, counting)
+
+    def _assign(self, externals: Mapping[clingo.Symbol, bool | None]) -> None:
+        """Give externals their values, in the solver and in the program that is cut."""
+        for atom in self.control.symbolic_atoms if self._program.externals else ():
+            # What a rule gives is no longer external.
+            if not atom.is_external:
+                continue
+            value = externals.get(atom.symbol, self._program.externals.get(atom.literal))
+            self.control.assign_external(atom.symbol, value)
+            self.externals[atom.symbol] = value
+            if value:
+                self._program.facts.append(atom.literal)
+            elif value is None:
+                self._program.note(True, (atom.literal,), ())
 
     def _least(
         self,
@@ -330,6 +357,7 @@ class Grounding:
         deadline: float | None,
         progress: Callable[[int, int], None] | None,
         known: dict[Component, Optimum],
+        counting: bool = True,
     ) -> Resolution:
         """Find the least answer; those are counted that cost the same at levels from `counted`."""
         parts = partition(self._program, self._names)
@@ -337,7 +365,7 @@ class Grounding:
             check_costs(component)
         cost = dict(parts.constant)
         bound = dict(parts.constant)
-        count: int | None = 1
+        count: int | None = 1 if counting else None
         proven = True
         decided: list[int] = []
         for done, (component, numbered) in enumerate(parts.components):
@@ -346,7 +374,7 @@ class Grounding:
             # Equal components have equal optima, so each is solved once.
             best = known.get(component)
             if best is None:
-                best = known[component] = self._optimise(component, deadline, counted)
+                best = known[component] = self._optimise(component, deadline, counted, counting)
             part = Part(component, numbered, best)
             self.parts.append(part)
             decided += part.decided(best)
@@ -413,6 +441,19 @@ class Grounding:
                 return {level: forced.cost[level] - cost for level, cost in free.cost.items()}
         return None
 
+    def lacks(self, symbol: clingo.Symbol) -> Lack:
+        """Return how answers without an open atom compare with that of `choose`."""
+        part, given = self.part_of(symbol), self.control.symbolic_atoms[symbol]
+        if part is None or given is None:
+            return "never"
+        component, atoms, best = part
+        atom = 1 + atoms.index(given.literal)
+        if not has_without(component, atom):
+            return "never"
+        if not best.cost:
+            return "free"
+        return "equal" if has_without(component, atom, best.cost) else "dearer"
+
     def telling(self, part: Part) -> Iterator[TermId]:
         """Yield the atoms that tell the answers of a component apart."""
         return (self._names[atom] for atom in part.atoms if atom in self._names)
@@ -433,11 +474,11 @@ class Grounding:
         return {literal: as_symbol(atom) for atom, literal, is_fact in found if not is_fact}
 
     def _optimise(
-        self, component: Component, deadline: float | None, counted: int | None
+        self, component: Component, deadline: float | None, counted: int | None, counting: bool
     ) -> Optimum:
         if deadline is not None:
             deadline = max(deadline, time.monotonic() + _LEAST_SECONDS)
-        return optimise(component, deadline, counted)
+        return optimise(component, deadline, counted, counting)
 
 
 def unsolved(program: Iterable[Fragment]) -> clingo.Control:

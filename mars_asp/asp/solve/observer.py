@@ -21,13 +21,15 @@ class Recorded:
     Of each rule, `rules` has four numbers: whether it is a choice, how many numbers head and body
     are, and the bound of a weight body, else 0; then head and body. A weight body lists literals
     and weights. Rules that state a fact are in `facts` alone. `costs` are (level, weight, literal);
-    `projected` are the atoms that tell answers apart.
+    `projected` are the atoms that tell answers apart, `externals` have the value with which each
+    begins, where None leaves it open.
     """
 
     rules: "array[int]" = field(default_factory=lambda: array("i"))
     facts: "array[int]" = field(default_factory=lambda: array("i"))
     costs: list[tuple[int, int, int]] = field(default_factory=list)
     projected: set[int] = field(default_factory=set)
+    externals: dict[int, bool | None] = field(default_factory=dict)
 
     def note(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Note a rule or a fact."""
@@ -54,6 +56,10 @@ class _Rare(clingo.Observer):
 
     def minimize(self, priority: int, literals: Sequence[tuple[int, int]]) -> None:
         self.noted.costs.extend((priority, weight, literal) for literal, weight in literals)
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        values = {clingo.TruthValue.True_: True, clingo.TruthValue.False_: False}
+        self.noted.externals[atom] = values.get(value)
 
     def project(self, atoms: Sequence[int]) -> None:
         self.noted.projected.update(atoms)

@@ -1,8 +1,9 @@
 """The proven optimum of one component of a ground program."""
 
 import time
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import clingo
@@ -82,13 +83,16 @@ def _totals(component: Component) -> dict[int, int]:
 
 
 def optimise(
-    component: Component, deadline: float | None = None, counted: int | None = COST_LEVEL
+    component: Component,
+    deadline: float | None = None,
+    counted: int | None = COST_LEVEL,
+    counting: bool = True,
 ) -> Optimum:
     """Find the least answer of a component; of equal ones the first in the order of its atoms.
 
     `deadline` is a time of `time.monotonic`; when it passes the best answer so far is returned, or
     the first that satisfies the rules, which is found whatever time that takes. Answers are counted
-    that cost the same at the levels from `counted`, of `None` at all.
+    that cost the same at the levels from `counted`, of `None` at all; without `counting` none are.
 
     Raises:
         UnsatisfiableError: there is no answer.
@@ -102,11 +106,10 @@ def optimise(
     costs = {
         level: cost for level, cost in found.cost.items() if counted is None or level >= counted
     }
-    count = _count(component, costs, deadline)
-    if count == 1:
-        return Optimum(found.true, found.cost, found.bound, True, 1)
-    true = _first_by_name(component, found, deadline)
-    return Optimum(true, found.cost, found.bound, True, count)
+    # A second optimum is looked for in any case: a single one needs no choice among several.
+    count = _count(component, costs, deadline, MOST_COUNTED if counting else 1)
+    true = found.true if count == 1 else _first_by_name(component, found, deadline)
+    return Optimum(true, found.cost, found.bound, True, count if counting else None)
 
 
 def least(component: Component, deadline: float | None = None) -> Optimum:
@@ -151,6 +154,14 @@ def least_with(component: Component, atom: int, deadline: float | None = None) -
     """
     forced = replace(component, rules=(*component.rules, GroundRule(False, (), (-atom,))))
     return least(forced, deadline)
+
+
+def has_without(
+    component: Component, atom: int, costs: Mapping[int, int] = MappingProxyType({})
+) -> bool:
+    """Return whether an answer that costs no more lacks an atom, as far as that is easily found."""
+    control = _bounded(component, costs, (f"--solve-limit={_MOST_CONFLICTS}",))
+    return not control.solve(assumptions=[-atom]).unsatisfiable
 
 
 def others(
@@ -315,7 +326,7 @@ def _first(component: Component, bound: dict[int, int]) -> Optimum:
 
 
 def _bounded(
-    component: Component, costs: dict[int, int], options: Sequence[str] = ()
+    component: Component, costs: Mapping[int, int], options: Sequence[str] = ()
 ) -> clingo.Control:
     """Return a control whose answers are those of these costs."""
     control = _control(component, options)
@@ -325,14 +336,19 @@ def _bounded(
             if most >= totals[level]:
                 continue
             terms = [(lit, weight) for at, weight, lit in component.costs if at == level]
-            # Beyond the cost the sum reaches `most` + 1; negative weights do not occur in costs.
-            backend.add_weight_rule([], most + 1, terms)
+            # What a true atom saves is what a false one costs.
+            saved = sum(-weight for _, weight in terms if weight < 0)
+            terms = [(lit, w) if w > 0 else (-lit, -w) for lit, w in terms]
+            # Beyond the cost the sum reaches `most` + 1.
+            backend.add_weight_rule([], most + saved + 1, terms)
         backend.add_project(component.projected)
     return control
 
 
-def _count(component: Component, costs: dict[int, int], deadline: float | None) -> int | None:
-    most = min(MOST_COUNTED, _MOST_ATOMS_COUNTED // component.size)
+def _count(
+    component: Component, costs: dict[int, int], deadline: float | None, most: int
+) -> int | None:
+    most = min(most, _MOST_ATOMS_COUNTED // component.size)
     limits = (f"--models={most + 1}", f"--solve-limit={_MOST_CONFLICTS}")
     control = _bounded(component, costs, ("--project=project", *limits))
     with _solving(control, deadline) as handle:

@@ -6,7 +6,7 @@ from typing import TypeAlias
 import clingo
 
 from mars_asp.asp.messages import fill, shown
-from mars_asp.asp.signature import signature_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, as_term
 from mars_asp.asp.trace.explainer import Explainer
 from mars_asp.asp.trace.firings import Firing
@@ -23,7 +23,8 @@ def why_not(explainer: Explainer, pattern: clingo.Symbol, depth: int) -> Missing
 
     Each level below is one more grounding, or two; at most `depth` of them are asked for.
     """
-    near = NearMisses(explainer.rewriter)
+    derived = frozenset[Signature]().union(*(rule.heads for rule in explainer.rules))
+    near = NearMisses(explainer.rewriter, derived)
     found: dict[clingo.Symbol, list[tuple[Candidate, Firing]]] = {}
     pending = [pattern]
     for _ in range(depth):
@@ -122,14 +123,15 @@ def _absence(
     """
     known = {} if known is None else known
     written, words = shown_pattern(pattern), explainer.given.words_of_absence(as_term(pattern))
+    leaf = Absent(written, words, explainer.given.external(written))
     if pattern in above:
-        return Absent(written, words)
+        return leaf
     if pattern in known:
         return known[pattern]
     if pattern not in found:
         return Missing(written, (), False, words)
     if not found[pattern]:
-        return Absent(written, words)
+        return leaf
     attempts = []
     for candidate, firing in sorted(found[pattern], key=lambda attempt: _nearness(*attempt)[:3]):
         lack = _lack(firing)

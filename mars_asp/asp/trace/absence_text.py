@@ -29,10 +29,13 @@ def nearest(missing: Missing) -> list[Attempt]:
 
 
 def attempt_text(attempt: Attempt) -> str:
-    """Return that what a rule would say does not hold; what is not bound is `...`."""
+    """Return that a rule does not give the atom; what is not bound is `...`.
+
+    The message itself may well hold, of this atom or another: what is denied is the instance.
+    """
     if attempt.message is None:
         return _short(attempt) if isinstance(attempt.cause, Missing) else _test(attempt)
-    return f"it does not hold that {_HOLE.sub('...', attempt.message)}"
+    return f"{attempt.atom} would hold because {_HOLE.sub('...', attempt.message)}, but"
 
 
 def failure(attempt: Attempt, go_on: bool) -> Sequence[Trace | Attempt | str]:

@@ -1,7 +1,7 @@
 """Traces for programs: JSON values, and lines of JSON of which each step stands in one."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from mars_asp.asp.rules.rule import Rule
@@ -26,9 +26,16 @@ _Json: TypeAlias = dict[str, object]
 _Step: TypeAlias = Trace | Attempt
 
 
-def trace_json(trace: Trace, depth: int | None = None) -> _Json:
-    """Return one trace with the keys of the command line's contract, as a document of its own."""
-    return Document().trace(trace, depth)
+def trace_json(
+    trace: Trace,
+    depth: int | None = None,
+    chosen: Callable[[Derived], Mapping[str, object]] | None = None,
+) -> _Json:
+    """Return one trace with the keys of the command line's contract, as a document of its own.
+
+    `chosen` are further keys of a step that a choice gives.
+    """
+    return Document(chosen).trace(trace, depth)
 
 
 def traces_json(traces: Iterable[Trace]) -> list[_Json]:
@@ -44,10 +51,11 @@ class Document:
     other derivations of an atom are its `others`, each with premises of its own.
     """
 
-    def __init__(self) -> None:
-        """Begin with no steps."""
+    def __init__(self, chosen: Callable[[Derived], Mapping[str, object]] | None = None) -> None:
+        """Begin with no steps; `chosen` are further keys of a step that a choice gives."""
         self._numbers: dict[object, int] = {}
         self._rules: dict[int, _Json] = {}
+        self._chosen = chosen
         self._order = PremiseOrder()
 
     def trace(self, trace: Trace, depth: int | None = None) -> _Json:
@@ -94,8 +102,10 @@ class Document:
             case Derived() | Attempt():
                 entry["bindings"] = _bindings(step)
                 entry["rule"] = self._rules.get(id(step.rule)) or self._rules.setdefault(
-                    id(step.rule), _rule_json(step.rule)
+                    id(step.rule), rule_json(step.rule)
                 )
+                if isinstance(step, Derived) and step.chosen and self._chosen is not None:
+                    entry |= self._chosen(step)
                 if isinstance(step, Attempt):
                     value = None if step.value is None else str(step.value)
                     entry |= {"fails": step.fails, "value": value}
@@ -206,7 +216,7 @@ class _Lines:
     def _rule(self, rule: Rule) -> Iterator[str]:
         if id(rule) not in self._rules:
             number = self._rules[id(rule)] = len(self._rules) + 1
-            yield json.dumps({"rule": number, **_rule_json(rule)})
+            yield json.dumps({"rule": number, **rule_json(rule)})
 
 
 def _key(step: _Step) -> object:
@@ -264,6 +274,7 @@ def _bindings(step: Derived | Attempt) -> dict[str, str]:
     return {name: str(value) for name, value in step.bindings.items()}
 
 
-def _rule_json(rule: Rule) -> _Json:
+def rule_json(rule: Rule) -> _Json:
+    """Return a rule with its place as values for JSON."""
     span = rule.span
     return {"id": rule.id, "path": span.path, "line": span.line, "text": plain(rule.text)}

@@ -9,6 +9,7 @@ from mars_asp.asp.solve import term_ids
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.trace.sentences import Sentences
 from mars_asp.asp.trace.tree import Absent, Given, Trace, Words
+from mars_asp.diagnostic import Span
 
 
 class GivenFacts:
@@ -18,8 +19,13 @@ class GivenFacts:
         self,
         facts: Iterable[Fact],
         declarations: Mapping[Signature, Declaration] = MappingProxyType({}),
+        externals: Mapping[str, Span] = MappingProxyType({}),
     ) -> None:
-        """Sort facts by their predicates; `declarations` say where those are from, and in words."""
+        """Sort facts by their predicates; `declarations` say where those are from, and in words.
+
+        `externals` are the places of atoms that are given from outside, by their texts.
+        """
+        self._externals = externals
         self._facts: dict[str, list[Fact]] = {}
         for fact in facts:
             self._facts.setdefault(fact.atom.name, []).append(fact)
@@ -48,7 +54,8 @@ class GivenFacts:
         declared = self._declared.get(Signature(name, len(fact.atom.arguments)))
         origin = "stated" if declared is None or declared.origin is None else declared.origin
         words = None if declared is None else Words(self._sentences, fact.atom, declared)
-        return Given(written, fact.span, origin, words)
+        is_external = written in self._externals
+        return Given(written, fact.span, "external" if is_external else origin, words)
 
     def absence(self, pattern: term_ids.TermId, written: str) -> Absent | None:
         """Return the absence of what a pattern with holes stands for, which is `written` so.
@@ -58,7 +65,11 @@ class GivenFacts:
         name = written.partition("(")[0]
         if name in self._uncited and (name, len(term_ids.arguments(pattern))) in self._uncited:
             return None
-        return Absent(written, self.words_of_absence(pattern))
+        return Absent(written, self.words_of_absence(pattern), self.external(written))
+
+    def external(self, written: str) -> Span | None:
+        """Return the place of an atom that is given from outside, or None if it is not."""
+        return self._externals.get(written)
 
     def words_of_absence(self, pattern: term_ids.TermId) -> Words | None:
         """Return what tells an absence; `None` where nothing is declared at all."""

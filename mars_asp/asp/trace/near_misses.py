@@ -73,9 +73,10 @@ class Candidate:
 class NearMisses:
     """Writes the rules that find near misses; `candidates` says what their numbers stand for."""
 
-    def __init__(self, rewriter: Rewriter) -> None:
-        """Write with the rewriter's open predicates."""
+    def __init__(self, rewriter: Rewriter, derived: Set[Signature] = frozenset()) -> None:
+        """Write with the rewriter's open predicates; rules give those that are `derived`."""
         self._rewriter = rewriter
+        self._derived = derived
         self.candidates: list[Candidate] = []
         #: Rules for what candidates lack where several things could be said or none, by their
         #: numbers.
@@ -102,17 +103,38 @@ class NearMisses:
         match = _Match()
         if not match.atom(head, pattern):
             return
-        literals = (*map(_literal, match.tests), *literals)
+        tests = list(map(_literal, match.tests))
+        literals = (*tests, *literals)
         shared = global_variables((head,), literals)
         asked = f"{NEAR}({index},w({','.join(match.arguments)}))"
+        # A given fact that is absent ends the search, so it comes before what rules derive.
+        literals = (
+            *tests,
+            *sorted(literals[len(tests) :], key=lambda each: not self._is_given(each)),
+        )
         order = list(in_order(literals, match.bound, shared))
+        matched = [test for test, _ in in_order(tests, match.bound, shared)]
+        for before_it, literal in enumerate(literals):
+            if self._is_given(literal) and literal.sign == ast.Sign.NoSign:
+                bound = match.bound.union(*(needs(test, shared) for test in matched))
+                without = _Projected(bound)(literal).update(sign=ast.Sign.Negation)
+                if OPERATOR.search(bare(literal)) is None:
+                    # No value at all satisfies it, whatever the other literals are.
+                    candidate = Candidate(
+                        index, number, match.shown(literal), 2 * len(literals) - before_it, True
+                    )
+                    test = self._rewriter.renamed(without)
+                    yield from self._candidate(
+                        candidate, literal, asked, matched, bound, shared, test
+                    )
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
             fails = match.shown(literal)
             candidate = Candidate(index, number, fails, place, place == len(literals) - 1)
             yield from self._candidate(candidate, literal, asked, first, before, shared)
             others = [other for other, _ in order if other is not literal]
-            if candidate.alone or not others:
+            # That another atom has all premises is no reason why this one is absent.
+            if candidate.alone or not others or any(literal is test for test in tests):
                 continue
             around = list(in_order(others, match.bound, shared))
             bound = match.bound.union(*(needs(other, shared) for other in others))
@@ -135,9 +157,11 @@ class NearMisses:
         kept: Sequence[ast.AST],
         bound: Set[str],
         shared: Set[str],
+        *more: str,
     ) -> Iterator[str]:
         terms = Terms("N")
         joined, lack, tests = self._instead(left_out, terms, set(bound))
+        tests = [*tests, *more]
         body, counting, rules = self._counted_apart(asked, (*kept, *joined), shared)
         yield from rules
         several = variables_of((lack, *tests)) - bound
@@ -156,6 +180,14 @@ class NearMisses:
         yield from self._rewriter.instance(
             candidate.rule, tag, "none", before, literals, terms, names, False, counting
         )
+
+    def _is_given(self, literal: ast.AST) -> bool:
+        """Return whether facts alone decide a literal."""
+        if literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.SymbolicAtom:
+            return False
+        _, function = sign_and_function(literal.atom.symbol)
+        signature = Signature(function.name, len(function.arguments))
+        return bool(self._derived) and signature not in self._derived
 
     def _counted_apart(
         self, asked: str, literals: Sequence[ast.AST], shared: Set[str]
@@ -227,6 +259,16 @@ class NearMisses:
         guard = ast.Guard(ast.ComparisonOperator.Equal, value)
         atom = literal.atom.update(left_guard=guard, right_guard=None)
         return (literal.update(atom=atom, sign=ast.Sign.NoSign),), f"value({_VALUE})", []
+
+
+class _Projected(ast.Transformer):
+    """Puts any value for variables that are not bound."""
+
+    def __init__(self, bound: Set[str]) -> None:
+        self._bound = bound
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return node if node.name in self._bound else node.update(name="_")
 
 
 class _Match:

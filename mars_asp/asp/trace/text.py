@@ -39,6 +39,16 @@ NEAR = 200
 _STEP, _FURTHER = 4, 2
 
 
+class Chosen(NamedTuple):
+    """How a chosen atom compares with answers that lack it, and what excludes those if anything."""
+
+    remark: str
+    reasons: tuple[str, ...] = ()
+
+
+CHEAPEST = Chosen("chosen as the cheapest")
+
+
 def traces_text(
     topics: Sequence[tuple[str, Trace]],
     line_at: Callable[[Span], str],
@@ -46,15 +56,16 @@ def traces_text(
     width: int = WIDTH,
     folded: bool = True,
     places: bool = False,
+    chosen: Callable[[Derived], Chosen] = lambda _: CHEAPEST,
 ) -> Iterator[str]:
     """Yield the lines of several traces, each under its title: messages, rules and places.
 
     What has no message is `folded` into what it supports, else told by its atom, as facts are then.
     What is shared stands once; where it is needed again, it is referred to by a number. Several
     derivations of an atom stand one below the other, each with its number. `places` adds where the
-    rules are. Quoted lines of files are as long as they are.
+    rules are. Quoted lines of files are as long as they are. `chosen` compares choices.
     """
-    teller = _Teller(line_at, depth, folded)
+    teller = _Teller(line_at, depth, folded, chosen)
     entries = [entry for topic in topics for entry in teller.entries(*topic)]
     numbers: dict[int, int] = {}
     for level, line, step in entries:
@@ -122,8 +133,14 @@ def _named(head: TermId) -> str:
 class _Teller:
     """Finds out what stands in which line. What it told in one trace it does not tell again."""
 
-    def __init__(self, line_at: Callable[[Span], str], depth: int | None, folded: bool) -> None:
-        self._read = line_at
+    def __init__(
+        self,
+        line_at: Callable[[Span], str],
+        depth: int | None,
+        folded: bool,
+        chosen: Callable[[Derived], Chosen],
+    ) -> None:
+        self._read, self._chosen = line_at, chosen
         #: What was read, by its place; a line is quoted wherever a trace leads to it.
         self._lines: dict[Span, str] = {}
         self._paths: dict[str, str] = {}
@@ -160,7 +177,8 @@ class _Teller:
                     stack += [(attempt, level) for attempt in reversed(nearest(step))]
                     continue
                 case Derived():
-                    remark = ", chosen as the cheapest" if step.chosen else ""
+                    choice = self._chosen(step) if step.chosen else None
+                    remark = "" if choice is None else f", {choice.remark}"
                     if step.others:
                         said_of |= _numbered(step, self._folded)
                         stack += [(other, level) for other in reversed(step.others)]
@@ -171,6 +189,7 @@ class _Teller:
                     if depth is not None and level >= depth:
                         cut = any(isinstance(premise, Derived) for premise in below)
                         below = leaves_of(step) if cut else below
+                    below = (*below, *(() if choice is None else choice.reasons))
                 case Attempt():
                     yield _Entry(level, "", step)
                     below = failure(step, depth is None or level < depth)
@@ -247,7 +266,11 @@ class _Teller:
                 if span is None or (self._folded and is_pseudo(span)):
                     return told if self._folded and step.message else None
                 place = self._place(span)
+                if origin == "external":
+                    return f"{told}, external  {place}"
                 return f"{told}  (computed from {place})" if self._folded else f"{told}  {place}"
+            case Absent() if step.external is not None:
+                return f"{step.message}  {self._place(step.external)}"
             case Absent() | Missing():
                 return step.sentence if self._folded else step.message
             case Unexplained(atom, reason):

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
-from typing import NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import clingo
 
@@ -45,7 +45,7 @@ class Given:
 
     atom: str
     span: Span | None
-    origin: Origin = "stated"
+    origin: Origin | Literal["external"] = "stated"
     words: Words | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -76,15 +76,20 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Absent:
-    """A premise `not atom` that holds because the atom does not; `_` stands for anything."""
+    """A premise `not atom` that holds because the atom does not; `_` stands for anything.
+
+    Of an external, `external` is the place of its statement.
+    """
 
     atom: str
     words: Words | None = field(default=None, compare=False, repr=False)
+    external: Span | None = None
 
     @property
     def message(self) -> str:
         """Return a sentence about the absence."""
-        return _absence(self.atom, self.words)
+        external = "" if self.external is None else ", external and false"
+        return f"{_absence(self.atom, self.words)}{external}"
 
     @property
     def sentence(self) -> str | None:

@@ -1,0 +1,147 @@
+"""The files of a caller's own program: those that they include, and the parts that they begin.
+
+Clingo reads no file by itself: each `#include` is resolved here, relative to the file that it is
+in, and blanked before clingo sees the text. As with clingo, a file is included once, its statements
+go on with the part where it is included, and those after the `#include` are in `base`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import clingo
+
+from mars_asp.asp.fragments import blank
+from mars_asp.asp.rules.gate import Include, included, read_text
+from mars_asp.asp.rules.read import RuleFile, read_rules
+from mars_asp.asp.rules.statements import Part, Piece, Place, part_of, with_constants
+from mars_asp.diagnostic import Diagnostic, MarsError, point
+
+_MOST_FILES, _MOST_DEPTH = 1_000, 100
+#: Statements that hold in every part.
+_GLOBAL = ("constant", "declaration", "shown")
+
+
+BASE_PART = Part("base")
+
+
+class Reader:
+    """Reads files with those that they include, each once."""
+
+    def __init__(self, stage: str, problems: list[Diagnostic]) -> None:
+        """Read for a stage; `problems` takes all that is wrong."""
+        self._stage, self._problems = stage, problems
+        self._seen: set[Path] = set()
+        self.files: list[RuleFile] = []
+
+    def read_path(self, path: str | Path) -> None:
+        """Read a file."""
+        if Path(path).resolve() not in self._seen:
+            try:
+                self._read(read_text(Path(path), str(path)), str(path), BASE_PART, ())
+            except MarsError as error:
+                self._problems += error.diagnostics
+
+    def read_text(self, text: str, path: str) -> None:
+        """Read a text as if it were that of a file."""
+        self._read(text, path, BASE_PART, ())
+
+    def _read(self, text: str, shown: str, part: Part, above: tuple[Path, ...]) -> None:
+        path = Path(shown).resolve()
+        self._seen.add(path)
+        text, includes, problems = included(text, shown)
+        self._problems += problems
+        if problems:
+            return
+        file = read_rules(text, shown, self._stage, self._problems, is_own=True)
+        if file is None:
+            return
+        at = len(self.files)
+        self.files.append(file)
+        begins: list[tuple[Place, Part]] = [((1, 0), part)]
+        starts = [piece for piece in file.written if piece.sort == "begin" and piece.text]
+        events: list[Piece | Include] = [*starts, *includes]
+        for each in sorted(events, key=lambda each: each.begin):
+            if isinstance(each, Piece):
+                part = Part(*part_of(each.text))
+            elif self._include(each, shown, part, (*above, path)):
+                part = BASE_PART
+            begins.append((each.begin, part))
+        self.files[at] = file._replace(begins=tuple(begins))
+
+    def _include(self, include: Include, shown: str, part: Part, above: tuple[Path, ...]) -> bool:
+        """Read an included file; return whether it is new."""
+        written = str(Path(shown).parent / include.path)
+        path = Path(written).resolve()
+        place = point(shown, *include.begin)
+        problem = None
+        if path in above:
+            problem = ("includes itself", "leave out one `#include` of the circle")
+        elif path in self._seen:
+            return False
+        elif len(above) > _MOST_DEPTH or len(self.files) > _MOST_FILES:
+            problem = ("is one file too many", f"include at most {_MOST_FILES}")
+        if problem is not None:
+            message = f"`{written}` {problem[0]}"
+            found = Diagnostic("rules-include", "error", message, place, help=problem[1])
+            self._problems.append(found)
+            return False
+        try:
+            text = read_text(Path(written), written)
+        except MarsError as error:
+            for each in error.diagnostics:
+                self._problems.append(replace(each, code="rules-include", span=place))
+            return False
+        self._read(text, written, part, above)
+        return True
+
+
+def parts_of(files: Sequence[RuleFile]) -> list[Part]:
+    """Return the parts that files begin, each once."""
+    found = dict.fromkeys(part for file in files for _, part in file.begins)
+    return list(dict.fromkeys((BASE_PART, *found)))
+
+
+def of_part(file: RuleFile, part: clingo.Symbol, is_first: bool) -> RuleFile:
+    """Return a file with the statements of a part alone, and values instead of its parameters.
+
+    All stays in its line. Statements that hold in every part are kept if the file `is_first` to
+    have them.
+    """
+    kept: list[Piece] = []
+    text = file.text
+    changed: dict[Place, str] = {}
+    offsets = _offsets(text)
+    edits: list[tuple[int, int, str]] = []
+    for piece in file.written:
+        own = [each for begin, each in file.begins if begin <= piece.begin][-1]
+        is_own = (own.name, len(own.parameters)) == (part.name, len(part.arguments))
+        is_kept = is_first if piece.sort in _GLOBAL else is_own and piece.sort != "begin"
+        if piece.sort == "comment":
+            continue
+        written = blank(piece.text)
+        if is_kept:
+            values = dict(zip(own.parameters, map(str, part.arguments), strict=False))
+            written = piece.text
+            if is_own and values and piece.sort not in _GLOBAL:
+                written = with_constants(piece.text, values)
+            changed[piece.begin] = written
+            kept.append(piece._replace(text=written))
+        begin = offsets[piece.begin[0] - 1] + piece.begin[1] - 1
+        edits.append((begin, begin + len(piece.text), written))
+    for begin, end, written in reversed(edits):
+        text = f"{text[:begin]}{written}{text[end:]}"
+    rules = tuple(
+        replace(rule, text=changed[rule.span.line, rule.span.column])
+        for rule in file.rules
+        if (rule.span.line, rule.span.column) in changed
+    )
+    return file._replace(text=text, written=tuple(kept), rules=rules)
+
+
+def _offsets(text: str) -> list[int]:
+    """Return the offset of each line."""
+    found = [0]
+    for line in text.split("\n"):
+        found.append(found[-1] + len(line) + 1)
+    return found

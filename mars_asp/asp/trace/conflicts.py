@@ -1,0 +1,322 @@
+"""Minimal sets of ground rules and facts that together exclude every answer.
+
+Each instance of a rule is an element. Left open it forces nothing: a constraint is dropped, bounds
+of a choice are, too, and any other head becomes a choice. An instance left open never excludes an
+answer, so that the sets without an answer are closed under supersets. `h(X) :- b(X)` becomes
+
+    h(X) :- b(X); _on(0,h(X),v(X)).
+    { h(X) } :- b(X); not _on(0,h(X),v(X)).
+    #external _on(0,h(X),v(X)) : b(X).
+
+and the instances in question are assumptions. An external is an element by its truth value.
+
+A conflict is an unsatisfiable core, shrunk by leaving out one element after the other. All of them
+are found by a hitting set tree: below each conflict one of its elements is left open (Reiter, A
+theory of diagnosis from first principles, 1987).
+"""
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import clingo
+from clingo import ast
+
+from mars_asp.asp.messages import fill, shown
+from mars_asp.asp.rules.externals import External
+from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.trace.document import rule_json
+from mars_asp.asp.trace.firing_rules import Terms
+from mars_asp.asp.trace.scope import atoms_of_head, global_variables, guards
+from mars_asp.asp.trace.text import WIDTH, wrapped
+from mars_asp.diagnostic import Span
+
+_TYPE = ast.ASTType
+_ON, _EXTERNAL = "_conflict_on", "_conflict_external"
+_OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
+#: Beyond so many searches there may be more conflicts.
+_MOST_SEARCHES = 2_000
+
+
+class Instance(NamedTuple):
+    """A ground rule or fact, or an external with its value; of these `rule` is None."""
+
+    text: str
+    span: Span
+    rule: Rule | None = None
+    bindings: Mapping[str, clingo.Symbol] = {}
+
+    @property
+    def message(self) -> str | None:
+        """Return the message of the rule for these values, or None if it has none."""
+        return None if self.rule is None else fill(self.rule.because, self.bindings, shown)
+
+    def json(self) -> dict[str, object]:
+        """Return the instance as values for JSON."""
+        place = {"path": self.span.path, "line": self.span.line, "column": self.span.column}
+        found = {"text": self.text, "message": self.message, "location": place}
+        found["rule"] = None if self.rule is None else rule_json(self.rule)
+        return {**found, "bindings": {name: str(value) for name, value in self.bindings.items()}}
+
+
+#: Instances that together exclude every answer, in the order of their places.
+Conflict = tuple[Instance, ...]
+
+
+@dataclass(frozen=True)
+class Conflicts:
+    """The minimal conflicts of a program, smallest first; none if it has an answer.
+
+    Where they are not `complete`, the search ended at a limit.
+    """
+
+    conflicts: tuple[Conflict, ...]
+    complete: bool = True
+
+    def __iter__(self) -> Iterator[Conflict]:
+        """Yield the conflicts."""
+        return iter(self.conflicts)
+
+    def __len__(self) -> int:
+        """Return the number of conflicts."""
+        return len(self.conflicts)
+
+    def text(self, width: int = WIDTH) -> str:
+        """Return the conflicts as text: each instance with its place, and its message if any."""
+        if not self.conflicts:
+            return "the program has an answer"
+        count = len(self.conflicts)
+        more = "" if self.complete else ", and there may be more"
+        number = "1 minimal conflict" if count == 1 else f"{count} minimal conflicts"
+        lines = [*wrapped(f"no answer: {number}{more}", 0, width)]
+        for place, conflict in enumerate(self.conflicts, 1):
+            if count > 1:
+                lines += wrapped(f"conflict {place}", 1, width)
+            lines += conflict_lines(conflict, 1 + (count > 1), width)
+        return "\n".join(lines)
+
+    def json(self) -> dict[str, object]:
+        """Return the conflicts as values for JSON."""
+        conflicts = [conflict_json(conflict) for conflict in self.conflicts]
+        satisfiable = not self.conflicts
+        return {"satisfiable": satisfiable, "complete": self.complete, "conflicts": conflicts}
+
+
+def conflict_json(conflict: Conflict) -> list[dict[str, object]]:
+    """Return a conflict as values for JSON."""
+    return [instance.json() for instance in conflict]
+
+
+def instance_line(instance: Instance) -> str:
+    """Return an instance with its place."""
+    return f"{instance.text}  {instance.span.path}:{instance.span.line}"
+
+
+def conflict_lines(conflict: Conflict, level: int, width: int) -> Iterator[str]:
+    """Yield the lines of a conflict."""
+    for each in conflict:
+        rule = "" if each.message is None or each.rule is None else f"  [{each.rule.id}]"
+        yield from wrapped(instance_line(each), level, width)
+        if each.message is not None:
+            yield from wrapped(each.message, level + 1, width, rule)
+
+
+class ConflictSearch:
+    """The ground instances of a program, any of which can be left open."""
+
+    def __init__(
+        self,
+        rules: Sequence[Rule],
+        rest: str,
+        externals: Sequence[External],
+        values: Mapping[clingo.Symbol, bool | None],
+        options: Sequence[str] = (),
+    ) -> None:
+        """Ground rules, and the `rest` of their program; `values` are those of externals."""
+        self._statements: list[tuple[Rule, ast.AST]] = []
+        lines = [rest, *(each.marked(_EXTERNAL, at) for at, each in enumerate(externals))]
+        for rule in rules:
+            for statement in rule.ast.unpool():
+                lines += _open(statement, len(self._statements))
+                self._statements.append((rule, statement))
+        self._control = clingo.Control([*_OPTIONS, *options], lambda *_: None)
+        self._control.add("base", [], "\n".join(lines))
+        self._control.ground()
+        atoms = self._control.symbolic_atoms
+        #: The elements, by the literals that are assumed of them.
+        self._elements: dict[int, tuple[External | None, clingo.Symbol]] = {}
+        for atom in atoms.by_signature(_ON, 3):
+            self._elements[atom.literal] = (None, atom.symbol)
+            self._control.assign_external(atom.symbol, None)
+        for atom in atoms.by_signature(_EXTERNAL, 2):
+            number, symbol = atom.symbol.arguments
+            each = externals[number.number]
+            given = atoms[symbol]
+            if given is None or not given.is_external:
+                continue
+            value = values.get(symbol, each.value)
+            self._control.assign_external(symbol, None)
+            if value is not None:
+                self._elements[given.literal if value else -given.literal] = (each, symbol)
+        self._searches = 0
+
+    def minimal(
+        self, limit: int, atoms: Iterable[clingo.Symbol] = (), holds: bool = True
+    ) -> Conflicts:
+        """Return minimal conflicts, at most `limit`, of answers where one of some atoms `holds`.
+
+        Where none does not, of answers that lack the first of them; without atoms, of all answers.
+        """
+        fixed = self._fixed([*atoms], holds)
+        found: list[frozenset[int]] = []
+        open_: list[frozenset[int]] = []
+        waiting, seen = deque([frozenset[int]()]), {frozenset[int]()}
+        self._searches = 0
+        while waiting and len(found) <= limit and self._searches < _MOST_SEARCHES:
+            removed = waiting.popleft()
+            if any(each <= removed for each in open_):
+                continue
+            conflict = next((each for each in found if not each & removed), None)
+            if conflict is None:
+                conflict = self._conflict(removed, fixed)
+                if conflict is None:
+                    open_.append(removed)
+                    continue
+                found.append(conflict)
+            for literal in sorted(conflict):
+                below = removed | {literal}
+                if below not in seen:
+                    seen.add(below)
+                    waiting.append(below)
+        written = sorted((self._written(each) for each in found[:limit]), key=_order)
+        return Conflicts(tuple(written), not waiting and len(found) <= limit)
+
+    def _fixed(self, atoms: Sequence[clingo.Symbol], holds: bool) -> list[int]:
+        known = self._control.symbolic_atoms
+        literals = [each.literal for each in map(known.__getitem__, atoms) if each is not None]
+        if not atoms:
+            return []
+        if not holds:
+            return [-literals[0]] if literals else []
+        with self._control.backend() as backend:
+            one = backend.add_atom()
+            for literal in literals:
+                backend.add_rule([one], [literal])
+        return [one]
+
+    def _conflict(self, removed: frozenset[int], fixed: Sequence[int]) -> frozenset[int] | None:
+        """Return a minimal conflict without some elements, or None if there is an answer."""
+        rest = [literal for literal in sorted(self._elements) if literal not in removed]
+        core = self._core([*fixed, *rest])
+        if core is None:
+            return None
+        kept = [literal for literal in core if literal not in fixed]
+        for literal in sorted(kept):
+            if literal in kept:
+                smaller = self._core([*fixed, *(other for other in kept if other != literal)])
+                if smaller is not None:
+                    kept = [each for each in smaller if each not in fixed]
+        return frozenset(kept)
+
+    def _core(self, assumptions: Sequence[int]) -> list[int] | None:
+        """Return assumptions without a common answer, or None if there is one for all."""
+        self._searches += 1
+        with self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
+            return None if handle.get().satisfiable else list(handle.core())
+
+    def _written(self, conflict: frozenset[int]) -> Conflict:
+        found = {(each.span, each.text): each for each in map(self._instance, conflict)}
+        return tuple(found[key] for key in sorted(found))
+
+    def _instance(self, literal: int) -> Instance:
+        external, symbol = self._elements[literal]
+        if external is not None:
+            value = "true" if literal > 0 else "false"
+            return Instance(f"#external {symbol} is {value}", external.span)
+        number, head, values = symbol.arguments
+        rule, statement = self._statements[number.number]
+        names = _names(statement)
+        bindings = dict(zip(names, values.arguments, strict=True))
+        return Instance(_ground(statement, head, bindings), rule.span, rule, bindings)
+
+
+def _order(conflict: Conflict) -> tuple[int, list[tuple[Span, str]]]:
+    return len(conflict), [(each.span, each.text) for each in conflict]
+
+
+def _names(statement: ast.AST) -> list[str]:
+    head = statement.head
+    if head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
+        return sorted(global_variables(guards(head), statement.body))
+    own = [head] if head.ast_type == _TYPE.Literal else []
+    return sorted(global_variables(own, statement.body))
+
+
+def _is_atom(head: ast.AST) -> bool:
+    is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
+    return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
+
+
+def _open(statement: ast.AST, number: int) -> Iterator[str]:
+    """Yield rules that are a statement, each instance of which can be left open."""
+    head, terms = statement.head, Terms()
+    body = [*map(str, statement.body)]
+    text, told, choice = str(head), "none", None
+    if _is_atom(head):
+        text = told = choice = terms.atom(head.atom.symbol, fresh_complex=True)
+        body += terms.equations
+    elif head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
+        if head.left_guard is None and head.right_guard is None:
+            yield str(statement)
+            return
+    if choice is None and head.ast_type != _TYPE.Literal:
+        found = (
+            f"{atom}{' : ' if condition else ''}{', '.join(map(str, condition))}"
+            for atom, condition in atoms_of_head(statement)
+        )
+        choice = "; ".join(found)
+    on = f"{_ON}({number},{told},v({','.join(_names(statement))}))"
+    yield f"{text} :- {'; '.join([*body, on])}."
+    if choice is not None:
+        yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
+    yield f"#external {on} : {'; '.join(body)}." if body else f"#external {on}."
+
+
+class _Valued(ast.Transformer):
+    """Puts values for global variables, and computes with them."""
+
+    def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
+        self._values = values
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        value = self._values.get(node.name)
+        return node if value is None else ast.SymbolicTerm(node.location, value)
+
+    def visit_BinaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return self._computed(node)
+
+    def visit_UnaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
+        return self._computed(node)
+
+    def _computed(self, node: ast.AST) -> ast.AST:
+        inside = node.update(**self.visit_children(node))
+        try:
+            return ast.SymbolicTerm(node.location, clingo.parse_term(str(inside)))
+        except RuntimeError:
+            return inside
+
+
+def _ground(statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]) -> str:
+    """Return the text of an instance; comparisons of values, which hold, are left out."""
+    names = set(values)
+    valued = _Valued(values)
+    body = []
+    for literal in statement.body:
+        is_test = literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.Comparison
+        if not is_test or global_variables((), (literal,)) - names:
+            body.append(str(valued(literal)))
+    shown_head = str(head) if _is_atom(statement.head) else str(valued(statement.head))
+    shown_head = "" if shown_head == "#false" else shown_head
+    after = f":- {', '.join(body)}" if body or not shown_head else ""
+    return f"{' '.join(filter(None, (shown_head, after)))}."
