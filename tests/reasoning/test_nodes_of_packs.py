@@ -204,7 +204,7 @@ WRONG = {
     "nowhere-after": 'inserted(n, dog). placed_after(n, "Base").',
     "unplaced": "inserted(n, dog).",
     "twice": 'inserted(n, dog). placed_before(n, "Base"). placed_after(n, "Drive").',
-    "two-sources": 'inserted(n, dog). placed_after(n, ("Drive"; "Reach")).',
+    "two-controllers": 'inserted(n, dog). placed_after(n, ("Drive"; "Reach")).',
     "two-modules": 'inserted(n, dog). placed_before(n, ("Base"; "Arm")).',
 }
 DATA = {
