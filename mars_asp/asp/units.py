@@ -3,7 +3,7 @@
 Rules compute with whole numbers, so they count in small units; nobody wants to read these.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 #: The power of ten that stands before a unit in the name of a sort, and how it is written.
@@ -98,3 +98,15 @@ def measured(number: int, sort: str) -> str:
     whole, rest = divmod(abs(number), divisor)
     fraction = f".{rest:0{len(str(divisor)) - 1}}".rstrip("0") if rest else ""
     return f"{'-' if number < 0 else ''}{whole}{fraction}{unit}"
+
+
+def measured_alike(numbers: Iterable[int], sort: str) -> tuple[str, ...]:
+    """Return numbers of a sort in one unit: that of the sort where one is less than a whole unit.
+
+    40 and 50 milliseconds are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
+    """
+    numbers = tuple(numbers)
+    own = next((unit for unit, count in WRITTEN.get(sort, {}).items() if count == 1), None)
+    if own is not None and any(0 < abs(number) < UNITS[sort][0] for number in numbers):
+        return tuple(f"{number} {own}" for number in numbers)
+    return tuple(measured(number, sort) for number in numbers)
