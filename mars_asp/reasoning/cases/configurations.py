@@ -327,11 +327,8 @@ def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure
             yield _failure(line.span, _NONE, [f"nodes {_listed(robot.nodes)}"])
     elif line.what == "expect order":
         if line.text not in robot.orders:
-            near = nearest(line.text, robot.orders) or next(
-                (o for o in robot.orders if o.partition(":")[0] == line.text.partition(":")[0]),
-                None,
-            )
-            yield _failure(line.span, line.text, [], near or "no order of priorities")
+            there = _order_of(line, robot) or "no order of priorities"
+            yield _failure(line.span, line.text, [], there)
     elif line.counts is not None:
         yield from _miscounted(line, line.counts, robot)
     elif line.what == "expect":
