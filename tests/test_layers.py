@@ -38,7 +38,7 @@ FILES = {
     "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
-        "literal_order patterns premise_order dominators firing_rules text document near_misses "
+        "literal_order patterns premise_order dominators firing_rules text document failed_value near_misses "
         "proofs explainer absence"
     ),
     "model": (

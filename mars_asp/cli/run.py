@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
-    from mars_asp.execution.scenario.functions import bound_functions
+    from mars_asp.execution.scenario.functions import bind_kinds, bound_functions
 
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
@@ -98,8 +98,10 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         return 1
     specification, modules = found
-    named = [name.text for name in specification.modules]
-    functions = dict(bound_functions(modules, scenario, named))
+    scenario = bind_kinds(scenario, specification)
+    functions = dict(
+        bound_functions(modules, scenario, (name.text for name in specification.modules))
+    )
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)
     # What modules print is no part of the result that programs read.
