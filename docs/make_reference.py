@@ -14,7 +14,7 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import run_here
 from mars_asp.cli.arguments import VERBS
-from mars_asp.cli.rules_document import PURPOSES, documents, safe
+from mars_asp.cli.rules_document import PURPOSES, documents, open_predicates, safe
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
 ROOT = Path(__file__).parents[1]
@@ -36,6 +36,7 @@ def pages() -> Mapping[str, Callable[[], str]]:
         "findings.md": _findings,
         "lints.md": _lints,
         "rules/README.md": _contents,
+        "rules/predicates.md": _predicates,
         **{f"rules/{stage}.md": partial(_stage, stage) for stage in PURPOSES},
         **{f"rules/pack-{pack.name}.md": partial(_pack, pack) for pack in PACKS},
     }
@@ -152,6 +153,22 @@ def _contents() -> Iterator[str]:
     for pack in PACKS:
         yield f"- [{pack.name}](pack-{pack.name}.md): {_summary(pack)}"
     yield ""
+
+
+def _predicates() -> Iterator[str]:
+    yield "# Predicates that packs may read or derive\n"
+    yield "`mars-asp rules list --predicates` lists them with those of packs that are given, and"
+    yield "`mars-asp rules show NAME` prints one. Rules of a folder"
+    yield "read those of its own stage, and of `base`.\n"
+    rulebook = load_rulebook(stages=STAGES)
+    for stage, purpose in PURPOSES.items():
+        listed = open_predicates(rulebook, stage)
+        if listed:
+            yield f"## {stage}: {purpose}\n"
+        for each in listed:
+            derive = " Packs derive it." if each.extensible else ""
+            yield f"- `{each.written}`: {' '.join(each.words.split())}{derive}"
+        yield ""
 
 
 def _stage(stage: str) -> Iterator[str]:

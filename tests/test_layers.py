@@ -39,8 +39,8 @@ FILES = {
     "asp/slice": "magic reach shapes linked seen portions",
     "asp/trace": (
         "firings scope sentences tree absence_text counted counting_rules given heights "
-        "literal_order patterns premise_order dominators firing_rules text document near_misses "
-        "conflicts proofs explainer absence"
+        "literal_order patterns premise_order dominators firing_rules text document failed_value "
+        "near_misses conflicts proofs explainer absence"
     ),
     "model": (
         "cycles names attributes declarations remembered described ranges modes transformation "

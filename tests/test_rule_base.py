@@ -14,6 +14,7 @@ from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.lint import lint
+from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
 from tests.support.documents import ROOT
@@ -99,6 +100,29 @@ def test_rules_are_listed_by_stage(rulebook: Rulebook, capsys: pytest.CaptureFix
     found = json.loads(capsys.readouterr().out)
     assert [each["id"] for each in found] == [r.id for r in speaking if r.stage == "can"]
     assert {each["stage"] for each in found} == {"can"}
+
+
+def test_predicates_that_packs_may_read_are_listed_by_stage(
+    rulebook: Rulebook, capsys: pytest.CaptureFixture[str]
+) -> None:
+    packs = ["--rules", str(ROOT / "examples" / "own-rules" / "rules")]
+    assert run_here(["rules", "list", "--predicates", *packs]) == 0
+    lines = [line.split()[:2] for line in capsys.readouterr().out.split("\n") if "/" in line[:30]]
+    sealed = seal()
+    found = {name: use for name, use in lines}
+    for signature in rulebook.declarations:
+        use = "extend" if signature.unsigned in sealed.extensible else "read"
+        stage, _ = rulebook.outlines[rulebook.declarations[signature].span.path]
+        is_open = signature.unsigned in sealed.reserved and stage in FOLDERS.values()
+        assert found.get(str(signature)) == (use if is_open else None), signature
+    assert found["link/3"] == "read" and "sees/1" not in found
+    assert (
+        run_here(["rules", "list", "--predicates", "--stage", "resolve", "--format", "json"]) == 0
+    )
+    listed = json.loads(capsys.readouterr().out)
+    assert {each["stage"] for each in listed} == {"resolve"}
+    assert "inserted/2" in {each["predicate"] for each in listed}
+    assert run_here(["rules", "lint", "--predicates"]) == 2
 
 
 def test_rules_of_a_pack_are_listed_with_those_of_the_base(

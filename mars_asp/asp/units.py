@@ -3,53 +3,78 @@
 Rules compute with whole numbers, so they count in small units; nobody wants to read these.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from functools import cache
 
-#: The power of ten that stands before a unit in the name of a sort, and how it is written.
+#: The power of ten of each SI prefix in the name of a sort, and its sign.
+_NAMES = (
+    "quecto:-30:q ronto:-27:r yocto:-24:y zepto:-21:z atto:-18:a femto:-15:f pico:-12:p nano:-9:n "
+    "micro:-6:u milli:-3:m centi:-2:c deci:-1:d :0: deca:1:da hecto:2:h kilo:3:k mega:6:M giga:9:G "
+    "tera:12:T peta:15:P exa:18:E zetta:21:Z yotta:24:Y ronna:27:R quetta:30:Q"
+)
 _PREFIXES = {
-    "micro": (-6, "u"),
-    "milli": (-3, "m"),
-    "centi": (-2, "c"),
-    "": (0, ""),
-    "kilo": (3, "k"),
+    name: (int(power), sign)
+    for name, power, sign in (each.split(":") for each in _NAMES.split(" "))
 }
-#: By the name of a unit how it is written, and with which prefixes people use it.
+_SIGNS = dict(_PREFIXES.values())
+#: By the name of a unit how it is written.
+_BASES = {
+    "seconds": "s",
+    "hertz": "Hz",
+    "metres": "m",
+    "grams": "g",
+    "newtons": "N",
+    "watts": "W",
+    "watt_hours": "Wh",
+    "joules": "J",
+    "volts": "V",
+    "amperes": "A",
+    "ampere_hours": "Ah",
+    "degrees": "deg",
+    "bytes": "B",
+}
 _MEASURES = {
-    "seconds": ("s", ("micro", "milli", "")),
-    "hertz": ("Hz", ("milli", "", "kilo")),
-    "metres": ("m", ("micro", "milli", "centi", "", "kilo")),
-    "grams": ("g", ("milli", "", "kilo")),
-    "newtons": ("N", ("milli", "", "kilo")),
-    "watts": ("W", ("micro", "milli", "", "kilo")),
-    "watt_hours": ("Wh", ("milli", "", "kilo")),
-    "joules": ("J", ("milli", "", "kilo")),
-    "volts": ("V", ("micro", "milli", "", "kilo")),
-    "amperes": ("A", ("micro", "milli", "")),
-    "ampere_hours": ("Ah", ("milli", "")),
-    "degrees": ("deg", ("micro", "milli", "")),
-    "bytes": ("B", ("", "kilo")),
+    **_BASES,
+    **{f"{name}_per_second": f"{unit}/s" for name, unit in _BASES.items() if name != "seconds"},
 }
+#: The sort, the unit and the power of ten of each measure. No bytes are divided: dB is no decibyte.
+_SORTS = [
+    (f"{prefix}{name}", unit, power)
+    for prefix, (power, _) in _PREFIXES.items()
+    for name, unit in _MEASURES.items()
+    if power >= 0 or not unit.startswith("B")
+]
 
 
-def _written(unit: str, prefixes: tuple[str, ...], power: int) -> dict[str, int]:
+def _written(unit: str, power: int) -> dict[str, int]:
     """Return the units in which a sort can be written, those that are as large or larger."""
     known = {
         f"{sign}{unit}": 10 ** (other - power)
-        for other, sign in map(_PREFIXES.__getitem__, prefixes)
-        if other >= power
+        for other, sign in _SIGNS.items()
+        if other >= power and (other >= 0 or unit[0] != "B")
     }
-    return {**known, "min": 60 * known["s"]} if unit == "s" else known
+    return {**known, "min": 60 * known["s"]} if "s" in known else known
+
+
+def _shown(unit: str, power: int) -> tuple[int, str]:
+    """Return the unit that is shown for a sort: without a prefix where it is not very small."""
+    if power >= 0:
+        return 1, f" {_SIGNS[power]}{unit}"
+    return (10**-power, f" {unit}") if power >= -6 else (1000, f" {_SIGNS[power + 3]}{unit}")
+
+
+def usual(units: Mapping[str, int]) -> tuple[str, ...]:
+    """Return the unit of a sort and those of larger ones that people use most."""
+    whole = {*_MEASURES.values(), "%", "min", *(f"k{unit}" for unit in _MEASURES.values())} - {"ks"}
+    small = {f"m{unit}" for unit in _MEASURES.values()}
+    return tuple(unit for unit, count in units.items() if count == 1 or unit in whole | small)
 
 
 #: By the name of a sort, how many of it are one of the unit that is shown, and that unit.
 UNITS: Mapping[str, tuple[int, str]] = {
-    **{
-        f"{prefix}{name}": (10 ** max(0, -power), f" {sign if power > 0 else ''}{unit}")
-        for name, (unit, prefixes) in _MEASURES.items()
-        for prefix, (power, sign) in _PREFIXES.items()
-        if prefix in prefixes
-    },
+    **{sort: _shown(unit, power) for sort, unit, power in _SORTS},
     "micrometres": (1_000, " mm"),
     "millionths": (10_000, " %"),
     "instant": (1_000, " s"),
@@ -61,28 +86,35 @@ _LARGER: Mapping[str, tuple[int, str]] = {"micrometres": (1_000_000, " m")}
 
 #: By the name of a sort, how many of it are one of each unit that it can be written in.
 WRITTEN: Mapping[str, Mapping[str, int]] = {
-    **{
-        f"{prefix}{name}": _written(unit, prefixes, _PREFIXES[prefix][0])
-        for name, (unit, prefixes) in _MEASURES.items()
-        for prefix in prefixes
-    },
-    "instant": _written("s", ("milli", ""), -3),
+    **{sort: _written(unit, power) for sort, unit, power in _SORTS},
+    "instant": _written("s", -3),
     "millionths": {"%": 10_000},
     "thousandths": {"%": 10},
 }
-#: The sorts by how their units are written, in small letters.
-OF_UNITS: Mapping[str, str] = {
-    unit.lower(): sort
+_OF_EXACT = {
+    unit: sort
     for sort, units in WRITTEN.items()
     for unit, count in units.items()
     if count == 1 and sort != "instant"
 }
-#: A unit behind its number, from which no line break may part it.
-UNIT = r"(?:m?[ms]|k?(?:Hz|Wh|Ah|[mgNWJVAB])|deg|%)(?!\w)"
+#: The sorts by how their units are written, also in small letters; of two the smaller one is meant.
+OF_UNITS: Mapping[str, str] = {
+    **{unit.lower(): sort for unit, sort in reversed(_OF_EXACT.items())},
+    **_OF_EXACT,
+}
+#: A unit behind its number, from which no line break may part it; `as` is a word first.
+UNIT = (
+    "(?:"
+    + "|".join(
+        sorted({re.escape(u.strip()) for _, u in UNITS.values()} - {"as", r"a\ second"}, key=len)
+    )
+    + r"|um)(?![\w/])"
+)
 #: The sorts of whole numbers.
 NUMBERS = frozenset({*UNITS, "number", "count", "index", "vertex", "priority", "cost"})
 
 
+@cache
 def times_as_many(sort: str, other: str) -> Fraction | None:
     """Return how many of another sort there are for one of a sort of the same measure."""
     one, two = WRITTEN.get(sort, {}), WRITTEN.get(other, {})
@@ -98,3 +130,15 @@ def measured(number: int, sort: str) -> str:
     whole, rest = divmod(abs(number), divisor)
     fraction = f".{rest:0{len(str(divisor)) - 1}}".rstrip("0") if rest else ""
     return f"{'-' if number < 0 else ''}{whole}{fraction}{unit}"
+
+
+def measured_alike(numbers: Iterable[int], sort: str) -> tuple[str, ...]:
+    """Return numbers of a sort in one unit: that of the sort where one is less than a whole unit.
+
+    40 and 50 milliseconds are `40 ms` and `50 ms`, 1500 and 2000 are `1.5 s` and `2 s`.
+    """
+    numbers = tuple(numbers)
+    own = next((unit for unit, count in WRITTEN.get(sort, {}).items() if count == 1), None)
+    if own is not None and any(0 < abs(number) < UNITS[sort][0] for number in numbers):
+        return tuple(f"{number} {own}" for number in numbers)
+    return tuple(measured(number, sort) for number in numbers)

@@ -15,7 +15,7 @@ from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.judgement import run_rulebook
 from mars_asp.execution.parts import in_parts
 from mars_asp.execution.scenario.agreement import disagreements
-from mars_asp.execution.scenario.functions import bound_functions
+from mars_asp.execution.scenario.functions import bind_kinds, bound_functions
 from mars_asp.execution.scenario.read import read_scenario
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.reasoning.packs import MANIFEST, find_packs
@@ -45,7 +45,7 @@ def needs_of(
     files: dict[Path, None] = {}
     found: dict[Diagnostic, None] = {}
     for cell in grid.cells():
-        scenario = read_scenario(text, path, cell)
+        scenario = bind_kinds(read_scenario(text, path, cell), specification)
         found |= dict.fromkeys(disagreements(plan, scenario))
         bound = dict(bound_functions(plan.modules, scenario, plan.names))
         files |= dict.fromkeys(file for file, _ in bound.values())

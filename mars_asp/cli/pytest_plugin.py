@@ -1,7 +1,7 @@
 """A plugin of pytest: the cases of packs, in their folders `cases` and `tests`, are tests.
 
 A file is taken where a `pack.toml` lies beside such a folder, so that other suites stay as they
-are; `-p no:mars_asp` leaves it out altogether.
+are, and a robot that `mars-asp test --snapshot` wrote; `-p no:mars_asp` leaves it out altogether.
 """
 
 from collections.abc import Iterator
@@ -14,15 +14,20 @@ if TYPE_CHECKING:
     from mars_asp.asp.cases import Check
 
 _SUFFIXES = (".lp", ".mars")
+#: How the line begins under which the expectations of a snapshot are.
+_SNAPSHOT = b"# snapshot: written by `mars-asp test --snapshot`"
 _MANIFEST, _FOLDERS = "pack.toml", ("cases", "tests")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Collector | None":
     """Take a file of cases of a pack."""
-    pack = _pack_of(file_path) if file_path.suffix in _SUFFIXES else None
-    if pack is None:
+    if file_path.suffix not in _SUFFIXES:
         return None
-    if file_path.suffix == ".mars":
+    pack = _pack_of(file_path)
+    if pack is None:
+        if file_path.suffix != ".mars" or _SNAPSHOT not in file_path.read_bytes():
+            return None
+    elif file_path.suffix == ".mars":
         from mars_asp.reasoning.cases.configurations import is_case
 
         # Others are included by those that are cases.
@@ -42,7 +47,7 @@ def _pack_of(path: Path) -> Path | None:
 class CaseFile(pytest.File):
     """A file of cases."""
 
-    pack: Path
+    pack: Path | None
 
     def collect(self) -> "Iterator[pytest.Item]":
         """Yield its cases, run with the rules of their pack.
@@ -54,7 +59,7 @@ class CaseFile(pytest.File):
         from mars_asp.reasoning.cases import run_case
 
         try:
-            outcome = run_case(self.path, _rulebook(self.config, self.pack))
+            outcome = run_case(self.path, _rulebook(self.config, self.pack, self.path.parent))
         except MarsError as error:
             told = (f"{d.span.path}:{d.span.line}: {d.message}" for d in error.diagnostics)
             raise self.CollectError("\n".join(told)) from None
@@ -97,15 +102,18 @@ class UnmetError(Exception):
     """What a case expects is not what the rules gave."""
 
 
-_BOOKS = pytest.StashKey[dict[Path, object]]()
+_BOOKS = pytest.StashKey[dict[tuple[Path, ...], object]]()
 
 
-def _rulebook(config: pytest.Config, pack: Path):  # type: ignore[no-untyped-def]
-    """Return the rules of a pack, read once."""
+def _rulebook(config: pytest.Config, pack: Path | None, folder: Path):  # type: ignore[no-untyped-def]
+    """Return the rules of a pack, or those of the settings for a folder, read once."""
+    from mars_asp.cli.settings import settings_for
     from mars_asp.reasoning.packs import with_companions
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
     books = config.stash.setdefault(_BOOKS, {})
-    if pack not in books:
-        books[pack] = load_rulebook(with_companions(pack), STAGES)
-    return books[pack]
+    given = map(Path, settings_for(folder).rules) if pack is None else with_companions(pack)
+    packs = tuple(given)
+    if packs not in books:
+        books[packs] = load_rulebook(packs, STAGES)
+    return books[packs]

@@ -19,8 +19,10 @@ from mars_asp.cli.rules_document import (
     PURPOSES,
     documents,
     file_document,
+    open_predicates,
     predicate_document,
     predicate_json,
+    predicate_lines,
     predicates_of,
     rule_document,
     rule_json,
@@ -64,6 +66,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="of `lint`: correct what has one safe fix, in the files of packs",
     )
     parser.add_argument(
+        "--predicates",
+        action="store_true",
+        help="of `list`: the predicates that rules of packs may read or derive, instead of rules",
+    )
+    parser.add_argument(
         "--stage",
         metavar="STAGE",
         choices=tuple(PURPOSES),
@@ -103,6 +110,24 @@ def run(arguments: argparse.Namespace) -> int:
     elif action == "doc":
         print("# Rules\n")
         print(safe("\n".join(documents(rulebook, stages, what))))
+    elif arguments.predicates and as_json:
+        listed = [
+            {**predicate_json(each), "stage": stage}
+            for stage in stages
+            for each in open_predicates(rulebook, stage)
+        ]
+        print(encoded(listed))
+    elif arguments.predicates:
+        parts = [(stage, list(predicate_lines(rulebook, stage))) for stage in stages]
+        print(
+            safe(
+                "\n\n".join(
+                    "\n".join([f"{stage}: {PURPOSES[stage]}", *lines])
+                    for stage, lines in parts
+                    if lines
+                )
+            )
+        )
     elif as_json:
         found_rules = (rule for stage in stages for rule in speaking(rulebook, stage))
         print(encoded([rule_json(rule) for rule in found_rules]))
@@ -211,6 +236,8 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
         return f"`{action}` needs {wanted}"
     if arguments.fix and (action != "lint" or not (arguments.rules or what)):
         return "`--fix` has an effect only on `lint` with a pack"
+    if arguments.predicates and action != "list":
+        return f"--predicates has no effect on `{action}`"
     if arguments.stage and action not in ("list", "doc"):
         return f"--stage has no effect on `{action}`"
     if arguments.output and action != "doc":

@@ -14,6 +14,7 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
 from mars_asp.output import fenced, markdown, visible
 from mars_asp.reasoning.findings import EXPANSIONS
+from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.rules import BASE, STAGES, seal
 
 #: What the rules of each stage are for.
@@ -135,6 +136,26 @@ def _use_by_packs(declaration: Declaration) -> str | None:
 @cache
 def _reserved() -> frozenset[Signature]:
     return seal().reserved
+
+
+def open_predicates(rulebook: Rulebook, stage: str) -> tuple[Declaration, ...]:
+    """Return the predicates of a stage that rules of packs may read or derive."""
+    return tuple(
+        each
+        for each in rulebook.declarations.values()
+        if stage in FOLDERS.values()
+        and _use_by_packs(each)
+        and rulebook.outlines.get(each.span.path, ("",))[0] == stage
+    )
+
+
+def predicate_lines(rulebook: Rulebook, stage: str) -> Iterator[str]:
+    """Yield a line for each of them: its form, what packs may do, and its first sentence."""
+    listed = open_predicates(rulebook, stage)
+    width = max((len(str(each.signature)) for each in listed), default=0)
+    for each in listed:
+        words = " ".join(each.words.split()).partition(". ")[0].rstrip(".")
+        yield f"{each.signature!s:<{width}}  {_use_by_packs(each):<6}  {words}"
 
 
 def predicate_json(declaration: Declaration) -> dict[str, object]:

@@ -84,6 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run it; 1 where a requirement was violated, or the run ended too early to tell."""
     load_freely("mars_asp.execution.trial")
     from mars_asp.asp.trace.document import traces_json
+    from mars_asp.execution.scenario.functions import bind_kinds
 
     check_packages(arguments)
     check_inputs(*arguments.files, arguments.scenario)
@@ -98,6 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
     if found is None:
         return 1
     specification, modules = found
+    scenario = bind_kinds(scenario, specification)
     functions = _functions(specification, modules, scenario)
     if arguments.dry_run:
         return _print_plan(functions, scenario, arguments)

@@ -10,9 +10,11 @@ from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.cases_report import Ran, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.cli.settings import settings_for
+from mars_asp.diagnostic import Diagnostic, MarsError, point
 from mars_asp.output import visible
 from mars_asp.reasoning.cases import Found, cases_of, run_case
+from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
 from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
@@ -31,6 +33,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write what was found into the files as what is expected; facts stay, and so does"
         " what must be there or must not",
+    )
+    parser.add_argument(
+        "--snapshot",
+        action="store_true",
+        help="of robots, `.mars`: write their warnings and errors, nodes, cost and order of"
+        " priorities into them as what is expected from now on",
     )
     parser.add_argument("--junit", metavar="FILE", help="also write the outcomes as JUnit XML")
     parser.add_argument(
@@ -81,6 +89,11 @@ def run_once(arguments: argparse.Namespace) -> int:
     """
     rules = [Path(path) for path in arguments.rules]
     found = cases_of(map(Path, arguments.paths), rules)
+    robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
+    if robots and not rules:
+        rules = [Path(path) for path in settings_for(robots[0].path.parent).rules]
+    if arguments.snapshot:
+        return _snapshot(found, rules, arguments)
     if not found:
         where = ", ".join(map(visible, arguments.paths))
         told = f"no case, a `.lp` file besides --rules, in {where}"
@@ -104,6 +117,30 @@ def run_once(arguments: argparse.Namespace) -> int:
     print_outcomes(outcomes, arguments, result, lines)
     failed = not all_pass or not outcomes
     return max(int(failed and not _is_mended(outcomes, arguments)), status)
+
+
+def _snapshot(found: Sequence[Found], rules: list[Path], arguments: argparse.Namespace) -> int:
+    """Write what robots have now as what is expected of them.
+
+    Raises:
+        MarsError: a file is no robot, or wrong.
+    """
+    others = [each.path for each in found if each.path.suffix != SUFFIX]
+    if others or not found:
+        place = point(str(others[0]) if others else arguments.paths[0], 1, 1)
+        advice = "name `.mars` files; facts are updated by --update"
+        raise MarsError(
+            (Diagnostic("case", "error", "a snapshot is of a robot", place, help=advice),)
+        )
+    written = []
+    for each in found:
+        text = snapshot(each.path, _rulebook(each.pack, rules, arguments.trust))
+        before = each.path.read_bytes()
+        written.append((str(each.path), text.encode(), before))
+    replace_files(written)
+    for path, _, _ in written:
+        print(f"wrote {visible(path)}")
+    return 0
 
 
 def _rulebook(pack: Path | None, rules: list[Path], trusted: bool) -> Rulebook:

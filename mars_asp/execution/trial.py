@@ -19,7 +19,7 @@ from mars_asp.execution.parts import in_parts
 from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.contradictions import SCATTERED
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
-from mars_asp.execution.scenario.functions import bind_functions
+from mars_asp.execution.scenario.functions import bind_functions, bind_kinds
 from mars_asp.execution.scenario.read import Robot, Scenario
 from mars_asp.execution.simulator import (
     Body,
@@ -228,6 +228,7 @@ def stage_trial(
     Raises:
         MarsError: what is unbound or cannot be used, all at once.
     """
+    scenario = bind_kinds(scenario, specification)
     specification, every = in_parts(specification, modules)
     limits = _limits(every, scenario)
     world = make_world(scenario)

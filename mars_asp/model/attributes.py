@@ -15,7 +15,7 @@ WORDS = (TAG, PROPERTY)
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 #: A number, with or without its unit.
-_MEASURE = re.compile(rf"({_NUMBER})\s*([^\W\d_]+|%)?")
+_MEASURE = re.compile(rf"({_NUMBER})\s*([^\W\d_]+(?:/[^\W\d_]+)?|%)?")
 _VALUE = re.compile(rf"{_MEASURE.pattern}|{BARE}|{QUOTED}")
 _GAP = re.compile(r"\s+")
 

@@ -1,9 +1,10 @@
 import re
+from collections import Counter
 
 import pytest
 
 from mars_asp.asp.messages import fill
-from mars_asp.asp.units import UNIT, UNITS, WRITTEN, measured
+from mars_asp.asp.units import OF_UNITS, UNIT, UNITS, WRITTEN, measured, times_as_many
 
 
 @pytest.mark.parametrize(
@@ -28,6 +29,11 @@ from mars_asp.asp.units import UNIT, UNITS, WRITTEN, measured
         (-1_500, "milliwatts", "-1.5 W"),
         (3, "kilowatts", "3 kW"),
         (250, "centimetres", "2.5 m"),
+        (2, "megawatts", "2 MW"),
+        (1500, "nanoseconds", "1.5 us"),
+        (250, "millimetres_per_second", "0.25 m/s"),
+        (90, "degrees_per_second", "90 deg/s"),
+        (3, "megabytes_per_second", "3 MB/s"),
     ],
 )
 def test_numbers_are_written_in_units_of_people(number: int, sort: str, text: str) -> None:
@@ -45,12 +51,30 @@ def test_each_divisor_is_a_power_of_ten() -> None:
 
 
 def test_each_sort_is_written_in_its_own_unit_and_in_larger_ones() -> None:
-    assert WRITTEN["milliwatts"] == {"mW": 1, "W": 1000, "kW": 1_000_000}
-    assert WRITTEN["seconds"] == {"s": 1, "min": 60}
-    assert WRITTEN["centimetres"] == {"cm": 1, "m": 100, "km": 100_000}
-    assert WRITTEN["millihertz"] == {"mHz": 1, "Hz": 1000, "kHz": 1_000_000}
+    known = {
+        "milliwatts": {"mW": 1, "W": 1000, "kW": 1_000_000, "MW": 10**9},
+        "seconds": {"s": 1, "min": 60, "das": 10},
+        "centimetres": {"cm": 1, "dm": 10, "m": 100, "km": 100_000},
+        "micrometres_per_second": {"um/s": 1, "mm/s": 1000, "m/s": 1_000_000},
+        "bytes": {"B": 1, "QB": 10**30},
+    }
+    for sort, units in known.items():
+        assert WRITTEN[sort].items() >= units.items()
+    assert "nW" not in WRITTEN["milliwatts"] and "mB" not in WRITTEN["bytes"]
+
+
+def test_each_measure_has_all_prefixes_and_no_two_sorts_one_unit() -> None:
+    own = [(u, s) for s, units in WRITTEN.items() for u, n in units.items() if n == 1]
+    units = Counter(unit for unit, sort in own if sort != "instant")
+    assert [unit for unit, count in units.items() if count > 1] == []
+    signs = [*"qryzafpnumcd", "", "da", *"hkMGTPEZYRQ"]
+    for unit in ("s", "Hz", "m", "g", "N", "W", "Wh", "J", "V", "A", "Ah", "deg", "m/s", "deg/s"):
+        assert {f"{sign}{unit}" for sign in signs} <= units.keys()
+    assert OF_UNITS["MW"] == "megawatts" and OF_UNITS["mw"] == "milliwatts"
+    assert times_as_many("kilometres", "millimetres") == 1_000_000
+    assert times_as_many("metres", "metres_per_second") is None
 
 
 def test_no_line_break_parts_a_number_and_a_unit_that_is_shown() -> None:
-    shown = {unit.strip() for _, unit in UNITS.values()} - {"a second"}
+    shown = {unit.strip() for _, unit in UNITS.values()} - {"a second", "as"}
     assert {unit for unit in shown if not re.fullmatch(UNIT, unit)} == set()

@@ -57,8 +57,8 @@ def test_a_case_that_expects_nothing_is_given_what_was_found(odd: Path, end: str
     case = odd / "cases" / "new.lp"
     case.write_bytes(f'module("A").{end}'.encode())
     assert run_here(["test", str(case), "--update"]) == 0
-    expected = f'%= consequence(odd_idle,warning,"A",alone){end}'
-    expected += f'%+ consequence(unused_module,warning,"A",declaration){end}'
+    expected = f'%only: consequence(odd_idle,warning,"A",alone){end}'
+    expected += f"%not: consequence(odd_mount,_,_,_){end}"
     assert case.read_bytes().decode() == f'module("A").{end}{expected}'
     assert run_here(["test", str(case)]) == 0
 
@@ -162,21 +162,64 @@ def test_documents_of_a_pack_are_pages(odd: Path) -> None:
     assert Path("pages/odd.md").read_text().startswith("# odd\n")
 
 
+ROBOT = """\
+@configuration hierarchical
+@modules Base, Drive, Avoid, Idle
+
+Base is_controlled_by Drive 1
+Base is_controlled_by Avoid 2
+"""
+
+
+def test_a_snapshot_of_a_robot_fails_when_its_order_of_priorities_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = Path("robot.mars")
+    robot.write_text(ROBOT + "# never: control_cycle\n")
+    assert run_here(["test", "--snapshot", "robot.mars"]) == 0
+    written = robot.read_text()
+    assert written.startswith(ROBOT + "# never: control_cycle\n\n# snapshot: ")
+    assert written.splitlines()[8:] == [
+        "# expect: warning unused_module(Idle) at 2",
+        "# expect findings: error 0, warning 1",
+        "# expect nodes: DataSplitter 0, DataTransformer 0, ArbitrationNode 1, ControlSplitter 0, "
+        "InheritanceNode 0",
+        "# expect cost: nodes 1, conversion 0, relationships 3",
+        "# expect order: Base: Drive < Avoid",
+    ]
+    assert run_here(["test", "--snapshot", "robot.mars"]) == 0
+    assert robot.read_text() == written
+    assert run_here(["test", "robot.mars"]) == 0
+    robot.write_text(written.replace("Drive 1", "Drive 3"))
+    capsys.readouterr()
+    assert run_here(["test", "robot.mars"]) == 1
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        "  robot.mars:13:17: expected Base: Drive < Avoid",
+        "    nearest: Base: Avoid < Drive",
+        "0 passed, 1 failed",
+    ]
+    assert run_here(["test", "--snapshot", "facts.lp"]) == 2
+
+
 PLUGIN = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
 # An installation from before the plugin does not name it.
 if not any(each.name == "mars_asp" for each in entry_points(group="pytest11")):
     PLUGIN += ["-p", "mars_asp.cli.pytest_plugin"]
 
 
-def test_pytest_collects_cases_of_packs_alone(odd: Path) -> None:
+def test_pytest_collects_cases_of_packs_and_snapshots_alone(odd: Path) -> None:
     (odd.parent / "cases").mkdir()
     (odd.parent / "cases" / "other.lp").write_text("%= never\n")
+    (odd.parent / "other.mars").write_text(ROBOT)
+    (odd.parent / "robot.mars").write_text(ROBOT)
+    assert run_here(["test", "--snapshot", "robot.mars"]) == 0
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *PLUGIN, "."],
         capture_output=True, check=False, text=True, timeout=100,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
-    assert "6 failed, 1 passed" in done.stdout, done.stdout + done.stderr
+    assert "6 failed, 2 passed" in done.stdout, done.stdout + done.stderr
     assert 'odd/cases/facts.lp:10:37: expected `busy("C")`' in done.stdout
     assert "other.lp" not in done.stdout
 

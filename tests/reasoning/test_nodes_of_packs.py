@@ -17,7 +17,8 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Control, Data, Relationship
 from mars_asp.reasoning.project import load_project
-from mars_asp.reasoning.rules import by_name, load_rulebook
+from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.rules import STAGES, by_name, load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import Violation, judge_specification, written_cost
@@ -204,7 +205,7 @@ WRONG = {
     "nowhere-after": 'inserted(n, dog). placed_after(n, "Base").',
     "unplaced": "inserted(n, dog).",
     "twice": 'inserted(n, dog). placed_before(n, "Base"). placed_after(n, "Drive").',
-    "two-sources": 'inserted(n, dog). placed_after(n, ("Drive"; "Reach")).',
+    "two-controllers": 'inserted(n, dog). placed_after(n, ("Drive"; "Reach")).',
     "two-modules": 'inserted(n, dog). placed_before(n, ("Base"; "Arm")).',
 }
 DATA = {
@@ -264,6 +265,37 @@ def before(reasoner: Reasoner) -> list[str]:
     assert found is not None
     lines = found.specification.configuration.relationships
     return [ends(line)[0] for line in lines if ends(line)[1] == "Dog1"]
+
+
+#: How the author's rule introduces a node, and the first sentence of its explanation.
+REASONS = {
+    '%! because: `{M}` needs a dog\ninserted(n(M), dog) :- M = "Base", module(M).': (
+        "`Base` needs a dog"
+    ),
+    '%! because: `{M}` may have a dog\n1 { inserted(n(M), dog) } :- M = "Arm", module(M).': (
+        "`Arm` may have a dog"
+    ),
+    'inserted(n("Base"), dog).': "all commands to `Base` go through it",
+}
+
+
+@pytest.mark.parametrize(("rule", "sentence"), REASONS.items())
+def test_a_node_is_explained_first_by_the_message_of_its_rule(
+    rule: str, sentence: str, tmp_path: Path
+) -> None:
+    text = f"{rule.replace('%! b', '%! id: resolve/mine/dog' + chr(10) + '%! b')}\n"
+    text += "placed_before(n(M), M) :- inserted(n(M), dog).\n"
+    text += '#minimize { 1@3, M : inserted(n(M), dog), M = "Base" }.'
+    book = load_rulebook([pack(tmp_path, "mine", "resolve", text)], STAGES)
+    reasoner = Reasoner(load_project(str(HERE / "two_effectors.mars")), book)
+    for subject in (None, "Dog1"):
+        (topic,) = (t for t in explain(reasoner, subject, traced=False).topics if t.name == "Dog1")
+        assert topic.account is not None
+        assert topic.account.answer == sentence
+        if rule.startswith("%!"):
+            place = sentence.split("`")[1]
+            assert topic.account.notes[0] == f"All commands to `{place}` go through it."
+            assert topic.rule == "mine/resolve/mine/dog"
 
 
 @pytest.mark.parametrize(("avoided", "taken"), [("Base", "Arm"), ("Arm", "Base")])

@@ -15,7 +15,8 @@ _LINE = re.compile(
     r"%(?:(?P<sign>[=>~])|(?P<word>[a-z]+):(?=[ \t\r]|$))[ \t]*(?P<rest>.*?)[ \t\r]*$"
 )
 _CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
-_ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
+#: A value that is left open, or a string, in which nothing is.
+ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
 _CODE = "case"
 #: Stands for any value.
 ANY = clingo.Function("_any")
@@ -35,7 +36,7 @@ class Stated:
         Raises:
             RuntimeError: it cannot be read.
         """
-        return clingo.parse_term(_ANYTHING.sub(lambda match: match[1] or "_any", self.text))
+        return clingo.parse_term(ANYTHING.sub(lambda match: match[1] or "_any", self.text))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.cases.expectations import ANY, Block, Expectation, Stated
+from mars_asp.asp.cases.expectations import ANY, ANYTHING, Block, Expectation, Stated
 from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Span
 from mars_asp.spelling import nearest
@@ -253,16 +253,27 @@ def _agreement(pattern: clingo.Symbol, found: clingo.Symbol) -> int:
     return sum(map(matches, pattern.arguments, found.arguments))
 
 
-def rewritten(text: str, blocks: Sequence[Block], answers: Mapping[Block, Sequence[Answer]]) -> str:
+def rewritten(
+    text: str,
+    blocks: Sequence[Block],
+    answers: Mapping[Block, Sequence[Answer]],
+    own: Sequence[str] | None,
+) -> str:
     """Return a text of cases in which what was found is what is expected.
 
     Facts stay as they are, and so does what a case has or has not whatever else there is: `%has:`
-    and `%not:`.
+    and `%not:`. A case without expectations is given what there is of the patterns that are a
+    pack's `own`; an exact answer set if there are none.
     """
     lines = text.split("\n")
     edits: list[tuple[int, int, list[str]]] = []
     for block in blocks:
-        edits += _edits(block, answers[block], len(lines))
+        given = answers[block]
+        if own is not None and not block.expectations and len(given) == 1:
+            place = _end(block, len(lines))
+            edits.append((place, place, list(_closed(given[0], own, "#show" in block.text))))
+        else:
+            edits += _edits(block, given, len(lines))
     # New lines end as the others do.
     mark = "\r" if "\r\n" in text else ""
     for begin, end, new in sorted(edits, reverse=True):
@@ -299,6 +310,25 @@ def _edits(
         rest = Counter(atom for atom in answers[0].compared if atom.startswith("%"))
         new += sorted(rest)
     yield place, exact[0].last if exact else place, new
+
+
+def _closed(answer: Answer, own: Sequence[str], shows: bool) -> Iterator[str]:
+    """Yield lines for what is compared of a pack's own: all there is, or that there is none.
+
+    Whether there is none is known of findings, unless the case shows predicates itself.
+    """
+    compared = [clingo.parse_term(atom) for atom in answer.compared if not atom.startswith("%")]
+    for pattern in own:
+        wanted = clingo.parse_term(ANYTHING.sub(lambda match: match[1] or "_any", pattern))
+        found = [each for each in compared if _same_sort(wanted, each)]
+        if found:
+            yield from _written("%only:", _shown(found))
+        elif not shows and _is_kind(wanted):
+            yield f"%not: {pattern}"
+
+
+def _is_kind(pattern: clingo.Symbol) -> bool:
+    return bool(pattern.arguments) and pattern.arguments[0] != ANY
 
 
 def _in_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> list[str]:

@@ -90,8 +90,27 @@ def run_case(
         for block in blocks
     }
     checks = (Check(each.title, each.span, judged(each, answers[each])) for each in blocks)
-    updated = rewritten(text, blocks, answers)
+    updated = rewritten(text, blocks, answers, _own_sorts(rulebook, finding))
     return Outcome(path, tuple(checks), updated if updated != text else None)
+
+
+def _own_sorts(rulebook: Rulebook, finding: Signature) -> Sequence[str] | None:
+    """Return the patterns of all that packs derive: their predicates, and their kinds of findings.
+
+    It is None without packs, or where a rule of a pack may find any kind.
+    """
+    own = rulebook.rules[len(rulebook.rules) - rulebook.pack_rules :]
+    if not rulebook.packs or any(finding in r.heads and finding not in r.firsts for r in own):
+        return None
+    kinds = {kind for rule in own for kind in rule.firsts.get(finding, ())}
+    found = [
+        f"{finding.name}({','.join([kind, *'_' * (finding.arity - 1)])})" for kind in sorted(kinds)
+    ]
+    others = sorted({head for rule in own for head in rule.heads} - {finding})
+    found += [
+        f"{plain(s.name)}({','.join('_' * s.arity)})" if s.arity else plain(s.name) for s in others
+    ]
+    return found
 
 
 def _of_block(

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 from mars_asp.asp.rules.declarations import SENTENCE_HOLE, Argument, Declaration
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.asp.units import UNITS, measured
+from mars_asp.asp.units import UNITS, measured, measured_alike
 
 #: A value of an argument that is left open.
 OPEN = "_any"
@@ -64,8 +64,28 @@ class Sentences:
         It is `None` where nobody declares one for what is not open.
         """
         declared = self._declared.get((pattern.name, len(pattern.arguments)))
-        found = None if declared is None else self._first(declared.unless, declared, pattern)
-        return None if found is None else found.sentence
+        if declared is None:
+            return None
+        found = self._first(declared.unless, declared, pattern)
+        return self._another_value(declared, pattern) or (found and found.sentence)
+
+    def _another_value(self, declared: Declaration, pattern: Atom) -> str | None:
+        """Return that a property has another value than the pattern; None if none is stated."""
+        if declared.attribution is None or len(declared.arguments) != 2:
+            return None
+        thing, wanted = pattern.arguments
+        fact = self._by_values(declared.name, 2, (0,)).get((thing,))
+        if fact is None or _is_open(wanted) or fact.atom.arguments[1] == wanted:
+            return None
+        argument, values = declared.arguments[1], (fact.atom.arguments[1], wanted)
+        sort = next((each for each in argument.sorts if each in UNITS), None)
+        numbers = [each for each in values if isinstance(each, int)]
+        words: Sequence[str | None]
+        if sort is not None and len(numbers) == 2:
+            words = measured_alike(numbers, sort)
+        else:
+            words = [_written(value, argument) for value in values]
+        return f"`{declared.name}` of `{thing}` is {words[0]}, not {words[1]}"
 
     def rank(self, atom: Atom) -> int | None:
         """Return the number that orders what an atom is about; `None` where nothing does."""

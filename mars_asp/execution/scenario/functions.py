@@ -19,7 +19,7 @@ from mars_asp.execution.executor.behaviour import AskedError
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.scenario.read import Scenario
-from mars_asp.model.declarations import Module, Service
+from mars_asp.model.declarations import Configuration, Module, Service
 from mars_asp.spelling import nearest
 
 Clock = Callable[[], float]
@@ -209,6 +209,25 @@ def converting(plan: Plan) -> Iterator[str]:
     for module in plan.modules.values():
         if any(service.kind == "Converts" for service in module.services):
             yield module.name
+
+
+def bind_kinds(scenario: Scenario, specification: Configuration) -> Scenario:
+    """Return a scenario whose bindings of kinds of nodes are those of each node of the kind.
+
+    A binding of a node by its name counts first. A kind without nodes binds nothing.
+    """
+    kinds = {each.kind for each in specification.kinds}
+    names = {name.text for name in specification.modules}
+    asked = [name for name in scenario.bindings if name in kinds - names]
+    bindings = {n: stated for n, stated in scenario.bindings.items() if n not in asked}
+    places = dict(scenario.places)
+    for kind in asked:
+        for name in (n.text for n in specification.modules):
+            found = specification.pack_kind(name)
+            if found is not None and found.kind == kind and name not in scenario.bindings:
+                bindings[name] = scenario.bindings[kind]
+                places[f"bindings.{name}"] = places[f"bindings.{kind}"]
+    return replace(scenario, bindings=bindings, places=places) if asked else scenario
 
 
 def bound_functions(

@@ -8,6 +8,8 @@ A configuration is a case where lines of comments state what is expected of it:
     # expect nodes: Watchdog 1, DataSplitter 0
     # expect cost: nodes 1, conversion 0
     # expect: no specification
+    # expect findings: error 0, warning 1
+    # expect order: Base: Drive < Avoid
 """
 
 from mars_asp.reasoning.cases.places import Found, cases_of, pack_of_case

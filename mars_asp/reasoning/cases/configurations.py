@@ -12,7 +12,8 @@ from mars_asp.asp.cases.outcomes import shown_beside
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.language.parse import read_text
-from mars_asp.model.declarations import node_names
+from mars_asp.model.declarations import Control, node_names
+from mars_asp.model.names import written
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.findings import SEVERITIES, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import load_project
@@ -21,6 +22,8 @@ from mars_asp.reasoning.session import Reasoner
 from mars_asp.spelling import nearest
 
 SUFFIX = ".mars"
+#: The line above the expectations that `snapshot` writes.
+SNAPSHOT = "# snapshot: written by `mars-asp test --snapshot`, which replaces the lines below"
 _CODE = "case"
 _LINE = re.compile(
     r"(?P<before>[ \t]*(?:#|//)[ \t]*)(?P<what>expect(?:[ \t]+\w+)?|never|only):[ \t]*"
@@ -33,6 +36,11 @@ _FINDING = re.compile(
 )
 _COUNT = re.compile(r"(?P<name>\w+)[ \t]+(?P<count>\d+)")
 _NONE = "no specification"
+#: The severities that are counted.
+_COUNTED = ("error", "warning")
+#: What lines with counts may count; nodes are those of the robot's packs, too.
+_KNOWN = {"expect nodes": (), "expect cost": tuple(COSTS), "expect findings": _COUNTED}
+_NUMBERED = ("nodes", "cost", "findings", "order")
 
 
 @dataclass(frozen=True)
@@ -87,6 +95,37 @@ def is_case(path: Path) -> bool:
         return False
 
 
+def snapshot(path: Path, rulebook: Rulebook) -> str:
+    """Return the text of a robot whose last lines expect the findings and the specification it has.
+
+    An earlier snapshot in the text is replaced; other expectations stay.
+
+    Raises:
+        MarsError: the robot is wrong.
+    """
+    text = _without_snapshot(read_text(path))
+    robot = _Robot(str(path), rulebook, text)
+    new = [SNAPSHOT, *(f"# expect: {each}" for each in robot.told if each.severity != "note")]
+    new.append(f"# expect findings: {_all(robot.findings)}")
+    if robot.is_realised:
+        new.append(f"# expect nodes: {_all(robot.nodes)}")
+        new.append(f"# expect cost: {_all(robot.cost)}")
+    else:
+        new.append(f"# expect: {_NONE}")
+    new += [f"# expect order: {each}" for each in robot.orders]
+    return text.rstrip("\n") + "\n\n" + "\n".join(new) + "\n"
+
+
+def _without_snapshot(text: str) -> str:
+    kept: list[str] = []
+    within = False
+    for line in text.split("\n"):
+        within = line.rstrip("\r") == SNAPSHOT or (within and _LINE.match(line) is not None)
+        if not within:
+            kept.append(line)
+    return "\n".join(kept)
+
+
 def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     """Run a configuration as a case.
 
@@ -108,14 +147,22 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
 class _Robot:
     """A configuration with what follows from it, found when a line asks for it."""
 
-    def __init__(self, path: str, rulebook: Rulebook) -> None:
+    def __init__(self, path: str, rulebook: Rulebook, text: str | None = None) -> None:
         self.path, self.rulebook = path, rulebook
-        self._reasoner = Reasoner(load_project(path), rulebook)
+        self._reasoner = Reasoner(load_project(path, text=text), rulebook)
 
     @cached_property
     def told(self) -> tuple[Told, ...]:
         """Return its findings."""
         return tuple(map(self._told, self._reasoner.analysis.consequences))
+
+    def counted_of(self, what: str) -> Mapping[str, int] | None:
+        """Return the counts that a line is about; None where there is no specification."""
+        if what == "expect findings":
+            return self.findings
+        if not self.is_realised:
+            return None
+        return self.nodes if what == "expect nodes" else self.cost
 
     @property
     def is_realised(self) -> bool:
@@ -129,6 +176,26 @@ class _Robot:
         kinds = () if found is None else [node.kind for node in found.specification.nodes]
         counted = Counter(self.names[kind] for kind in kinds)
         return {name: counted[name] for name in self.names.values()}
+
+    @cached_property
+    def findings(self) -> Mapping[str, int]:
+        """Return the numbers of errors and warnings."""
+        counted = Counter(each.severity for each in self.told)
+        return {severity: counted[severity] for severity in _COUNTED}
+
+    @cached_property
+    def orders(self) -> tuple[str, ...]:
+        """Return the controllers of each module with several, the lowest priority first."""
+        configuration = self._reasoner.project.configuration
+        ranks: dict[str, dict[str, int]] = {}
+        for line in (
+            configuration.relationships if configuration.architecture == "hierarchical" else ()
+        ):
+            if isinstance(line, Control):
+                ranks.setdefault(line.controlled, {})[line.controller] = line.priority or 0
+        return tuple(
+            f"{written(module)}: {_ranked(of)}" for module, of in ranks.items() if len(of) > 1
+        )
 
     @cached_property
     def cost(self) -> Mapping[str, int]:
@@ -145,6 +212,15 @@ class _Robot:
     def kinds(self) -> frozenset[str]:
         """Return the kinds of findings that rules name."""
         return consequence_kinds(self.rulebook)
+
+    @cached_property
+    def own_kinds(self) -> frozenset[str] | None:
+        """Return the kinds of findings of packs; None without packs, or if a rule finds any."""
+        own = self.rulebook.rules[len(self.rulebook.rules) - self.rulebook.pack_rules :]
+        kinds = [kinds_of(rule) for rule in own]
+        if not self.rulebook.packs or None in kinds:
+            return None
+        return frozenset(kind for each in kinds if each is not None for kind in each)
 
     @cached_property
     def is_open(self) -> bool:
@@ -183,11 +259,13 @@ def _lines(text: str, robot: _Robot) -> tuple[Line, ...]:
 def _line(
     what: str, before: str, text: str, span: Span, robot: _Robot, problems: list[Diagnostic]
 ) -> Line:
-    if what in ("expect nodes", "expect cost"):
-        known = tuple(robot.names.values()) if what == "expect nodes" else tuple(COSTS)
+    if what in _KNOWN:
+        known = tuple(robot.names.values()) if what == "expect nodes" else _KNOWN[what]
         return Line(what, before, text, span, (), _counts(text, known, span, problems))
+    if what == "expect order":
+        return Line(what, before, text, span)
     if what not in ("expect", "never", "only"):
-        near = nearest(what.partition(" ")[2], ("nodes", "cost")) or "nodes"
+        near = nearest(what.partition(" ")[2], _NUMBERED) or "nodes"
         message = f"`{what}` is not an expectation"
         problems.append(_wrong(message, span, f"did you mean `expect {near}`?"))
         return Line(what, before, text, span)
@@ -247,6 +325,10 @@ def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure
     if line.text == _NONE and line.what == "expect":
         if robot.is_realised:
             yield _failure(line.span, _NONE, [f"nodes {_listed(robot.nodes)}"])
+    elif line.what == "expect order":
+        if line.text not in robot.orders:
+            there = _order_of(line, robot) or "no order of priorities"
+            yield _failure(line.span, line.text, [], there)
     elif line.counts is not None:
         yield from _miscounted(line, line.counts, robot)
     elif line.what == "expect":
@@ -271,11 +353,17 @@ def _unmet(line: Line, lines: Iterable[Line], robot: _Robot) -> Iterator[Failure
             yield _failure(line.span, f"no {line.text} that no line expects", extra)
 
 
+def _order_of(line: Line, robot: _Robot) -> str | None:
+    """Return the order of the controllers of the module that a line names."""
+    module = line.text.partition(":")[0]
+    return next((each for each in robot.orders if each.partition(":")[0] == module), None)
+
+
 def _miscounted(line: Line, counts: Mapping[str, int], robot: _Robot) -> Iterator[Failure]:
-    if not robot.is_realised:
+    there = robot.counted_of(line.what)
+    if there is None:
         yield _failure(line.span, line.text, [_NONE])
         return
-    there = robot.nodes if line.what == "expect nodes" else robot.cost
     found = {name: there[name] for name in counts}
     if found != dict(counts):
         others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
@@ -284,6 +372,18 @@ def _miscounted(line: Line, counts: Mapping[str, int], robot: _Robot) -> Iterato
 
 def _listed(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {count}" for name, count in counts.items() if count) or "none"
+
+
+def _all(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in counts.items())
+
+
+def _ranked(ranks: Mapping[str, int]) -> str:
+    """Return controllers by rising priority, `A = B < C`."""
+    groups: dict[int, list[str]] = {}
+    for controller, priority in sorted(ranks.items()):
+        groups.setdefault(priority, []).append(written(controller))
+    return " < ".join(" = ".join(groups[priority]) for priority in sorted(groups))
 
 
 def _failure(span: Span, expected: str, found: Iterable[object], near: object = None) -> Failure:
@@ -300,7 +400,10 @@ def _updated(text: str, lines: Sequence[Line], robot: _Robot) -> str:
     What must not be found stays as it is, and so does what is expected and not found at all.
     """
     if not lines:
-        new = [f"# expect: {told}" for told in robot.told]
+        own = robot.own_kinds
+        findings = [each for each in robot.told if own is None or each.kind in own]
+        new = [f"# expect: {each}" for each in findings]
+        new += [f"# only: {', '.join(sorted(own))}"] if own else []
         new += _counted(robot) if robot.is_realised else [f"# expect: {_NONE}"]
         return text.rstrip("\n") + "\n" + "\n".join(new) + "\n"
     written = text.split("\n")
@@ -321,10 +424,12 @@ def _counted(robot: _Robot) -> list[str]:
 def _told_instead(line: Line, robot: _Robot) -> str | None:
     """Return what a line is to expect, where it is to expect something else."""
     if line.counts is not None:
-        there = robot.nodes if line.what == "expect nodes" else robot.cost
-        if not robot.is_realised or all(there[name] == n for name, n in line.counts.items()):
+        there = robot.counted_of(line.what)
+        if there is None or all(there[name] == n for name, n in line.counts.items()):
             return None
         return ", ".join(f"{name} {there[name]}" for name in line.counts)
+    if line.what == "expect order":
+        return _order_of(line, robot)
     if line.what != "expect" or not line.wanted or any(map(line.wanted[0].fits, robot.told)):
         return None
     (wanted,) = line.wanted

@@ -40,6 +40,8 @@ ACCOUNT = Signature("account", 6)
 _Order: TypeAlias = tuple[tuple[int, int, str], ...]
 #: Which things a consequence concerns, by kind, subject and case.
 CONCERNS = Signature("concerns", 4)
+#: A node of a rule pack, and its kind.
+INSERTED = Signature("inserted", 2)
 #: The atoms of predicates, as far as they are true.
 Atoms: TypeAlias = Callable[[Sequence[Signature]], Mapping[Signature, Sequence[TermId]]]
 #: The name under which rules that decide are heard.
@@ -236,10 +238,14 @@ def reads(rules: Iterable[Rule]) -> frozenset[Signature]:
 
 @dataclass(frozen=True)
 class Told:
-    """What is told: accounts by what they are of, and by atoms the rule of each."""
+    """Accounts by their things, the rule that forces each node, and its author's sentence.
+
+    Only nodes of rule packs have such a sentence.
+    """
 
     accounts: Mapping[Key, Account]
     rules: Mapping[TermId, str]
+    sentences: Mapping[TermId, str]
 
 
 def told(
@@ -274,11 +280,24 @@ def told(
             continue
         parts = found.setdefault(key, {})
         parts.setdefault(word(part), []).append(each)
-    forced: dict[TermId, int] = {}
-    for each in said(grounding.control, _DECIDING, deciding):
-        forced[each.head] = min(each.number, forced.get(each.head, each.number))
+    forced: dict[TermId, Said] = {}
+    for each in sorted(said(grounding.control, _DECIDING, deciding), key=_first):
+        forced.setdefault(arguments(each.head)[0] if _inserts(each) else each.head, each)
     accounts = {key: _account(parts, names) for key, parts in found.items()}
-    return Told(accounts, {atom: deciding[number].id for atom, number in forced.items()})
+    return Told(
+        accounts,
+        {node: each.rule.id for node, each in forced.items()},
+        {node: _sentence(each, names) for node, each in forced.items() if _inserts(each)},
+    )
+
+
+def _inserts(each: Said) -> bool:
+    return INSERTED in each.rule.heads
+
+
+def _first(each: Said) -> tuple[int, str]:
+    """Return the order of what decides; of one node of a pack also by the words."""
+    return each.number, text(each.values) if _inserts(each) else ""
 
 
 def _account(parts: Mapping[str, Sequence[Said]], names: Names) -> Account:
@@ -382,6 +401,10 @@ def _told(
 ) -> tuple[Account, str | None]:
     account = found.accounts.get(key, Account(None, (), ()))
     if isinstance(thing, Node):
+        because = found.sentences.get(key[1])
+        if because is not None:
+            notes = (_as_sentence(account.answer), *account.notes) if account.answer else ()
+            account = replace(account, answer=because, notes=notes)
         return account, found.rules.get(key[1])
     if account.answer and account.cites:
         return account, thing.rule.id
@@ -391,6 +414,10 @@ def _told(
         spans = sorted(set(map(names.place, things))) or [names.configuration]
     cites = account.cites or tuple(Cited(span, names.where(span), "") for span in spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
+
+
+def _as_sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:].rstrip('.')}."
 
 
 def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
@@ -403,16 +430,31 @@ def _concerned(evidence: Evidence) -> Mapping[Key, Sequence[TermId]]:
 
 
 def _deciding(rulebook: Rulebook, kinds: Iterable[str]) -> tuple[Rule, ...]:
-    """Return the rules with a message that force nodes of some kinds."""
-    predicates = {decided_by(rulebook, kind) for kind in kinds} - {None}
-    return tuple(
-        rule
-        for rule in rulebook.rules
-        if rule.because is not None
-        and rule.stage == "resolve"
-        and not rule.is_choice
-        and not predicates.isdisjoint(rule.heads)
-    )
+    """Return the rules with a message that force nodes of some kinds, or introduce one of a pack.
+
+    A choice of a pack is taken apart: its atoms, where they are chosen, have its message.
+    """
+    predicates = {decided_by(rulebook, kind) or INSERTED for kind in kinds}
+    deciding: list[Rule] = []
+    for rule in rulebook.rules:
+        if rule.because is None or rule.stage != "resolve" or predicates.isdisjoint(rule.heads):
+            continue
+        if not rule.is_choice:
+            deciding.append(rule)
+        elif INSERTED in rule.heads:
+            deciding += _chosen(rule)
+    return tuple(deciding)
+
+
+def _chosen(rule: Rule) -> Iterator[Rule]:
+    """Yield a rule for each node that a choice offers: it holds where the node was chosen."""
+    body = rule.written[1]
+    for statement in rule.statements:
+        for head in statement.heads:
+            literal = head.literal
+            premises = "; ".join(filter(None, (literal.text, body)))
+            if literal.signature == INSERTED:
+                yield replace(rule, text=f"{literal.text} :- {premises}.")
 
 
 def true_atoms(

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 
 import clingo
 
+from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.symbols import symbol_in
-from mars_asp.asp.signature import signature_of
+from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import is_hole, pattern_in
 from mars_asp.asp.trace.text import leaves_of
@@ -20,6 +21,7 @@ from mars_asp.model.names import written
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import Blame
 from mars_asp.reasoning.questions.changes import changed
+from mars_asp.reasoning.questions.failed_value import failed_value
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis.synthesise import is_resolved
 
@@ -94,7 +96,7 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
         seen.add(id(trace))
         attempt = trace.attempts[0]
         if attempt.cause is None:
-            return _compared(attempt, pattern)
+            return _compared(attempt, pattern, reasoner.rulebook.declarations)
         trace = attempt.cause
     if isinstance(trace, Absent | Missing):
         return _of_absent(trace, frozenset(_strings(pattern)))
@@ -156,12 +158,17 @@ def _excluded(trace: Trace) -> _Lack:
     )
 
 
-def _compared(attempt: Attempt, pattern: clingo.Symbol) -> _Lack:
+def _compared(
+    attempt: Attempt, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
+) -> _Lack:
     """Return that what is there does not suffice, or may be chosen and is not."""
     if attempt.fails is None:
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
+    failed = failed_value(attempt, declared, frozenset(_strings(pattern)))
+    if failed is not None:
+        return _Lack(failed, spans[:MOST_LINES], *_another(leaves, pattern))
     if attempt.value is None and not spans:
         return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
     these = f"these {len(spans)} lines do not" if len(spans) > 1 else "this line alone does not"

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError
+from tests.support.documents import ROOT
 from tests.support.trials import BASE, trial
 
 
@@ -51,3 +53,54 @@ def test_a_binding_to_what_is_not_there_is_reported_at_its_line(
     found = raised.value.diagnostics[0]
     assert found.message.endswith("b.py` defines no function `go`")
     assert (found.span.line, found.span.column) == place
+
+
+TWO_ARMS = """\
+@configuration
+@modules Base, Arm, Drive, Reach
+Base is_controlled_by Drive
+Arm is_controlled_by Reach
+
+@module_start
+@module_name Base
+@Trans_X
+void go(Twist twist);
+@module_end
+@module_start
+@module_name Arm
+@Rotn_Y
+void turn(Twist twist);
+@module_end
+@module_start
+@module_name Drive
+@ControlOut
+Twist drive();
+@module_end
+@module_start
+@module_name Reach
+@ControlOut
+Twist reach();
+@module_end
+"""
+
+
+def test_a_kind_of_a_pack_is_bound_for_all_its_nodes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot, scenario = tmp_path / "robot.mars", tmp_path / "s.toml"
+    robot.write_text(TWO_ARMS)
+    (tmp_path / "w.py").write_text("def step(command):\n    return command\n\n\nspare = step\n")
+    text = (
+        'duration = 1\nup = "z"\n[robot]\nmodule = "Base"\n[bindings]\nDrive.python = "w.py:step"\n'
+    )
+    text += 'Reach.python = "w.py:step"\nwatchdog.python = "w.py:step"\n'
+    words = ["run", str(robot), "--scenario", str(scenario), "--dry-run", "--quiet"]
+    words += ["--rules", str(ROOT / "examples" / "packs" / "watchdog")]
+    scenario.write_text(text)
+    run_here(words)
+    shown = capsys.readouterr().out
+    assert "Watchdog1" in shown and "Watchdog2" in shown
+    assert shown.count("spare") == 0
+    scenario.write_text(f'{text}Watchdog2.python = "w.py:spare"\n')
+    run_here(words)
+    assert capsys.readouterr().out.count("spare") == 1

@@ -6,6 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from mars_asp.reasoning.project import load_project
+from mars_asp.reasoning.questions.why_not import why_not
+from mars_asp.reasoning.rules import load_rulebook
+from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT, answered, questions, run
 from tests.support.processes import mars
 
@@ -253,3 +257,48 @@ def test_a_configuration_that_nothing_realises_says_so() -> None:
     done = mars("explain", UNREALISED)
     assert done.returncode == 1
     assert done.stdout.rstrip().endswith("`mars-asp check` shows why")
+
+
+#: A value that a rule compares with another, and how the answer words it.
+VALUES = {
+    "over(A)": "No over(A): `power` is 1.5 W; the rule needs more than 2 W, its `budget`.",
+    "late(A)": "No late(A): `delay` is 40 ms; the rule needs more than 50 ms.",
+    "late": "No late: `delay` of `A` is 40 ms; the rule needs more than 50 ms.",
+    "early(A)": "No early(A): `delay` is 40 ms; the rule needs less than 30 ms.",
+    "whole(A)": "No whole(A): the sum is 2 W; the rule needs more than 5 W.",
+    "exact(A)": "No exact(A): `power` of `A` is 1.5 W, not 1 W.",
+    "delay(A,60)": "No delay(A,60): `delay` of `A` is 40 ms, not 60 ms.",
+    "delay(B,60)": "No delay(B,60): `B` states no delay.",
+}
+
+
+@pytest.mark.parametrize(("question", "answer"), VALUES.items())
+def test_the_value_that_fails_a_comparison_is_named(
+    question: str, answer: str, tmp_path: Path
+) -> None:
+    sorts = {"power": "milliwatts", "budget": "milliwatts", "delay": "milliseconds"}
+    declared = "".join(
+        f"%*! {name}(M: module, V: {sort})\n`{name}` of M.\nunless: `{{M}}` states no {name}\n"
+        f"from: property\n*%\n#defined {name}/2.\n"
+        for name, sort in sorts.items()
+    )
+    bodies = {
+        "over": "power(M, P), budget(M, B), P > B",
+        "late": "delay(M, T), T > 50",
+        "early": "delay(M, T), 30 > T",
+        "whole": "module(M), 5000 < #sum { P, N : power(N, P) }",
+        "exact": "power(M, 1000)",
+    }
+    rules = "".join(
+        f"%! id: values/{kind}\n%! because: `{{M}}` is {kind}\n%! at: M\n"
+        f"consequence({kind}, note, M, x) :- {body}.\n"
+        for kind, body in bodies.items()
+    )
+    pack, robot = tmp_path / "values.lp", tmp_path / "robot.mars"
+    pack.write_text(declared + rules)
+    robot.write_text(
+        "@configuration\n@modules A, B\nA uses_data_from B\nA @Property power 1500 mW\n"
+        "A @Property budget 2 W\nB @Property power 500 mW\nA @Property delay 40\n"
+    )
+    reasoner = Reasoner(load_project(str(robot)), load_rulebook([pack]))
+    assert why_not(reasoner, question).answer == answer
