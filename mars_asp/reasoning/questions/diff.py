@@ -39,6 +39,7 @@ _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 _OBSERVED = frozenset(
     {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
     | {"near", "takes_in", "input_of", "output_of", "port_name", "rounded", "multiple"}
+    | {"below_period"}
 )
 
 
