@@ -18,11 +18,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     _Scores: TypeAlias = NDArray[np.float64]
+    #: The numbers of names, and how often each has a feature.
+    _Column: TypeAlias = tuple[NDArray[np.int64] | slice, NDArray[np.int64]]
 
 #: The largest number of candidates of an input.
 MOST = 3
 #: Equal names count 1; each part of a namespace that two modules do not share counts this less.
 _APART = 0.25
+#: A feature of more than one in so many names is stored for all.
+_MANY = 16
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_A-Za-z0-9]+")
 
 
@@ -100,7 +104,8 @@ class _Pool:
         common = self._sizes * 0
         for feature, count in features.items():
             if feature in self._columns:
-                common += self._columns[feature].clip(max=count)
+                names, counts = self._columns[feature]
+                common[names] += counts.clip(max=count)
         shares: _Scores = 2 * common / (self._sizes + features.total()).clip(min=1)
         return shares[self._name]
 
@@ -158,15 +163,24 @@ class _Namespaces:
 
 def _columns(
     features: Sequence[Counter[str]],
-) -> "tuple[NDArray[np.int64], dict[str, NDArray[np.uint8]]]":
-    """Return how many features each name has, and for each feature how often names have it."""
+) -> "tuple[NDArray[np.int64], dict[str, _Column]]":
+    """Return the number of features of each name, and how often names have each feature."""
     import numpy as np  # noqa: PLC0415
 
-    columns: dict[str, NDArray[np.uint8]] = {}
+    found: dict[str, dict[int, int]] = {}
     for number, counts in enumerate(features):
         for feature, count in counts.items():
-            column = columns.setdefault(feature, np.zeros(len(features), dtype=np.uint8))
-            column[number] = min(count, 255)
+            found.setdefault(feature, {})[number] = count
+    columns: dict[str, _Column] = {}
+    for feature, having in found.items():
+        names, counts = np.array(list(having)), np.array(list(having.values()))
+        # To add to all is faster than to add to many.
+        if len(having) * _MANY >= len(features):
+            every = np.zeros(len(features), dtype=np.int64)
+            every[names] = counts
+            columns[feature] = slice(None), every
+        else:
+            columns[feature] = names, counts
     return np.array([counts.total() for counts in features]), columns
 
 
