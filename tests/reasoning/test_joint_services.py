@@ -77,7 +77,7 @@ def text(robots: Sequence[tuple[Sequence[str], Sequence[str]]]) -> str:
 
 def project(robots: Sequence[tuple[Sequence[str], Sequence[str]]]) -> Project:
     parsed = parse_text(text(robots), "robot.mars")
-    assert parsed.configuration is not None, parsed.diagnostics
+    assert parsed.configuration is not None
     return Project(parsed.configuration, {}, ())
 
 

@@ -107,7 +107,8 @@ class _Pool:
                 names, counts = self._columns[feature]
                 common[names] += counts.clip(max=count)
         shares: _Scores = 2 * common / (self._sizes + features.total()).clip(min=1)
-        return shares[self._name]
+        of_outputs: _Scores = shares[self._name]
+        return of_outputs
 
 
 class _Namespaces:
@@ -173,14 +174,14 @@ def _columns(
             found.setdefault(feature, {})[number] = count
     columns: dict[str, _Column] = {}
     for feature, having in found.items():
-        names, counts = np.array(list(having)), np.array(list(having.values()))
+        names, times = np.array(list(having)), np.array(list(having.values()))
         # To add to all is faster than to add to many.
         if len(having) * _MANY >= len(features):
             every = np.zeros(len(features), dtype=np.int64)
-            every[names] = counts
+            every[names] = times
             columns[feature] = slice(None), every
         else:
-            columns[feature] = names, counts
+            columns[feature] = names, times
     return np.array([counts.total() for counts in features]), columns
 
 

@@ -59,7 +59,7 @@ def test_holds_are_compared_with_exact_periods() -> None:
     names = ", ".join(f"M{n}, C{n}" for n in range(300))
     text = "\n".join(["@configuration hierarchical", f"@modules {names}", *lines, *blocks, ""])
     parsed = parse_text(text, "robot.mars")
-    assert parsed.configuration is not None, parsed.diagnostics
+    assert parsed.configuration is not None
     facts = project_facts(Project(parsed.configuration, {}, ()))
     analysis = analyse(facts, load_rulebook(), parsed.configuration.span)
     found = {c.subject for c in analysis.consequences if c.kind == "short_hold"}
