@@ -8,7 +8,7 @@ from typing import Any
 from mars_asp.cli.analyse import consequence_json, location_json
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.layout import columns, wrapped
-from mars_asp.cli.lines import line_at
+from mars_asp.cli.lines import line_at, lines_of
 from mars_asp.cli.reason import check_inputs, read_project, rulebook_for
 from mars_asp.cli.report import colours, paint
 from mars_asp.diagnostic import Span
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_inputs(arguments.old, arguments.new)
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
     rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)
-    found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget))
+    found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget), lines_of)
     if arguments.format == "json":
         print(encoded(difference_json(found)))
     else:
@@ -60,6 +60,7 @@ def _change_json(change: Change[Any], item: dict[str, object]) -> dict[str, obje
         **item,
         "added": [_line_json(span) for span in change.added],
         "removed": [_line_json(span) for span in change.removed],
+        "unchanged": [_line_json(span) for span in change.unchanged],
     }
 
 
@@ -105,12 +106,15 @@ def _text(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterato
 
 
 def _causes(change: Change[Any]) -> Iterator[str]:
-    if not change.added and not change.removed:
+    if not change.cited and not change.unchanged:
         yield "    no line that it rests on changed"
     for sign, spans in (("-", change.removed), ("+", change.added)):
         # A list of controllers is several relationships in one line.
         for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in spans):
             yield visible(f"    {sign} {path}:{line}: {text}")
+    now = "applies now" if change.new is not None else "applied before"
+    for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in change.unchanged):
+        yield visible(f"    = {path}:{line}: {text}  (unchanged, {now})")
 
 
 def _costs(found: Difference) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from mars_asp.cli.diff import difference_json
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.lines import lines_of
 from mars_asp.cli.reason import load
 from mars_asp.cli.report import report_error
 from mars_asp.diagnostic import Diagnostic, MarsError, point
@@ -48,7 +49,9 @@ def print_changes(pack: str, files: Sequence[str], arguments: argparse.Namespace
         try:
             project = load(reading, path)
             budget = Budget(arguments.time_limit)
-            found = diff(Reasoner(project, before, budget), Reasoner(project, after, budget))
+            found = diff(
+                Reasoner(project, before, budget), Reasoner(project, after, budget), lines_of
+            )
         except MarsError as error:
             report_error(error, arguments)
             status = 2

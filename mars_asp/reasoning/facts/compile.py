@@ -190,7 +190,7 @@ class Compiler:
             (self.words, {"in_words"}),
             (self.ports, PORTS),
             (self.loose_ends, {"port_name", "near"}),
-            (self.exact_rates, {"rounded", "multiple"}),
+            (self.exact_rates, {"rounded", "multiple", "below_period"}),
             (self.resemblances, {"resembles"}),
             (self.knots, {"closed_walk", "entangled", "spelt"}),
         )

@@ -1,21 +1,32 @@
 """Which outputs are like which inputs, by their representations and names.
 
-How near two names are is a number that is no matter of reasoning: the share of words that they have
-in common and the share of letters in order (Ratcliff and Metzener, 1988, as `difflib` has it).
+Names are compared by the words and letters that they share, and modules by the namespaces that
+they do not share. All outputs of a representation are compared with each of its inputs.
 """
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from functools import lru_cache
-from typing import NamedTuple
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from mars_asp.diagnostic import Span
 
-#: So many candidates are told of an input.
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    _Scores: TypeAlias = NDArray[np.float64]
+    #: The numbers of names, and how often each has a feature.
+    _Column: TypeAlias = tuple[NDArray[np.int64] | slice, NDArray[np.int64]]
+
+#: The largest number of candidates of an input.
 MOST = 3
-#: Of more outputs than this, letters are compared only of those with the most words in common.
-_MOST_COMPARED = 12
+#: Equal names count 1; each part of a namespace that two modules do not share counts this less.
+_APART = 0.25
+#: A feature of more than one in so many names is stored for all.
+_MANY = 16
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_A-Za-z0-9]+")
 
 
@@ -30,75 +41,160 @@ class Port(NamedTuple):
     representation: str | None
 
 
-def nearest(inputs: Iterable[Port], outputs: Iterable[Port]) -> Iterator[tuple[Port, Port, int]]:
-    """Yield inputs with the outputs of other modules that are most like them, and their rank."""
+def nearest(
+    inputs: Iterable[Port], outputs: Iterable[Port], free: Set[Port]
+) -> Iterator[tuple[Port, Port, int]]:
+    """Yield inputs with the free outputs of other modules that are most like them, and their rank.
+
+    Of parts that are alike (`left/...`, `right/...`) each has outputs of its own, so an input is
+    compared with no output of another part that its own part has as well.
+    """
     by_representation: dict[str, list[Port]] = {}
     for output in outputs:
         if output.representation is not None:
             by_representation.setdefault(output.representation, []).append(output)
-    pools = {name: _Pool(pool) for name, pool in by_representation.items()}
+    wanted = {output.representation for output in free}
+    pools: dict[str, _Pool] = {}
     for entry in inputs:
-        pool = None if entry.representation is None else pools.get(entry.representation)
-        if pool is not None:
-            for rank, output in enumerate(pool.nearest(entry)):
-                yield entry, output, rank
+        representation = entry.representation
+        if representation is None or representation not in wanted:
+            continue
+        if representation not in pools:
+            pools[representation] = _Pool(by_representation[representation], free)
+        for rank, output in enumerate(pools[representation].nearest(entry)):
+            yield entry, output, rank
 
 
 class _Pool:
-    """Outputs of one representation."""
+    """Outputs of one representation; arrays have an entry for each free output."""
 
-    def __init__(self, outputs: Sequence[Port]) -> None:
-        self.outputs = outputs
-        self.words = [_words(output.port) for output in outputs]
-        self.by_word: dict[str, list[int]] = {}
-        self.compared: dict[frozenset[str], Sequence[int]] = {}
-        for number, words in enumerate(self.words):
-            for word in words:
-                self.by_word.setdefault(word, []).append(number)
+    def __init__(self, outputs: Sequence[Port], free: Set[Port]) -> None:
+        # Few configurations have loose ends of one type.
+        import numpy as np  # noqa: PLC0415
 
-    def nearest(self, entry: Port) -> list[Port]:
-        words = _words(entry.port)
-        # In large configurations most inputs are called like others.
-        numbers = self.compared.get(words)
-        if numbers is None:
-            numbers = self.compared[words] = self._alike(words)
-        ranked = sorted(
-            (-self._likeness(entry, words, number), self.outputs[number])
-            for number in numbers
-            if self.outputs[number].module != entry.module
+        self._free = sorted((o for o in outputs if o in free), key=lambda o: (o.module, o.port))
+        self._of_module: dict[str, list[int]] = {}
+        for number, output in enumerate(self._free):
+            self._of_module.setdefault(output.module, []).append(number)
+        names = sorted({output.port for output in self._free})
+        numbers = {name: number for number, name in enumerate(names)}
+        self._name = np.array([numbers[output.port] for output in self._free])
+        self._sizes, self._columns = _columns(list(map(_features, names)))
+        self._spaces = _Namespaces(outputs, self._free)
+        # Entries of one module, and many of one name, follow each other.
+        self._likeness: Callable[[str], _Scores] = lru_cache(maxsize=64)(self._by_name)
+        self._nearness: Callable[[tuple[str, ...]], _Scores] = lru_cache(maxsize=4)(
+            self._spaces.nearness
         )
-        return [output for _, output in ranked[:MOST]]
 
-    def _alike(self, words: frozenset[str]) -> Sequence[int]:
-        """Return the outputs to compare letter by letter."""
-        if len(self.outputs) <= _MOST_COMPARED:
-            return range(len(self.outputs))
-        common: Counter[int] = Counter()
-        for word in sorted(words):
-            numbers = self.by_word.get(word, ())
-            # What stands in most names tells nothing.
-            if len(numbers) * 4 <= len(self.outputs) or len(numbers) <= _MOST_COMPARED:
-                common.update(numbers)
-        if not common:
-            return range(_MOST_COMPARED)
-        return [number for number, _ in common.most_common(_MOST_COMPARED)]
+    def nearest(self, entry: Port) -> Iterator[Port]:
+        """Yield the outputs nearest to an input; of equally near ones the first by name."""
+        scores = self._likeness(entry.port) + self._nearness(_namespace(entry.module))
+        scores[self._of_module.get(entry.module, [])] = float("-inf")
+        for _ in range(MOST):
+            number = int(scores.argmax())
+            if scores[number] == float("-inf"):
+                return
+            yield self._free[number]
+            scores[number] = float("-inf")
 
-    def _likeness(self, entry: Port, words: frozenset[str], number: int) -> float:
-        other = self.words[number]
-        either = words | other
-        shared = len(words & other) / len(either) if either else 0.0
-        return shared + _letters(entry.port, self.outputs[number].port)
+    def _by_name(self, name: str) -> "_Scores":
+        """Return the share of features that each output has in common with a name, 0 to 1."""
+        features = _features(name)
+        common = self._sizes * 0
+        for feature, count in features.items():
+            if feature in self._columns:
+                names, counts = self._columns[feature]
+                common[names] += counts.clip(max=count)
+        shares: _Scores = 2 * common / (self._sizes + features.total()).clip(min=1)
+        of_outputs: _Scores = shares[self._name]
+        return of_outputs
+
+
+class _Namespaces:
+    """Where modules with outputs are in nested namespaces."""
+
+    def __init__(self, outputs: Sequence[Port], free: Sequence[Port]) -> None:
+        import numpy as np  # noqa: PLC0415
+
+        spaces = [_namespace(output.module) for output in free]
+        self._depths = np.array([len(space) for space in spaces])
+        #: By depth, for each free output its namespace up to there, and the rest of its name.
+        self._prefixes, self._rests = [], []
+        #: The rests of all outputs in a namespace.
+        self._within: dict[tuple[str, ...], set[int]] = {}
+        self._known: dict[tuple[str, ...], int] = {}
+        rests: dict[tuple[str, ...], int] = {}
+        for output in outputs:
+            parts = *_namespace(output.module), output.module.rpartition("/")[2], output.port
+            for depth in range(1, len(parts) - 1):
+                rest = rests.setdefault(parts[depth:], len(rests))
+                self._within.setdefault(parts[:depth], set()).add(rest)
+                self._known.setdefault(parts[:depth], len(self._known))
+        for depth in range(1, max(map(len, spaces), default=0) + 1):
+            deep = [space if len(space) >= depth else None for space in spaces]
+            self._prefixes.append(
+                np.array([-1 if s is None else self._known[s[:depth]] for s in deep])
+            )
+            ends = [output.module.rpartition("/")[2] for output in free]
+            self._rests.append(
+                np.array(
+                    [
+                        len(rests) if s is None else rests[*s[depth:], e, output.port]
+                        for s, e, output in zip(deep, ends, free, strict=True)
+                    ]
+                )
+            )
+        self._count = len(rests) + 1
+
+    def nearness(self, space: tuple[str, ...]) -> "_Scores":
+        """Return how far each free output is from a namespace, as a score of at most 0."""
+        import numpy as np  # noqa: PLC0415
+
+        common = self._depths * 0
+        for depth, prefixes in enumerate(self._prefixes[: len(space)], 1):
+            common += prefixes == self._known.get(space[:depth], -2)
+        scores: _Scores = -_APART * (len(space) + self._depths - 2 * common)
+        for depth, rests in enumerate(self._rests[: len(space)], 1):
+            own = np.zeros(self._count, dtype=bool)
+            own[list(self._within.get(space[:depth], ()))] = True
+            scores[(common == depth - 1) & own[rests]] = float("-inf")
+        return scores
+
+
+def _columns(
+    features: Sequence[Counter[str]],
+) -> "tuple[NDArray[np.int64], dict[str, _Column]]":
+    """Return the number of features of each name, and how often names have each feature."""
+    import numpy as np  # noqa: PLC0415
+
+    found: dict[str, dict[int, int]] = {}
+    for number, counts in enumerate(features):
+        for feature, count in counts.items():
+            found.setdefault(feature, {})[number] = count
+    columns: dict[str, _Column] = {}
+    for feature, having in found.items():
+        names, times = np.array(list(having)), np.array(list(having.values()))
+        # To add to all is faster than to add to many.
+        if len(having) * _MANY >= len(features):
+            every = np.zeros(len(features), dtype=np.int64)
+            every[names] = times
+            columns[feature] = slice(None), every
+        else:
+            columns[feature] = names, times
+    return np.array([counts.total() for counts in features]), columns
+
+
+def _namespace(module: str) -> tuple[str, ...]:
+    return tuple(module.split("/")[:-1])
 
 
 @lru_cache(maxsize=100_000)
-def _letters(name: str, other: str) -> float:
-    """Return the share of letters in order, 0 to 1."""
-    # Few configurations have loose ends of one type.
-    from difflib import SequenceMatcher  # noqa: PLC0415
-
-    return SequenceMatcher(None, name, other, autojunk=False).ratio()
-
-
-@lru_cache(maxsize=100_000)
-def _words(name: str) -> frozenset[str]:
-    return frozenset(word.lower() for word in _WORD.findall(name))
+def _features(name: str) -> Counter[str]:
+    """Return the words, letters and pairs of letters of a name."""
+    words = [word.lower() for word in _WORD.findall(name)]
+    found = Counter(f"{word} " for word in words)
+    for word in words:
+        found.update(word)
+        found.update(f"{one}{two}" for one, two in pairwise(f"^{word}$"))
+    return found

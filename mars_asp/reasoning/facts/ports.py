@@ -68,11 +68,8 @@ def loose_ends(
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
     numbers = annotation_numbers(configuration, described)
-    free = [
-        port
-        for port in _ports(described, _outputs_of, numbers, canonical)
-        if ends.output(port.module, port.port) not in taken
-    ]
+    outputs = list(_ports(described, _outputs_of, numbers, canonical))
+    free = [port for port in outputs if ends.output(port.module, port.port) not in taken]
     for port in free:
         yield _fact(port.span, "port_name", port.annotation, end(port.module, port.port))
     if not free:
@@ -80,7 +77,7 @@ def loose_ends(
     entered = {(line.client, line.client_port) for line in data}
     every = _ports(described, _inputs_of, numbers, canonical)
     open_ = (port for port in every if (port.module, port.port) not in entered)
-    for entry, output, rank in nearest(open_, free):
+    for entry, output, rank in nearest(open_, outputs, frozenset(free)):
         called = end(entry.module, entry.port)
         place = entry.annotation, entry.place
         yield _fact(entry.span, "near", *place, called, output.annotation, rank)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from math import ceil
 
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.model.declarations import Configuration, Data, Module, Service
@@ -97,6 +98,8 @@ def rounded_rates(
     """
     for rate in rates.rounded:
         yield Fact(Atom("rounded", (rate,)), configuration.span)
+        below = min(ceil(1000 / rates.hertz(rate)) - 1, MOST)
+        yield Fact(Atom("below_period", (rate, below)), configuration.span)
     if not rates.rounded:
         return
     told: set[tuple[int, int]] = set()

@@ -165,7 +165,8 @@ class Names:
         words = as_written(rate)
         if words[0].isdigit():
             return f"{words} Hz"
-        return f"{plain(Decimal(round(rate * 1000)) / 1000)} Hz ({words})"
+        shown = Decimal(round(rate * 1000)) / 1000 or Decimal(f"{float(rate):.3g}")
+        return f"{plain(shown)} Hz ({words})"
 
     def _node(self, node: clingo.Symbol) -> str:
         name = self.nodes.get(str(node))

@@ -1,14 +1,17 @@
 """What changed between two configurations, and the lines that caused it.
 
-A line has changed when the facts it gives, apart from their identifiers, are not given by any
-line of the other configuration; so order, comments and layout change nothing. What a line states
-for runs and pictures alone, such as bounds, counts as well.
+A line means something else when the facts it gives, apart from their identifiers, are not given by
+any line of the other configuration; so order, comments and layout change nothing. What a line
+states for runs and pictures alone, such as bounds, counts as well. It is added or removed if its
+text, or that of the declaration after it, differs as well; else it is unchanged, but applies now,
+or did before.
 """
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import zip_longest
 from typing import Generic, Literal, TypeAlias, TypeVar
 
@@ -18,11 +21,13 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
 from mars_asp.asp.trace.tree import Absent, Derived, Given
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.described import described_modules
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
+from mars_asp.reasoning.facts.compile import FRAMES
+from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
 from mars_asp.reasoning.session import Reasoner
@@ -33,12 +38,18 @@ from mars_asp.reasoning.verification import mount_tuples
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
 #: What a line says, without the identifiers of one file.
 _Said: TypeAlias = tuple[str, ...]
+#: Returns the lines of a file by its path, or none if they are not known.
+LinesOf: TypeAlias = Callable[[str], Sequence[str]]
 Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
+#: Those whose last argument is a rate, told by a number that depends on the other rates of a file.
+_RATES = frozenset({"required_rate", "offered_rate"})
 #: Facts about the whole configuration, which stand at lines that do not say them.
 _OBSERVED = frozenset(
     {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
     | {"near", "takes_in", "input_of", "output_of", "port_name", "rounded", "multiple"}
+    | FRAMES
+    | {"below_period"}
 )
 
 
@@ -47,7 +58,7 @@ class Change(Generic[Item]):
     """A consequence or node that is in one configuration only, or in both and not the same.
 
     `added` and `removed` are the lines that caused it: those that only the new and only the old
-    configuration has.
+    configuration has. `unchanged` are lines that both have, and that mean another thing in each.
     """
 
     how: How
@@ -55,6 +66,7 @@ class Change(Generic[Item]):
     new: Item | None
     added: tuple[Span, ...]
     removed: tuple[Span, ...]
+    unchanged: tuple[Span, ...] = ()
 
     @property
     def item(self) -> Item:
@@ -64,8 +76,8 @@ class Change(Generic[Item]):
         return item
 
     @property
-    def lines(self) -> tuple[Span, ...]:
-        """Return all lines that caused it."""
+    def cited(self) -> tuple[Span, ...]:
+        """Return the lines that caused it and that differ."""
         return (*self.added, *self.removed)
 
 
@@ -97,21 +109,21 @@ class Difference:
         )
 
 
-def diff(old: Reasoner, new: Reasoner) -> Difference:
-    """Compare the consequences and nodes of two projects.
+def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Difference:
+    """Compare the consequences and nodes of two projects, whose files have the lines `lines_of`.
 
     Raises:
         MarsError: rules that clingo refuses.
         TimeoutError: no specification was found in time, for each of the two.
     """
-    before, after = _Side(old), _Side(new)
+    before, after = _Side(old, lines_of), _Side(new, lines_of)
     before.compare(after)
     after.compare(before)
     both = before.synthesis is not None and after.synthesis is not None
     consequences = tuple(_changes(before, after, before.consequences(), after.consequences()))
     return Difference(
-        tuple(sorted(after.changed)),
-        tuple(sorted(before.changed)),
+        tuple(sorted(set(after.shown.values()))),
+        tuple(sorted(set(before.shown.values()))),
         _blamed(consequences, before, after),
         tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
@@ -132,13 +144,22 @@ class _Entry(Generic[Item]):
 class _Side:
     """One of the two configurations, solved."""
 
-    def __init__(self, reasoner: Reasoner) -> None:
+    def __init__(self, reasoner: Reasoner, lines_of: LinesOf) -> None:
         evidence = reasoner.evidence(resolved=True)
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
-        self.lines = _lines((*reasoner.facts, *_stated_besides(reasoner.project)))
+        project = reasoner.project
+        rates = rates_in(
+            project.configuration, described_modules(project.configuration, project.modules)
+        )
+        self.lines = _lines((*reasoner.facts, *_stated_besides(project)), rates)
+        self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
+        #: Lines of both sides that mean another thing here.
+        self.unchanged: frozenset[Span] = frozenset()
+        #: Where a changed annotation is the same as text, the line after it that is not.
+        self.shown: dict[Span, Span] = {}
 
     def compare(self, other: "_Side") -> None:
         """Find the lines that the other side does not have, repetitions counted."""
@@ -149,7 +170,13 @@ class _Side:
                 left[said] -= 1
             else:
                 changed.append(span)
-        self.changed = frozenset(changed)
+        self.shown = self.texts.differing(changed, other.texts)
+        self.changed = frozenset(self.shown)
+        self.unchanged = frozenset(changed) - self.changed
+
+    def cited(self, spans: Iterable[Span]) -> set[Span]:
+        """Return where changed lines differ from those of the other side."""
+        return {self.shown[span] for span in spans if span in self.shown}
 
     def consequences(self) -> Iterator[_Entry[Consequence]]:
         for c in self.analysis.consequences:
@@ -186,6 +213,48 @@ class _Side:
                 yield symbol
 
 
+class _Texts:
+    """The text of what lines state: from each place to the next."""
+
+    def __init__(self, spans: Iterable[Span], lines_of: LinesOf) -> None:
+        starts: dict[str, set[int]] = {}
+        for span in spans:
+            starts.setdefault(span.path, set()).add(span.line)
+        self._lines = {path: [line.strip() for line in lines_of(path)] for path in starts}
+        self._ends: dict[tuple[str, int], int] = {}
+        for path, numbers in starts.items():
+            ordered = sorted(numbers)
+            ends = [*ordered[1:], len(self._lines[path]) + 1]
+            self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
+
+    def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
+        """Return of places the first line that the other side lacks, repetitions counted.
+
+        Left out are places whose text the other side has.
+        """
+        left = Counter(line for lines in self._lines.values() for line in lines)
+        left.subtract(line for lines in other._lines.values() for line in lines)
+        found: dict[tuple[str, int], int] = {}
+        spans = tuple(spans)
+        for span in spans:
+            key, lines = (span.path, span.line), self._lines[span.path]
+            if key in found:
+                continue
+            if not lines:
+                found[key] = span.line
+            for number in range(span.line, self._ends[key] if lines else 0):
+                text = lines[number - 1]
+                if text and left[text] > 0:
+                    left[text] -= 1
+                    found[key] = number
+                    break
+        return {
+            span: span if line == span.line else point(span.path, line, 1)
+            for span in spans
+            if (line := found.get((span.path, span.line))) is not None
+        }
+
+
 def _stated_besides(project: Project) -> Iterator[Fact]:
     """Yield what lines state that no rule of analysis is told."""
     yield from mount_tuples("mount_tuple", project.configuration)
@@ -198,8 +267,8 @@ def _stated_besides(project: Project) -> Iterator[Fact]:
             yield Fact(Atom("vertex", (module.name, vertex.number, pose)), vertex.span)
 
 
-def _lines(facts: Iterable[Fact]) -> Mapping[Span, _Said]:
-    """Return for each place the facts that stand there, without their identifiers."""
+def _lines(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _Said]:
+    """Return for each place the facts that it gives, without identifiers and with exact rates."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}
     said: dict[Span, list[str]] = {}
@@ -208,6 +277,8 @@ def _lines(facts: Iterable[Fact]) -> Mapping[Span, _Said]:
             continue
         first, *rest = fact.atom.arguments
         numbered = isinstance(first, int) and first in identifiers
+        if fact.atom.name in _RATES and isinstance(rest[-1], int):
+            rest[-1] = str(Fraction(rates.hertz(rest[-1])))
         words = map(str, rest if numbered else (first, *rest))
         said.setdefault(fact.span, []).append(f"{fact.atom.name}({','.join(words)})")
     return {span: tuple(sorted(words)) for span, words in said.items()}
@@ -223,21 +294,23 @@ def _changes(
     new_traces = after.explainer.why([e.atom for entries in now.values() for e in entries])
     for key in dict.fromkeys((*was, *now)):
         for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
-            removed: set[Span] = set()
-            added: set[Span] = set()
+            old_lines: set[Span] = set()
+            new_lines: set[Span] = set()
             if gone is not None:
-                removed |= _given(old_traces[gone.atom]) & before.changed
-                added |= _preventing(old_traces[gone.atom], after)
+                old_lines |= _given(old_traces[gone.atom])
+                new_lines |= _preventing(old_traces[gone.atom], after)
             if come is not None:
-                added |= _given(new_traces[come.atom]) & after.changed
-                removed |= _preventing(new_traces[come.atom], before)
+                new_lines |= _given(new_traces[come.atom])
+                old_lines |= _preventing(new_traces[come.atom], before)
+            unchanged = new_lines & after.unchanged or old_lines & before.unchanged
             how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
             yield Change(
                 how,
                 None if gone is None else gone.item,
                 None if come is None else come.item,
-                tuple(sorted(added)),
-                tuple(sorted(removed)),
+                tuple(sorted(after.cited(new_lines))),
+                tuple(sorted(before.cited(old_lines))),
+                tuple(sorted(unchanged)),
             )
 
 
@@ -248,13 +321,13 @@ def _blamed(
     prevented: dict[tuple[How, str, str], tuple[Span, ...]] = {}
     others: tuple[tuple[How, _Side], ...] = (("appeared", before), ("vanished", after))
     for how, side in others:
-        unexplained = [each.item for each in changes if each.how == how and not each.lines]
+        unexplained = [each.item for each in changes if each.how == how and not each.cited]
         kinds, names = ({c.kind for c in unexplained}, {c.subject for c in unexplained})
         found = reasons(side.project, side.rulebook, sorted(kinds), sorted(names)) if names else ()
         for kind, name, blame in found:
-            lines = tuple(sorted(side.changed.intersection(blame.evidence)))
+            lines = tuple(sorted(side.cited(blame.evidence)))
             prevented[how, kind, name] = lines
-    return tuple(each if each.lines else _with_lines(each, prevented) for each in changes)
+    return tuple(each if each.cited else _with_lines(each, prevented) for each in changes)
 
 
 def _with_lines(
@@ -297,10 +370,10 @@ def _given(trace: Trace) -> set[Span]:
 
 
 def _preventing(trace: Trace, other: _Side) -> set[Span]:
-    """Return changed lines by which the other side has what this trace needs to be absent."""
+    """Return the lines by which the other side has what this trace needs to be absent."""
     patterns = {step.atom for step in _steps(trace) if isinstance(step, Absent)}
     atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
     found: set[Span] = set()
     for reason in other.explainer.why(sorted(atoms)).values():
-        found |= _given(reason) & other.changed
+        found |= _given(reason)
     return found

@@ -25,7 +25,6 @@ from mars_asp.reasoning.findings import CONSEQUENCE, kinds_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.asked import RELATIONSHIPS, Question, Vocabulary, at_module
 from mars_asp.reasoning.questions.blame import Blame, blame
-from mars_asp.reasoning.questions.evidence import sliced_evidence
 from mars_asp.reasoning.questions.near_miss import near_miss
 from mars_asp.reasoning.questions.preceding import is_realised
 from mars_asp.reasoning.questions.subject import spaced_subjects
@@ -44,8 +43,6 @@ _INSERTED = Signature("inserted", 2)
 RESOLVES = {"arbitration_node": "control_convergence", "control_splitter": "control_divergence"}
 #: Kinds for which what is far away from a module counts as well.
 _FAR = frozenset({"data_cycle", "control_cycle", "short_hold"})
-#: Kinds for which all that use data from one source count.
-_SHARED = frozenset({"service_dependency", "service_infeasible"})
 #: The relationships of circles, which are reported for the module that they begin with alone.
 _CIRCLES = {"data_cycle": "data", "control_cycle": "control"}
 #: The kinds of consequences and nodes that atoms of rules are about, by their first argument.
@@ -112,12 +109,8 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     if vocabulary.is_node(subject):
         return _of_named_node(reasoner, subject)
     question = vocabulary.question(subject)
-    near, is_whole = _near(reasoner, question)
+    near = _near(reasoner, question)
     found = _answer(near, question, depth)
-    if not is_whole and question.kind in _SHARED:
-        exact = _held_anywhere(reasoner, question)
-        if exact is not None and exact != found.present:
-            found = _answer(reasoner, question, depth)
     is_local = found.present and question.is_node and near is not reasoner
     # Something elsewhere may stand against every specification.
     if is_local and not _is_realised(reasoner):
@@ -130,18 +123,17 @@ def _is_realised(reasoner: Reasoner) -> bool:
     return not is_unresolvable(reasoner.analysis) if realised is None else realised
 
 
-def _near(reasoner: Reasoner, question: Question) -> tuple[Reasoner, bool]:
+def _near(reasoner: Reasoner, question: Question) -> Reasoner:
     """Return a reasoner about the part of the project that a question needs.
 
-    The second value is whether all that may matter is in it. Packs may bring together what no
-    relationship does, and numbers are those of the whole.
+    Packs may bring together what no relationship does, and numbers are those of the whole.
     """
     names = frozenset(name for each in question.patterns for name in _strings(each))
     numbered = question.kind is None and any(map(_has_numbers, question.patterns))
     if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
-        return reasoner, True
+        return reasoner
     if question.kind in BY_TYPE:
-        return reasoner, True
+        return reasoner
     ports = port_names(reasoner.project)
     names = frozenset(ports[name][0] if name in ports else name for name in names)
     rulebook, budget = reasoner.rulebook, reasoner.budget
@@ -154,14 +146,8 @@ def _near(reasoner: Reasoner, question: Question) -> tuple[Reasoner, bool]:
         atoms = near.analysis.grounding.symbols(*CONSEQUENCE[:2])
         if any((each.arguments[0], each.arguments[2]) == divergence for each in atoms):
             # Which arbiters are shared is decided for all that is connected.
-            return Reasoner(vicinity(reasoner.project, names, True)[0], rulebook, budget), True
-    return near, is_whole
-
-
-def _held_anywhere(reasoner: Reasoner, question: Question) -> bool | None:
-    """Return whether a consequence holds, which may rest on what is not near."""
-    evidence = sliced_evidence(reasoner, question.shown)
-    return None if evidence is None else _held(question, evidence, None) is not None
+            return Reasoner(vicinity(reasoner.project, names, True)[0], rulebook, budget)
+    return near
 
 
 def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:

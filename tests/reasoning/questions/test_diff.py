@@ -1,19 +1,23 @@
 """What changed between two configurations, and which lines caused it."""
 
 import json
+import random
 import shutil
+from collections import Counter
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 
 from mars_asp.cli import run_here
+from mars_asp.cli.lines import lines_of
 from mars_asp.model.declarations import Configuration
-from mars_asp.reasoning.project import Project
+from mars_asp.reasoning.project import Project, load_project
 from mars_asp.reasoning.questions.diff import diff
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support.documents import ROOT, run
+from tests.support.random_configurations import random_faults, random_ports
 from tests.support.strategies import configurations, few
 
 RULEBOOK = load_rulebook()
@@ -82,5 +86,43 @@ def test_json_names_the_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         "resolves": ["data_divergence(Camera)"],
         "added": [line],
         "removed": [],
+        "unchanged": [],
     }
     assert found["cost"]["new"] == {"nodes": 1, "conversion": 0, "relationships": 4}
+
+
+def test_lines_that_do_not_differ_as_text_are_neither_added_nor_removed(tmp_path: Path) -> None:
+    for seed in range(12):
+        rng, sides = random.Random(seed), []
+        for name, text in zip("ab", _two_alike(rng, seed), strict=True):
+            path = tmp_path / f"{name}{seed}.mars"
+            path.write_text(text)
+            sides.append(path)
+        old, new = (Reasoner(load_project(str(path)), RULEBOOK) for path in sides)
+        found = diff(old, new, lines_of)
+        texts = [Counter(map(str.strip, path.read_text().split("\n"))) for path in sides]
+        removed, added = (
+            Counter(lines_of(path)[line - 1].strip() for path, line in places)
+            for places in (
+                {(s.path, s.line) for s in each} for each in (found.removed, found.added)
+            )
+        )
+        assert not removed - (texts[0] - texts[1]), seed
+        assert not added - (texts[1] - texts[0]), seed
+
+
+def _two_alike(rng: random.Random, seed: int) -> tuple[str, str]:
+    """Return a configuration, and the same with lines added, dropped, moved and changed."""
+    text = random_ports(seed) if seed % 2 else random_faults(seed)
+    lines = [line for line in text.split("\n") if line]
+    head, body = lines[:2], lines[2:]
+    blocks = body.index("@module_start") if "@module_start" in body else len(body)
+    own = body[:blocks]
+    rng.shuffle(own)
+    own = own[rng.randint(0, 1) :] or ["Near"]
+    rate = rng.choice(["58.8235", "58.824", "every 17 ms"])
+    own.append(f"{own[0].split(maxsplit=1)[0]} uses_data_from Far NotifyAtFrequency {rate}")
+    head[0] = rng.choice(["@configuration flat", "@configuration hierarchical"])
+    own = [line for line in own if " " in line]
+    changed = [line.replace("NotifyAtFrequency 10", f"NotifyAtFrequency {rate}") for line in own]
+    return text, "\n".join([*head, *changed, *body[blocks:], ""])
