@@ -82,11 +82,16 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
 
 
 def described(
-    parsed: Parsed, text: str, sources: Sequence[str] = (), format: str | None = None
+    parsed: Parsed,
+    text: str,
+    sources: Sequence[str] = (),
+    format: str | None = None,
+    optional: bool = False,
 ) -> Project:
     """Return a configuration with the modules of the sources that it and `sources` name.
 
-    `text` is what it was read from, and in which `format`, where that is not ours.
+    `text` is what it was read from, and in which `format`, where that is not ours. Missing sources
+    that are `optional` are warnings.
 
     Raises:
         MarsError: sources that are missing or wrongly annotated.
@@ -105,7 +110,10 @@ def described(
         advice = "paths of `--sources` are relative to the current folder"
         place = point(argument, 1, 1)
         paths += _found(argument, _missing(argument, place, advice), problems)
-    if problems:
+    if optional:
+        problems = [replace(each, severity="warning") for each in problems]
+        parsed = parsed._replace(warnings=(*parsed.warnings, *problems))
+    elif problems:
         raise MarsError(problems)
     found = None
     if paths:

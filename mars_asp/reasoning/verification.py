@@ -1,11 +1,12 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import clingo
 
 from mars_asp.annotations.representations import canonical_names
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -13,9 +14,9 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.print import print_transformation
-from mars_asp.model.declarations import Configuration, Mount, Transformation
+from mars_asp.model.declarations import Configuration, Module, Mount, Transformation
 from mars_asp.model.described import described_modules
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.facts.compile import (
@@ -23,8 +24,10 @@ from mars_asp.reasoning.facts.compile import (
     configuration_facts,
     given,
     representation_names,
+    representations,
 )
-from mars_asp.reasoning.facts.ends import ends_in
+from mars_asp.reasoning.facts.descriptions import description_facts, instance_facts
+from mars_asp.reasoning.facts.ends import ends_of_specification
 from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
@@ -34,6 +37,8 @@ from mars_asp.reasoning.synthesis.synthesise import costs_of
 
 _CAUTION = Signature("caution", 1)
 _STAGE = "verify"
+#: A violation of a clause, and a location that shows it.
+_DIFFERS_AT = "differs_at"
 _CONVERTERS = frozenset({"converts"})
 #: What the predicates that facts of a specification give begin with.
 _OF_SPECIFICATION = "spec_"
@@ -41,13 +46,17 @@ _OF_SPECIFICATION = "spec_"
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives."""
+    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives.
+
+    `locations` are those of a difference: in the specification, then in the configuration.
+    """
 
     clause: int
     message: str
     help: str | None
     rule: Rule
     head: clingo.Symbol
+    locations: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,16 +82,17 @@ def verify(
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None = None,
+    modules: Mapping[str, Module] | None = None,
 ) -> tuple[Violation, ...]:
     """Return what keeps a specification from realising a project's configuration.
 
     `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
-    is one already.
+    is one already; `modules` are those that the specification's own sources describe.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
-    return judge_specification(specification, project, rulebook, grounding).violations
+    return judge_specification(specification, project, rulebook, grounding, modules).violations
 
 
 def judge_specification(
@@ -90,10 +100,11 @@ def judge_specification(
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None = None,
+    modules: Mapping[str, Module] | None = None,
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
-    It is found on facts and built-in rules alone. What rules of packs find besides is added; then
+    `modules` are those that the specification's own sources describe. It is found on facts and built-in rules alone. What rules of packs find besides is added; then
     the grounding is that of the built-in rules.
 
     Raises:
@@ -101,13 +112,12 @@ def judge_specification(
     """
     own = [rule for rule in rulebook.of_packs if rule.stage == _STAGE and _is_judge(rule)]
     with_packs = bool(rulebook.packs)
-    found = _judged_by(
-        specification, project, rulebook.built_in, None if with_packs else grounding, None
-    )
+    facts = given(specification_facts(specification, project, rulebook, modules or {}))
+    found = _judged_by(facts, project, rulebook.built_in, None if with_packs else grounding, None)
     if not own:
         return found
     # What packs find is added, and takes nothing away.
-    more = _judged_by(specification, project, rulebook, None, own)
+    more = _judged_by(facts, project, rulebook, None, own)
     return Verification(
         tuple(sorted({*found.violations, *more.violations}, key=lambda v: (v.clause, v.message))),
         (*found.cautions, *more.cautions),
@@ -133,7 +143,7 @@ def _is_judge(rule: Rule) -> bool:
 
 
 def _judged_by(
-    specification: Configuration,
+    facts: Fragment,
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None,
@@ -142,13 +152,16 @@ def _judged_by(
     """Return what rules find, or of them those that are named."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
-    facts = given(specification_facts(specification, project, rulebook))
     judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
     if grounding is None:
         base = rulebook.fragments("base")
         grounding = Grounding([*base, *judging, given(project_facts(project))])
     else:
         grounding.derive(judging)
+    locations = {
+        clingo.Function("violation", [clingo.Number(0), what]): tuple(map(_span, places))
+        for what, *places in (s.arguments for s in grounding.symbols(_DIFFERS_AT, 3))
+    }
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
     for told in said(grounding.control, _STAGE, judges):
@@ -158,12 +171,20 @@ def _judged_by(
             cautions[message] = Caution(message, told.help, told.rule)
         else:
             clause = _clause(head, told.rule)
-            violations[clause, message] = Violation(clause, message, told.help, told.rule, head)
+            shown = locations.get(head, ())
+            violations[clause, message] = Violation(
+                clause, message, told.help, told.rule, head, shown
+            )
     return Verification(
         tuple(violations[key] for key in sorted(violations)),
         tuple(cautions[key] for key in sorted(cautions)),
         grounding,
     )
+
+
+def _span(place: clingo.Symbol) -> Span:
+    path, line, column = place.arguments
+    return point(path.string, line.number, column.number)
 
 
 def written_cost(
@@ -193,19 +214,25 @@ def _judged(rulebook: Rulebook) -> frozenset[str]:
 
 
 def specification_facts(
-    specification: Configuration, project: Project, rulebook: Rulebook
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    modules: Mapping[str, Module] | None = None,
 ) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
 
     Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
-    Besides them there are the tuples of the project's configuration, which no other stage needs.
+    Besides them there are the tuples and the descriptions of the project's configuration, which no
+    other stage needs. `modules` are those that the specification's own sources describe.
     """
+    own = described_modules(specification, modules or {})
     described = described_modules(project.configuration, project.modules)
     told_as = TellsAs(
-        ends_in(project.configuration, described), rates_in(project.configuration, described)
+        ends_of_specification(project.configuration, described, specification),
+        rates_in(project.configuration, described),
     )
     wanted = _judged(rulebook)
-    for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
+    for fact in configuration_facts(specification, own, wanted, told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from mount_tuples("mount_tuple", project.configuration)
@@ -213,6 +240,14 @@ def specification_facts(
     yield from _conversions(specification, project)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
+    names = {name for each in (described, own) for name in representations(each.values())}
+    canonical = canonical_names(sorted(names)).canonical
+    yield from instance_facts(_OF_SPECIFICATION, specification, {})
+    yield from instance_facts("", project.configuration, described)
+    yield from description_facts(_OF_SPECIFICATION, own, canonical)
+    # What only one of them describes is not compared.
+    if own:
+        yield from description_facts("", described, canonical)
 
 
 def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]:

@@ -6,7 +6,7 @@ there, which rules see.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from mars_asp.model.declarations import Configuration, Data, Module, Service
@@ -111,6 +111,29 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
             text = clients[name, port] = _free(taken, name, port)
             entries[text] = Entry(name, port, known.get(port))
     return Ends(every, entries, sources, clients, stated)
+
+
+def ends_of_specification(
+    configuration: Configuration, described: Mapping[str, Module], specification: Configuration
+) -> Ends:
+    """Return the ends of a configuration, extended for the lines of a specification of it.
+
+    A port that only the specification names, and no other port beside it, is the only output of a
+    source that nothing describes.
+    """
+    ends = ends_in(configuration, described)
+    named: dict[str, set[str]] = {}
+    for line in specification.relationships:
+        if isinstance(line, Data) and line.source_port is not None:
+            named.setdefault(line.source, set()).add(line.source_port)
+    known = {module for module, _ in ends._sources}
+    alone: dict[tuple[str, str | None], str] = {
+        (module, port): module
+        for module, ports in named.items()
+        if len(ports) == 1 and module not in described and module not in known
+        for port in ports
+    }
+    return replace(ends, _sources={**ends._sources, **alone})
 
 
 def _delivering(module: Module) -> list[Service]:
