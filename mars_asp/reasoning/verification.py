@@ -225,8 +225,11 @@ def specification_facts(
     Besides them there are the tuples and the descriptions of the project's configuration, which no
     other stage needs. `modules` are those that the specification's own sources describe.
     """
-    own = described_modules(specification, modules or {})
     described = described_modules(project.configuration, project.modules)
+    every = {**(modules or {}), **{module.name: module for module in specification.declared}}
+    own = described_modules(specification, every)
+    # A converter that converts nothing any more is one of the configuration all the same.
+    own = {**own, **{name: every[name] for name in described if name in every}}
     told_as = TellsAs(
         ends_of_specification(project.configuration, described, specification),
         rates_in(project.configuration, described),

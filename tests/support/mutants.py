@@ -407,7 +407,7 @@ def change_a_representation(
             at = rng.randrange(len(service.inputs))
             inputs = (*service.inputs[:at], name, *service.inputs[at + 1 :])
             return replace(service, inputs=inputs)
-        return replace(service, output=name)
+        return service if service.output is None else replace(service, output=name)
 
     return _change_service(specification, rng, lambda s: s.kind != "ControlOut", changed)
 
