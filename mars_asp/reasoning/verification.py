@@ -104,8 +104,9 @@ def judge_specification(
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
-    `modules` are those that the specification's own sources describe. It is found on facts and built-in rules alone. What rules of packs find besides is added; then
-    the grounding is that of the built-in rules.
+    `modules` are those that the specification's own sources describe. The judgement rests on facts
+    and built-in rules alone. What rules of packs find besides is added; then the grounding is that
+    of the built-in rules.
 
     Raises:
         MarsError: rules that clingo refuses.

@@ -331,7 +331,7 @@ def drop_a_provider(specification: Configuration, rng: random.Random) -> Configu
     return with_lines(specification, [*lines[:at], *lines[at + 1 :]])
 
 
-# ---- Changes of blocks -----------------------------------------------------------------------------
+# ---- Changes of blocks ----
 
 
 def _with_blocks(specification: Configuration, blocks: Sequence[Module]) -> Configuration:

@@ -133,7 +133,9 @@ class _Judge:
 def description(module: Module) -> dict[str, object]:
     """Return the meaning of a module's block, whatever the order of its annotations is."""
     poses = {v.number: normalized(v.transformation) for v in module.vertices}
-    identity = normalized(replace(poses[0], rotations=(), translation=(0, 0, 0))) if 0 in poses else None  # type: ignore[arg-type]
+    identity = (
+        normalized(replace(poses[0], rotations=(), translation=(0, 0, 0))) if 0 in poses else None
+    )  # type: ignore[arg-type]
     return {
         "guard": module.guard is not None,
         "motions": {f.name: (f.min, f.max, f.rate) for f in module.functions},

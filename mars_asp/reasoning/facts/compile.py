@@ -435,6 +435,7 @@ def facts_text(facts: Iterable[Fact]) -> str:
 
 
 def representations(modules: Iterable[Module]) -> Iterator[str]:
+    """Yield the representations that modules name."""
     for module in modules:
         for service in module.services:
             yield from (name for name in (service.output, *service.inputs) if name is not None)
