@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import clingo
 
-from mars_asp.annotations.representations import canonical_names
+from mars_asp.annotations.representations import Names, canonical_names
 from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
@@ -234,6 +234,7 @@ def specification_facts(
     told_as = TellsAs(
         ends_of_specification(project.configuration, described, specification),
         rates_in(project.configuration, described),
+        _names(specification, own, project),
     )
     wanted = _judged(rulebook)
     for fact in configuration_facts(specification, own, wanted, told_as):
@@ -241,11 +242,10 @@ def specification_facts(
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
-    yield from _conversions(specification, project)
+    yield from _conversions(specification, told_as.names)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
-    names = {name for each in (described, own) for name in representations(each.values())}
-    canonical = canonical_names(sorted(names)).canonical
+    canonical = told_as.names.canonical
     yield from instance_facts(_OF_SPECIFICATION, specification, {})
     yield from instance_facts("", project.configuration, described)
     yield from description_facts(_OF_SPECIFICATION, own, canonical)
@@ -262,15 +262,21 @@ def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]
             yield Fact(Atom(predicate, (number, print_transformation(pose))), line.span)
 
 
-def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:
-    """Yield what comments say, in the representations that the project's rules know."""
+def _names(specification: Configuration, own: Mapping[str, Module], project: Project) -> Names:
+    """Return the representations of both, as the project's rules know them."""
     declared = representation_names(project.configuration, project.modules).canonical
-    said = [name for c in specification.conversions for name in (c.source, c.target)]
-    together = canonical_names([*declared, *said]).canonical
-    known = {together[name]: canonical for name, canonical in declared.items()}
+    stated = [name for c in specification.conversions for name in (c.source, c.target)]
+    together = canonical_names([*declared, *stated, *representations(own.values())])
+    known = {together.canonical[name]: canonical for name, canonical in declared.items()}
+    full = together.canonical.items()
+    return Names({name: known.get(longest, longest) for name, longest in full}, together.ambiguous)
+
+
+def _conversions(specification: Configuration, names: Names) -> Iterator[Fact]:
+    """Yield what comments say, in the representations that the project's rules know."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span
-        ends = (known.get(together[name], name) for name in (conversion.source, conversion.target))
+        ends = (names.canonical[name] for name in (conversion.source, conversion.target))
         yield Fact(Atom("spec_converts", (node, *ends)), span)
         if conversion.converter is not None:
             yield Fact(Atom("spec_converter", (node, conversion.converter)), span)

@@ -5,12 +5,13 @@ import random
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.language import parse_text, print_configuration
-from mars_asp.model.declarations import NODE_NAMES, Configuration, Data
+from mars_asp.model.declarations import NODE_NAMES, Configuration
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.verification import judge_specification, verify
@@ -57,13 +58,13 @@ Lines find(Image picture);
 
 def judged(
     specification: str, configuration: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> dict[str, list[dict[str, object]]]:
+) -> dict[str, Any]:
     """Return the JSON that `verify` prints of two texts."""
     paths = [folder / "s.mars", folder / "c.mars"]
     for path, text in zip(paths, (specification, configuration), strict=True):
         path.write_text(text)
     run_here(["verify", *map(str, paths), "--format", "json"])
-    found: dict[str, list[dict[str, object]]] = json.loads(capsys.readouterr().out)
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
     return found
 
 
@@ -103,7 +104,6 @@ def test_a_difference_is_a_violation_that_names_both_locations(
     violations = [each for each in found["violations"] if message in str(each["message"])]
     assert [each["clause"] for each in violations][:1] == [0]
     for violation in violations:
-        assert isinstance(violation["locations"], list)
         paths = [Path(each["path"]).name for each in violation["locations"]]
         assert paths == ["s.mars", "c.mars"]
 
@@ -237,7 +237,6 @@ def starved(configuration: Configuration) -> set[tuple[str, str]]:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_synthesis_serves_each_of_its_lines(seed: int) -> None:
-    """Its links are analysed as they are; a lower rate on the first of two is found."""
     found = synthesised(project := read(random_configuration(2 * seed)))
     if found is None:
         return
@@ -262,8 +261,3 @@ def test_a_client_behind_a_slower_link_is_found_by_both(block: str) -> None:
     configuration = "@configuration\n@modules S, C, D\nC uses_data_from S NotifyAtFrequency 50\n"
     project = read(f"{configuration}D uses_data_from S NotifyAtFrequency 10\n")
     assert 3 in {violation.clause for violation in verify(specification, project, RULEBOOK)}
-    faster = [
-        replace(line, hz=line.hz and 50) if isinstance(line, Data) else line
-        for line in specification.relationships
-    ]
-    assert not block or starved(replace(specification, relationships=tuple(faster)))

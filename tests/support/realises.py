@@ -6,7 +6,7 @@ about transformers is tried in every way.
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -18,6 +18,7 @@ from mars_asp.model.declarations import (
     Hold,
     Module,
     Service,
+    Transformation,
     node_kind,
 )
 from mars_asp.model.transformation import normalized
@@ -133,9 +134,7 @@ class _Judge:
 def description(module: Module) -> dict[str, object]:
     """Return the meaning of a module's block, whatever the order of its annotations is."""
     poses = {v.number: normalized(v.transformation) for v in module.vertices}
-    identity = (
-        normalized(replace(poses[0], rotations=(), translation=(0, 0, 0))) if 0 in poses else None
-    )  # type: ignore[arg-type]
+    identity = normalized(Transformation())
     return {
         "guard": module.guard is not None,
         "motions": {f.name: (f.min, f.max, f.rate) for f in module.functions},

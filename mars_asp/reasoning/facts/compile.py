@@ -54,10 +54,11 @@ from mars_asp.spelling import nearest, resemblances
 
 
 class TellsAs(NamedTuple):
-    """How ports and rates are told."""
+    """How ports, rates and representations are told."""
 
     ends: Ends
     rates: Rates
+    names: Names
 
 
 def configuration_facts(
@@ -71,7 +72,7 @@ def configuration_facts(
     `modules` adds to those declared in the configuration itself; only modules that the
     configuration names, and converters, are told. Relationships are identified as `numbered`
     says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
-    made. With `told_as`, ports and rates are told as those of another configuration.
+    made. With `told_as`, ports, rates and representations are told as those of another one.
     """
     return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
@@ -168,6 +169,8 @@ class Compiler:
     @cached_property
     def names(self) -> Names:
         """Return the representations that rules are told of."""
+        if self._told_as is not None:
+            return self._told_as.names
         return _names(self.described)
 
     @cached_property

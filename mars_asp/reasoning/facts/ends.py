@@ -118,8 +118,8 @@ def ends_of_specification(
 ) -> Ends:
     """Return the ends of a configuration, extended for the lines of a specification of it.
 
-    A port that only the specification names, and no other port beside it, is the only output of a
-    source that nothing describes.
+    A port that only the specification names is the output of a source that has one, or the only
+    port that is named of a source that nothing describes.
     """
     ends = ends_in(configuration, described)
     named: dict[str, set[str]] = {}
@@ -127,12 +127,11 @@ def ends_of_specification(
         if isinstance(line, Data) and line.source_port is not None:
             named.setdefault(line.source, set()).add(line.source_port)
     known = {module for module, _ in ends._sources}
-    alone: dict[tuple[str, str | None], str] = {
-        (module, port): module
-        for module, ports in named.items()
-        if len(ports) == 1 and module not in described and module not in known
-        for port in ports
-    }
+    alone: dict[tuple[str, str | None], str] = {}
+    for module in named.keys() - known:
+        ports = outputs(described[module]) if module in described else named[module]
+        if len(ports) == 1:
+            alone[module, *ports] = module
     return replace(ends, _sources={**ends._sources, **alone})
 
 
