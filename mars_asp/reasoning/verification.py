@@ -160,7 +160,10 @@ def _judged_by(
     else:
         grounding.derive(judging)
     locations = {
-        clingo.Function("violation", [clingo.Number(0), what]): tuple(map(_span, places))
+        clingo.Function("violation", [clingo.Number(0), what]): tuple(
+            point(path.string, line.number, column.number)
+            for path, line, column in (place.arguments for place in places)
+        )
         for what, *places in (s.arguments for s in grounding.symbols(_DIFFERS_AT, 3))
     }
     violations: dict[tuple[int, str], Violation] = {}
@@ -181,11 +184,6 @@ def _judged_by(
         tuple(cautions[key] for key in sorted(cautions)),
         grounding,
     )
-
-
-def _span(place: clingo.Symbol) -> Span:
-    path, line, column = place.arguments
-    return point(path.string, line.number, column.number)
 
 
 def written_cost(
@@ -234,7 +232,7 @@ def specification_facts(
     told_as = TellsAs(
         ends_of_specification(project.configuration, described, specification),
         rates_in(project.configuration, described),
-        _names(specification, own, project),
+        _shared_names(specification, own, project),
     )
     wanted = _judged(rulebook)
     for fact in configuration_facts(specification, own, wanted, told_as):
@@ -262,11 +260,13 @@ def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]
             yield Fact(Atom(predicate, (number, print_transformation(pose))), line.span)
 
 
-def _names(specification: Configuration, own: Mapping[str, Module], project: Project) -> Names:
+def _shared_names(
+    specification: Configuration, own: Mapping[str, Module], project: Project
+) -> Names:
     """Return the representations of both, as the project's rules know them."""
     declared = representation_names(project.configuration, project.modules).canonical
-    stated = [name for c in specification.conversions for name in (c.source, c.target)]
-    together = canonical_names([*declared, *stated, *representations(own.values())])
+    comments = [name for c in specification.conversions for name in (c.source, c.target)]
+    together = canonical_names([*declared, *comments, *representations(own.values())])
     known = {together.canonical[name]: canonical for name, canonical in declared.items()}
     full = together.canonical.items()
     return Names({name: known.get(longest, longest) for name, longest in full}, together.ambiguous)

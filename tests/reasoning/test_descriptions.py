@@ -108,7 +108,7 @@ def test_a_difference_is_a_violation_that_names_both_locations(
         assert paths == ["s.mars", "c.mars"]
 
 
-def test_the_same_meaning_in_another_text_is_no_difference(
+def test_the_same_meaning_in_another_text_makes_no_difference(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     configuration = f"@configuration\n{MODULES}{BODY}{BLOCKS}"
@@ -180,7 +180,7 @@ def test_one_of_several_outputs_of_an_unknown_source_is_not_left_out() -> None:
 
 @pytest.mark.parametrize("word", NODE_NAMES.values())
 @pytest.mark.parametrize("body", ["", "B uses_data_from A\n", "B is_controlled_by A\n"])
-def test_a_node_without_a_line_is_no_minimum(
+def test_a_minimum_has_no_node_without_a_line(
     word: str, body: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     specification = f"@specification\n@modules A, B, {word}7\n{body}"
@@ -225,7 +225,7 @@ def test_the_order_of_lines_and_blocks_changes_no_verdict_and_no_sentence(seed: 
 
 
 def starved(configuration: Configuration) -> set[tuple[str, str]]:
-    """Return subject and message of what `analyse` finds about services behind nodes."""
+    """Return subject and message of each infeasible service."""
     project = Project(configuration, {}, ())
     found = analyse(project_facts(project), RULEBOOK, configuration.span)
     return {
@@ -250,7 +250,7 @@ def test_a_synthesis_serves_each_of_its_lines(seed: int) -> None:
 @pytest.mark.parametrize(
     "block", ["", "@module_start\n@module_name S\n@Sense {}\nR look();\n@module_end"]
 )
-def test_a_client_behind_a_slower_link_is_found_by_both(block: str) -> None:
+def test_both_commands_find_a_client_of_a_slower_link(block: str) -> None:
     lines = (
         "DataSplitter1 uses_data_from S NotifyAtFrequency 10\n"
         "C uses_data_from DataSplitter1 NotifyAtFrequency 50\nD uses_data_from DataSplitter1\n"

@@ -32,7 +32,7 @@ Change: TypeAlias = Callable[[Configuration, random.Random], Configuration | Non
 
 
 def mutant(specification: Configuration, rng: random.Random) -> tuple[str, Configuration]:
-    """Return a specification with one or two random changes, and what they are called.
+    """Return a specification with one or two random changes, and the names of these.
 
     Half of the changes are to blocks, where there are any.
     """
@@ -509,12 +509,12 @@ def change_an_instance(specification: Configuration, rng: random.Random) -> Conf
 def order_blocks_otherwise(
     specification: Configuration, rng: random.Random
 ) -> Configuration | None:
-    """Change the order of blocks and of what is in them, which means nothing."""
+    """Change the order of blocks and of their annotations, which means nothing."""
     blocks = [
         replace(m, services=m.services[::-1], functions=m.functions[::-1])
         for m in specification.declared[::-1]
     ]
-    # Equal names of functions are told apart by their order.
+    # The order of functions distinguishes those of one name.
     names = [[s.port or s.function for s in module.services] for module in blocks]
     if not blocks or any(len(set(each)) < len(each) for each in names):
         return None

@@ -94,11 +94,11 @@ class _Judge:
             if here != there:
                 refuse(0, f"{name} is {here}, not {there}")
         classes = {n.text: n.described for n in self.configuration.modules}
-        for stated in self.specification.modules:
-            own = stated.text if stated.text in self.known else None
-            declared = classes.get(stated.text) or own
-            if None not in (stated.described, declared) and stated.described != declared:
-                refuse(0, f"{stated.text} is an instance of {stated.described}, not {declared}")
+        for each in self.specification.modules:
+            own = each.text if each.text in self.known else None
+            declared = classes.get(each.text) or own
+            if None not in (each.described, declared) and each.described != declared:
+                refuse(0, f"{each.text} is an instance of {each.described}, not {declared}")
 
     def kinds(self) -> None:
         """Refuse data through nodes for control and the reverse."""
@@ -214,7 +214,7 @@ class _DataJudge:
 
     def clause_3(self, source: str, paths: Sequence[DataPath]) -> None:
         """Try every mode of the source and every conversion that no comment says."""
-        # What only the specification describes, its own block offers.
+        # The block of a source that only the specification describes counts.
         speaker = self.known.get(source) or self.whole.own.get(source)
         voices = [s for s in speaker.services if s.kind in ("Sense", "DataOut")] if speaker else []
         voice = voices[0] if len(voices) == 1 else None

@@ -7,7 +7,7 @@ from fractions import Fraction
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Span
 from mars_asp.language.print import print_mode, print_number, print_transformation
-from mars_asp.model.declarations import Configuration, Function, Mode, Module, Service
+from mars_asp.model.declarations import Configuration, Module, Service
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.model.transformation import normalized
@@ -25,7 +25,7 @@ def instance_facts(
     for name in configuration.modules:
         own = name.text if name.text in described else None
         if (instance := name.described or own) is not None:
-            yield _fact(f"{prefix}instance", name.span, name.text, instance)
+            yield _located(f"{prefix}instance", name.span, name.text, instance)
 
 
 def description_facts(
@@ -37,17 +37,17 @@ def description_facts(
     """
     for module in described.values():
         place = module.named or module.span
-        yield _fact(f"{prefix}described_at", place, module.name)
+        yield _located(f"{prefix}described_at", place, module.name)
         for part, name, aspect, value, span in _details(module, canonical):
             at = (module.name, Atom(part), name, Atom(aspect), value)
-            yield Fact(Atom(f"{prefix}detail", (*at, _place(span))), span)
+            yield Fact(Atom(f"{prefix}detail", (*at, _location(span))), span)
 
 
-def _fact(predicate: str, span: Span, *arguments: str) -> Fact:
-    return Fact(Atom(predicate, (*arguments, _place(span))), span)
+def _located(predicate: str, span: Span, *arguments: str) -> Fact:
+    return Fact(Atom(predicate, (*arguments, _location(span))), span)
 
 
-def _place(span: Span) -> Atom:
+def _location(span: Span) -> Atom:
     return Atom("at", (span.path, span.line, span.column))
 
 
@@ -58,7 +58,9 @@ def _details(
     if module.guard is not None:
         yield "annotation", "@Guard", "place", "stated", module.guard
     for function in module.functions:
-        yield "motion", function.name, "limits", _limits(function), function.span
+        numbers = (function.min, function.max, function.rate)
+        limits = " ".join("_" if number is None else print_number(number) for number in numbers)
+        yield "motion", function.name, "limits", limits, function.span
     for vertex in module.vertices:
         pose = print_transformation(normalized(vertex.transformation))
         if vertex.number or pose != _IDENTITY:
@@ -68,14 +70,14 @@ def _details(
         service = module.services[entry.service]
         representation = _representation(service.inputs[entry.place], canonical)
         yield "input", name, "representation", representation, service.span
-    for number, (part, name) in _names(module).items():
+    for number, (part, name) in _named_services(module).items():
         service = module.services[number]
         own = [entry.name for entry in entries.values() if entry.service == number]
         for aspect, value in _aspects(service, own, canonical):
             yield part, name, aspect, value, service.span
 
 
-def _names(module: Module) -> Mapping[int, tuple[str, str]]:
+def _named_services(module: Module) -> Mapping[int, tuple[str, str]]:
     """Return the part and the name of each service, by its number."""
     found = {number: ("output", port) for port, number in outputs(module).items()}
     seen: dict[str, int] = {}
@@ -91,7 +93,7 @@ def _names(module: Module) -> Mapping[int, tuple[str, str]]:
 def _aspects(
     service: Service, own: list[str], canonical: Mapping[str, str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield what a service states; `own` are the names of its inputs."""
+    """Yield the aspects of a service; `own` are the names of its inputs."""
     yield "annotation", f"@{service.kind}"
     if service.kind == "Converts":
         ends = (*service.inputs[:1], service.output)
@@ -103,19 +105,11 @@ def _aspects(
         yield "functions", ", ".join(sorted(set(service.commands))) or _NONE
     if service.kind in ("Sense", "DataOut"):
         yield "representation", _representation(service.output, canonical)
-        yield "modes", ", ".join(map(_mode, service.modes)) or _NONE
+        # Modes are equal whatever their texts are.
+        modes = (print_mode(replace(mode, text="")) for mode in service.modes)
+        yield "modes", ", ".join(modes) or _NONE
         yield "rate", _NONE if service.hz is None else as_written(Fraction(service.hz))
-
-
-def _mode(mode: Mode) -> str:
-    # Modes are equal whatever their texts are.
-    return print_mode(replace(mode, text=""))
 
 
 def _representation(written: str | None, canonical: Mapping[str, str]) -> str:
     return _UNKNOWN if written is None else canonical[written]
-
-
-def _limits(function: Function) -> str:
-    limits = (function.min, function.max, function.rate)
-    return " ".join("_" if limit is None else print_number(limit) for limit in limits)
