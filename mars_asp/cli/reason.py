@@ -58,24 +58,26 @@ def check_inputs(*paths: str) -> None:
         raise MarsError((Diagnostic("usage", "error", message, place, help=help_text),))
 
 
-def read_configuration(arguments: argparse.Namespace, path: str) -> Parsed:
-    """Read a robot's file without its sources, one that is not ours as the specification it is.
+def read_specification(arguments: argparse.Namespace, path: str) -> Project:
+    """Read a specification with its own sources, a foreign file as the specification it is.
+
+    A source that is missing is a warning: the configuration may describe the modules.
 
     Raises:
-        MarsError: what is wrong with the file.
+        MarsError: what is wrong with its files.
     """
     with stage(arguments, f"reading {visible(path)}"):
         text = None
         if path == STANDARD_INPUT:
             path = SHOWN_INPUT
             text = read_input(path)
-        parsed, _, foreign = _parse(arguments, path, text)
-    parsed = _with_kinds(parsed, arguments)
-    if foreign is None:
-        return parsed
+        parsed, text, foreign = _parse(arguments, path, text)
+        parsed = _with_kinds(parsed, arguments)
+        if foreign is None:
+            return described(parsed, text, optional=True)
     from mars_asp.exchange.lift import lifted
 
-    return parsed._replace(configuration=lifted(parsed.configuration))
+    return Project(lifted(parsed.configuration), {}, parsed.warnings, text)
 
 
 def read_project(arguments: argparse.Namespace, path: str | None = None) -> Project:

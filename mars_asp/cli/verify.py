@@ -18,13 +18,13 @@ from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.reason import (
     analyse_project,
     check_inputs,
-    read_configuration,
     read_project,
+    read_specification,
     rulebook_for,
 )
 from mars_asp.cli.report import report, report_unrealisable
-from mars_asp.diagnostic import Diagnostic
-from mars_asp.model.declarations import NODE_NAMES, Relationship
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.model.declarations import NODE_NAMES, Module
 from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -85,6 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     if arguments.without is not None:
         return _run_without(arguments)
+    modules: Mapping[str, Module] = {}
     if arguments.specification is None:
         project = read_project(arguments, arguments.file)
         if project.format is None:
@@ -99,15 +100,15 @@ def run(arguments: argparse.Namespace) -> int:
         specification = lifted(project.configuration)
     else:
         check_inputs(arguments.specification, arguments.file)
-        parsed = read_configuration(arguments, arguments.specification)
-        specification = parsed.configuration
+        read = read_specification(arguments, arguments.specification)
+        specification, modules = read.configuration, read.modules
         project = read_project(arguments, arguments.file)
-        _report_own(parsed.warnings, project.diagnostics, arguments)
+        _report_own(read.diagnostics, project.diagnostics, arguments)
     if (specification.kind, project.configuration.kind) == ("configuration", "specification"):
         print("mars-asp verify: SPEC comes first, then its CONFIG", file=sys.stderr)
         return 2
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
-    verification = judge_specification(specification, project, rulebook)
+    verification = judge_specification(specification, project, rulebook, modules=modules)
     violations = verification.violations
     compared = _Comparison(None, None, None, in_time=True)
     if not violations:
@@ -116,7 +117,10 @@ def run(arguments: argparse.Namespace) -> int:
         found = {
             "realises": not violations,
             "minimal": compared.minimal,
-            "violations": [{"clause": v.clause, **_finding_json(v)} for v in violations],
+            "violations": [
+                {"clause": v.clause, **_finding_json(v), "locations": _locations(v.locations)}
+                for v in violations
+            ],
             "warnings": [_finding_json(caution) for caution in verification.cautions],
             "cost": compared.cost,
             "least": compared.least,
@@ -139,6 +143,7 @@ def _judged_text(verification: Verification, compared: _Comparison, width: int) 
     """Yield what fails and what may be meant otherwise, or that nothing fails."""
     for violation in verification.violations:
         yield from _finding_text(f"clause {violation.clause}", violation, width)
+        yield from _lines_at(violation.locations)
     for caution in verification.cautions:
         yield from _finding_text("warning", caution, width)
     if not verification.violations:
@@ -171,10 +176,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]
         for told, broken in zip(violations, found, strict=True):
-            told["locations"] = [
-                {"path": each.span.path, "line": each.span.line, "column": each.span.column}
-                for each in broken.relationships
-            ]
+            told["locations"] = _locations(each.span for each in broken.relationships)
         print(
             encoded(
                 {
@@ -202,12 +204,12 @@ def _without_text(name: str, found: Sequence["Broken"], width: int) -> Iterator[
         violation = broken.violation
         told = f"clause {violation.clause}: {violation.message}  [{violation.rule.id}]"
         yield from wrapped(visible(told), width, "  ", "    ")
-        yield from _relationship_lines(broken.relationships)
+        yield from _lines_at([each.span for each in broken.relationships])
 
 
-def _relationship_lines(relationships: Sequence[Relationship]) -> Iterator[str]:
-    """Yield lines of the configuration, each once, with their places; of very many the first."""
-    spans = {each.span[:2]: each.span for each in relationships}
+def _lines_at(located: Iterable[Span]) -> Iterator[str]:
+    """Yield the lines at locations, each once; of very many the first."""
+    spans = {span[:2]: span for span in located}
     shown = list(spans.values())[:_MOST_LINES]
     places = [visible(f"{span.path}:{span.line}") for span in shown]
     longest = max(map(len, places), default=0)
@@ -220,9 +222,13 @@ def _relationship_lines(relationships: Sequence[Relationship]) -> Iterator[str]:
 def _report_own(
     warnings: Iterable[Diagnostic], told: Iterable[Diagnostic], arguments: argparse.Namespace
 ) -> None:
-    """Report what is noteworthy of SPEC alone: its blocks are mostly those of CONFIG."""
+    """Report what is noteworthy of SPEC alone: its blocks are mostly those of CONFIG.
+
+    Modules that SPEC leaves to CONFIG to describe are not.
+    """
     said = {(each.code, each.message) for each in told}
-    report((each for each in warnings if (each.code, each.message) not in said), arguments)
+    own = (each for each in warnings if each.code != "annotations-missing")
+    report((each for each in own if (each.code, each.message) not in said), arguments)
 
 
 def _compare(
@@ -279,6 +285,10 @@ def _minimality(compared: _Comparison) -> str:
 
 def _in_words(cost: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {value}" for name, value in cost.items())
+
+
+def _locations(spans: Iterable[Span]) -> list[dict[str, object]]:
+    return [{"path": span.path, "line": span.line, "column": span.column} for span in spans]
 
 
 def _finding_json(found: Violation | Caution) -> dict[str, object]:

@@ -83,11 +83,16 @@ def load_project(path: str, sources: Sequence[str] = (), text: str | None = None
 
 
 def described(
-    parsed: Parsed, text: str, sources: Sequence[str] = (), format: str | None = None
+    parsed: Parsed,
+    text: str,
+    sources: Sequence[str] = (),
+    format: str | None = None,
+    optional: bool = False,
 ) -> Project:
     """Return a configuration with the modules of the sources that it and `sources` name.
 
-    `text` is what it was read from, and in which `format`, where that is not ours.
+    `text` is what it was read from, and in which `format`, where that is not ours. Missing sources
+    that are `optional` are warnings.
 
     Raises:
         MarsError: sources that are missing or wrongly annotated.
@@ -116,7 +121,10 @@ def described(
         given = _found(argument, _missing(argument, place, advice), problems)
         named_at = {path: place for path, place in named_at.items() if path not in given}
         paths += given
-    if problems:
+    if optional:
+        problems = [replace(each, severity="warning") for each in problems]
+        parsed = parsed._replace(warnings=(*parsed.warnings, *problems))
+    elif problems:
         raise MarsError(problems)
     found = None
     if paths:

@@ -1,12 +1,13 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 
 import clingo
 
-from mars_asp.annotations.representations import canonical_names
+from mars_asp.annotations.representations import Names, canonical_names
+from mars_asp.asp.fragments import Fragment
 from mars_asp.asp.messages import said, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -14,9 +15,9 @@ from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.print import print_transformation
-from mars_asp.model.declarations import Configuration, Data, Mount, Transformation
+from mars_asp.model.declarations import Configuration, Data, Module, Mount, Transformation
 from mars_asp.model.described import described_modules
 from mars_asp.model.ports import position
 from mars_asp.model.transformation import normalized
@@ -25,8 +26,10 @@ from mars_asp.reasoning.facts.compile import (
     configuration_facts,
     given,
     representation_names,
+    representations,
 )
-from mars_asp.reasoning.facts.ends import ends_in
+from mars_asp.reasoning.facts.descriptions import description_facts, instance_facts
+from mars_asp.reasoning.facts.ends import ends_of_specification
 from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.rates import rates_in
 from mars_asp.reasoning.facts.vocabulary import given_in
@@ -37,6 +40,8 @@ from mars_asp.reasoning.synthesis.synthesise import costs_of
 
 _CAUTION = Signature("caution", 1)
 _STAGE = "verify"
+#: A violation of a clause, and a location that shows it.
+_DIFFERS_AT = "differs_at"
 _CONVERTERS = frozenset({"converts"})
 #: What the predicates that facts of a specification give begin with.
 _OF_SPECIFICATION = "spec_"
@@ -44,13 +49,17 @@ _OF_SPECIFICATION = "spec_"
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives."""
+    """A clause of the definition of `realises` that fails, and how; `head` is what a rule gives.
+
+    `locations` are those of a difference: in the specification, then in the configuration.
+    """
 
     clause: int
     message: str
     help: str | None
     rule: Rule
     head: clingo.Symbol
+    locations: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,16 +85,17 @@ def verify(
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None = None,
+    modules: Mapping[str, Module] | None = None,
 ) -> tuple[Violation, ...]:
     """Return what keeps a specification from realising a project's configuration.
 
     `rulebook` holds the stage `verify`; `grounding` is that of the project's analysis, where there
-    is one already.
+    is one already; `modules` are those that the specification's own sources describe.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
-    return judge_specification(specification, project, rulebook, grounding).violations
+    return judge_specification(specification, project, rulebook, grounding, modules).violations
 
 
 def judge_specification(
@@ -93,24 +103,27 @@ def judge_specification(
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None = None,
+    modules: Mapping[str, Module] | None = None,
 ) -> Verification:
     """Return what `verify` finds and the grounding in which it was found.
 
-    It is found on facts and built-in rules alone. What rules of packs find besides is added; then
-    the grounding is that of the built-in rules.
+    `modules` are those that the specification's own sources describe. The judgement rests on facts
+    and built-in rules alone. What rules of packs find besides is added; then the grounding is that
+    of the built-in rules.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
     own = [rule for rule in rulebook.of_packs if rule.stage == _STAGE and _is_judge(rule)]
     with_packs = bool(rulebook.packs)
-    found = _judged_by(
-        specification, project, rulebook.built_in, None if with_packs else grounding, None
-    )
+    described = {**project.modules, **{m.name: m for m in project.configuration.declared}}
+    specification = state_inputs(specification, described, rulebook)
+    facts = given(specification_facts(specification, project, rulebook, modules or {}))
+    found = _judged_by(facts, project, rulebook.built_in, None if with_packs else grounding, None)
     if not own:
         return found
     # What packs find is added, and takes nothing away.
-    more = _judged_by(specification, project, rulebook, None, own)
+    more = _judged_by(facts, project, rulebook, None, own)
     return Verification(
         tuple(sorted({*found.violations, *more.violations}, key=lambda v: (v.clause, v.message))),
         (*found.cautions, *more.cautions),
@@ -136,7 +149,7 @@ def _is_judge(rule: Rule) -> bool:
 
 
 def _judged_by(
-    specification: Configuration,
+    facts: Fragment,
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None,
@@ -145,15 +158,19 @@ def _judged_by(
     """Return what rules find, or of them those that are named."""
     if judges is None:
         judges = [rule for rule in rulebook.rules if _is_judge(rule)]
-    described = {**project.modules, **{m.name: m for m in project.configuration.declared}}
-    specification = state_inputs(specification, described, rulebook)
-    facts = given(specification_facts(specification, project, rulebook))
     judging = [*rulebook.fragments(_STAGE), *saying(_STAGE, judges), facts]
     if grounding is None:
         base = rulebook.fragments("base")
         grounding = Grounding([*base, *judging, given(project_facts(project))])
     else:
         grounding.derive(judging)
+    locations = {
+        clingo.Function("violation", [clingo.Number(0), what]): tuple(
+            point(path.string, line.number, column.number)
+            for path, line, column in (place.arguments for place in places)
+        )
+        for what, *places in (s.arguments for s in grounding.symbols(_DIFFERS_AT, 3))
+    }
     violations: dict[tuple[int, str], Violation] = {}
     cautions: dict[str, Caution] = {}
     for told in said(grounding.control, _STAGE, judges):
@@ -163,7 +180,10 @@ def _judged_by(
             cautions[message] = Caution(message, told.help, told.rule)
         else:
             clause = _clause(head, told.rule)
-            violations[clause, message] = Violation(clause, message, told.help, told.rule, head)
+            shown = locations.get(head, ())
+            violations[clause, message] = Violation(
+                clause, message, told.help, told.rule, head, shown
+            )
     return Verification(
         tuple(violations[key] for key in sorted(violations)),
         tuple(cautions[key] for key in sorted(cautions)),
@@ -198,27 +218,44 @@ def _judged(rulebook: Rulebook) -> frozenset[str]:
 
 
 def specification_facts(
-    specification: Configuration, project: Project, rulebook: Rulebook
+    specification: Configuration,
+    project: Project,
+    rulebook: Rulebook,
+    modules: Mapping[str, Module] | None = None,
 ) -> Iterator[Fact]:
     """Yield the facts of a specification, each predicate under a name that begins with `spec_`.
 
     Of what configurations give, too, they are those that the stage `verify` of `rulebook` is given.
-    Besides them there are the tuples of the project's configuration, which no other stage needs.
+    Besides them there are the tuples and the descriptions of the project's configuration, which no
+    other stage needs. `modules` are those that the specification's own sources describe.
     """
     described = described_modules(project.configuration, project.modules)
+    every = {**(modules or {}), **{module.name: module for module in specification.declared}}
+    own = described_modules(specification, every)
+    # A converter that converts nothing any more is one of the configuration all the same.
+    own = {**own, **{name: every[name] for name in described if name in every}}
     told_as = TellsAs(
-        ends_in(project.configuration, described), rates_in(project.configuration, described)
+        ends_of_specification(project.configuration, described, specification),
+        rates_in(project.configuration, described),
+        _shared_names(specification, own, project),
     )
     wanted = _judged(rulebook)
-    for fact in configuration_facts(specification, wanted=wanted, told_as=told_as):
+    for fact in configuration_facts(specification, own, wanted, told_as):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _positions(specification, project)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
-    yield from _conversions(specification, project)
+    yield from _conversions(specification, told_as.names)
     for each in specification.stand_ins:
         yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
+    canonical = told_as.names.canonical
+    yield from instance_facts(_OF_SPECIFICATION, specification, {})
+    yield from instance_facts("", project.configuration, described)
+    yield from description_facts(_OF_SPECIFICATION, own, canonical)
+    # What only one of them describes is not compared.
+    if own:
+        yield from description_facts("", described, canonical)
 
 
 def _positions(specification: Configuration, project: Project) -> Iterator[Fact]:
@@ -258,15 +295,23 @@ def mount_tuples(predicate: str, configuration: Configuration) -> Iterator[Fact]
             yield Fact(Atom(predicate, (number, print_transformation(pose))), line.span)
 
 
-def _conversions(specification: Configuration, project: Project) -> Iterator[Fact]:
-    """Yield what comments say, in the representations that the project's rules know."""
+def _shared_names(
+    specification: Configuration, own: Mapping[str, Module], project: Project
+) -> Names:
+    """Return the representations of both, as the project's rules know them."""
     declared = representation_names(project.configuration, project.modules).canonical
-    said = [name for c in specification.conversions for name in (c.source, c.target)]
-    together = canonical_names([*declared, *said]).canonical
-    known = {together[name]: canonical for name, canonical in declared.items()}
+    comments = [name for c in specification.conversions for name in (c.source, c.target)]
+    together = canonical_names([*declared, *comments, *representations(own.values())])
+    known = {together.canonical[name]: canonical for name, canonical in declared.items()}
+    full = together.canonical.items()
+    return Names({name: known.get(longest, longest) for name, longest in full}, together.ambiguous)
+
+
+def _conversions(specification: Configuration, names: Names) -> Iterator[Fact]:
+    """Yield what comments say, in the representations that the project's rules know."""
     for conversion in specification.conversions:
         node, span = conversion.transformer, conversion.span
-        ends = (known.get(together[name], name) for name in (conversion.source, conversion.target))
+        ends = (names.canonical[name] for name in (conversion.source, conversion.target))
         yield Fact(Atom("spec_converts", (node, *ends)), span)
         if conversion.converter is not None:
             yield Fact(Atom("spec_converter", (node, conversion.converter)), span)

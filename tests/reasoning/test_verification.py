@@ -3,9 +3,10 @@
 import json
 import random
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -17,9 +18,12 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Function,
     Mode,
+    Module,
     Mount,
     Relationship,
+    Service,
     Transformation,
 )
 from mars_asp.model.modes import parse_mode
@@ -161,6 +165,22 @@ def mutations(
         yield replace(specification, relationships=(*lines, relationship))
 
 
+def redescribed(specification: Configuration, blocks: Sequence[Module]) -> Iterator[Configuration]:
+    """Yield specifications with one block changed: a guard, a motion or a service."""
+    for at, block in enumerate(blocks):
+        other = [replace(block, guard=block.span if block.guard is None else None)]
+        other.append(replace(block, functions=(*block.functions, Function("Trans_Y", block.span))))
+        for place, service in enumerate(block.services):
+            rest = (block.services[:place], block.services[place + 1 :])
+            services: list[tuple[Service, ...]] = [()]
+            if service.kind in ("Sense", "DataOut"):
+                services += [(replace(service, hz=Fraction(7)),), (replace(service, port="new"),)]
+                services += [(replace(service, output="New"),), (replace(service, modes=()),)]
+            other += [replace(block, services=(*rest[0], *new, *rest[1])) for new in services]
+        for changed in other:
+            yield replace(specification, declared=(*blocks[:at], changed, *blocks[at + 1 :]))
+
+
 def refuses_every_mutation(text: str, seed: int) -> None:
     found = synthesised(text)
     if found is None:
@@ -170,7 +190,12 @@ def refuses_every_mutation(text: str, seed: int) -> None:
     declared = {name.text for name in project.configuration.modules}
     nodes = frozenset(name.text for name in specification.modules) - declared
     changes = list(mutations(specification, nodes, random.Random(seed)))
-    for changed in random.Random(seed).sample(changes, min(6, len(changes))):
+    blocks = project.configuration.declared
+    assert verify(replace(specification, declared=blocks), project, RULEBOOK) == ()
+    differing = list(redescribed(specification, blocks))
+    rng = random.Random(seed)
+    some = rng.sample(changes, min(5, len(changes)))
+    for changed in (*some, *rng.sample(differing, min(2, len(differing)))):
         assert verify(changed, project, RULEBOOK), print_configuration(changed)
 
 

@@ -1,8 +1,9 @@
-"""Specifications with random changes, harmless ones among them."""
+"""Specifications with random changes of lines and of blocks, harmless ones among them."""
 
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -11,11 +12,16 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Function,
     Mode,
+    Module,
     Mount,
     Name,
     NodeKind,
     Relationship,
+    Service,
+    Transformation,
+    Vertex,
     node_kind,
 )
 from mars_asp.model.modes import parse_mode
@@ -26,9 +32,13 @@ Change: TypeAlias = Callable[[Configuration, random.Random], Configuration | Non
 
 
 def mutant(specification: Configuration, rng: random.Random) -> tuple[str, Configuration]:
-    """Return a specification with one or two random changes, and what they are called."""
+    """Return a specification with one or two random changes, and the names of these.
+
+    Half of the changes are to blocks, where there are any.
+    """
     names = []
-    for change in rng.sample(CHANGES, len(CHANGES)):
+    changes = rng.choice([CHANGES, (*CHANGES_OF_BLOCKS,)])
+    for change in (*rng.sample(changes, len(changes)), *CHANGES):
         changed = change(specification, rng)
         if changed is not None:
             names.append(change.__name__)
@@ -321,6 +331,239 @@ def drop_a_provider(specification: Configuration, rng: random.Random) -> Configu
     return with_lines(specification, [*lines[:at], *lines[at + 1 :]])
 
 
+# ---- Changes of blocks ----
+
+
+def _with_blocks(specification: Configuration, blocks: Sequence[Module]) -> Configuration:
+    return replace(specification, declared=tuple(blocks))
+
+
+def _change_block(
+    specification: Configuration,
+    rng: random.Random,
+    fits: Callable[[Module], bool],
+    change: Callable[[Module], Module],
+) -> Configuration | None:
+    """Change one of the blocks that fit."""
+    blocks = list(specification.declared)
+    some = [at for at, module in enumerate(blocks) if fits(module)]
+    if not some:
+        return None
+    at = rng.choice(some)
+    blocks[at] = change(blocks[at])
+    return _with_blocks(specification, blocks)
+
+
+def _change_service(
+    specification: Configuration,
+    rng: random.Random,
+    fits: Callable[[Service], bool],
+    change: Callable[[Service], Service],
+) -> Configuration | None:
+    """Change one service that fits, of one of the blocks that have any."""
+
+    def changed(module: Module) -> Module:
+        services = list(module.services)
+        at = rng.choice([at for at, service in enumerate(services) if fits(service)])
+        services[at] = change(services[at])
+        return replace(module, services=tuple(services))
+
+    return _change_block(specification, rng, lambda m: any(map(fits, m.services)), changed)
+
+
+def _delivers(service: Service) -> bool:
+    return service.kind in ("Sense", "DataOut")
+
+
+def change_offered_modes(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Reverse the modes of an output, or replace them: by the same ones now and then."""
+
+    def changed(service: Service) -> Service:
+        if len(service.modes) > 1 and rng.random() < 0.5:
+            return replace(service, modes=service.modes[::-1])
+        mode = parse_mode(rng.choice(["NotifyWhenReady", "RequestWhenReady", "NotifyOnMax(80)"]))
+        assert isinstance(mode, Mode)
+        return replace(service, modes=(mode,), hz=None)
+
+    return _change_service(specification, rng, _delivers, changed)
+
+
+def change_an_offered_rate(
+    specification: Configuration, rng: random.Random
+) -> Configuration | None:
+    rate = Fraction(rng.choice(["0.3", "5", "10", "20", "25", "1000/17"]))
+    return _change_service(
+        specification, rng, lambda s: s.hz is not None, lambda s: replace(s, hz=rate)
+    )
+
+
+def change_a_representation(
+    specification: Configuration, rng: random.Random
+) -> Configuration | None:
+    name = rng.choice("PQR")
+
+    def changed(service: Service) -> Service:
+        if service.inputs and rng.random() < 0.7:
+            at = rng.randrange(len(service.inputs))
+            inputs = (*service.inputs[:at], name, *service.inputs[at + 1 :])
+            return replace(service, inputs=inputs)
+        return service if service.output is None else replace(service, output=name)
+
+    return _change_service(specification, rng, lambda s: s.kind != "ControlOut", changed)
+
+
+def rename_a_port(specification: Configuration, rng: random.Random) -> Configuration | None:
+    def changed(service: Service) -> Service:
+        if not _delivers(service) or (service.parameters and rng.random() < 0.5):
+            return replace(service, parameters=("renamed", *service.parameters[1:]))
+        return replace(service, port="renamed")
+
+    return _change_service(specification, rng, _is_named, changed)
+
+
+def _is_named(service: Service) -> bool:
+    return _delivers(service) or bool(service.parameters)
+
+
+def change_an_annotation(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Change the class of a module, the functions that it commands or what a converter costs."""
+
+    def changed(service: Service) -> Service:
+        if service.kind == "Converts":
+            return replace(service, cost=rng.choice([service.cost, 7]))
+        if service.kind == "ControlOut":
+            commands = tuple(rng.sample(["Rotn_Y", "Trans_Z", "Grasp"], rng.randint(0, 2)))
+            return replace(service, commands=commands)
+        other: dict[str, str] = {"Sense": "DataOut", "DataOut": "Sense", "DataIn": "ControlOut"}
+        return replace(service, kind=other[service.kind])  # type: ignore[arg-type]
+
+    return _change_service(specification, rng, lambda s: True, changed)
+
+
+def drop_or_double_a_service(
+    specification: Configuration, rng: random.Random
+) -> Configuration | None:
+    def changed(module: Module) -> Module:
+        at = rng.randrange(len(module.services))
+        twice = (replace(module.services[at], function="again", port=None),)
+        own = module.services
+        kept = own + twice if rng.random() < 0.5 else own[:at] + own[at + 1 :]
+        return replace(module, services=kept)
+
+    return _change_block(specification, rng, lambda m: bool(m.services), changed)
+
+
+def change_the_guard(specification: Configuration, rng: random.Random) -> Configuration | None:
+    return _change_block(
+        specification,
+        rng,
+        lambda module: True,
+        lambda module: replace(module, guard=module.span if module.guard is None else None),
+    )
+
+
+def change_a_motion(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Change the limits of a motion, or drop it."""
+
+    def changed(module: Module) -> Module:
+        first, *others = module.functions
+        if rng.random() < 0.5:
+            return replace(module, functions=tuple(others))
+        limit = rng.choice([None, Decimal(90), Decimal("90.0")])
+        return replace(module, functions=(replace(first, max=limit), *others))
+
+    return _change_block(specification, rng, lambda m: bool(m.functions), changed)
+
+
+def add_a_motion(specification: Configuration, rng: random.Random) -> Configuration | None:
+    def changed(module: Module) -> Module:
+        return replace(module, functions=(*module.functions, Function("Trans_Y", module.span)))
+
+    return _change_block(
+        specification, rng, lambda m: all(f.name != "Trans_Y" for f in m.functions), changed
+    )
+
+
+def move_a_vertex(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Move vertex 0, to where it is anyway now and then."""
+    shift = Decimal(rng.choice([0, 0, 30]))
+    pose = Transformation(translation=(Decimal(0), shift, Decimal(0)))
+    return _change_block(
+        specification,
+        rng,
+        lambda module: all(vertex.number for vertex in module.vertices),
+        lambda m: replace(m, vertices=(*m.vertices, Vertex(0, pose, m.span))),
+    )
+
+
+def change_an_instance(specification: Configuration, rng: random.Random) -> Configuration | None:
+    names = list(specification.modules)
+    known = [module.name for module in specification.declared]
+    if not known or not names:
+        return None
+    at = rng.randrange(len(names))
+    names[at] = replace(names[at], described=rng.choice([names[at].text, *known]))
+    return replace(specification, modules=tuple(names))
+
+
+def order_blocks_otherwise(
+    specification: Configuration, rng: random.Random
+) -> Configuration | None:
+    """Change the order of blocks and of their annotations, which means nothing."""
+    blocks = [
+        replace(m, services=m.services[::-1], functions=m.functions[::-1])
+        for m in specification.declared[::-1]
+    ]
+    # The order of functions distinguishes those of one name.
+    names = [[s.port or s.function for s in module.services] for module in blocks]
+    if not blocks or any(len(set(each)) < len(each) for each in names):
+        return None
+    return _with_blocks(specification, blocks)
+
+
+def drop_a_block(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Leave a module to the configuration to describe."""
+    blocks = list(specification.declared)
+    if blocks:
+        blocks.pop(rng.randrange(len(blocks)))
+    return _with_blocks(specification, blocks)
+
+
+def describe_a_module(specification: Configuration, rng: random.Random) -> Configuration | None:
+    """Describe a source that the configuration may not describe."""
+    described = {module.name for module in specification.declared}
+    free = sorted(
+        {line.source for line in lines_of(specification) if isinstance(line, Data)} - described
+    )
+    free = [name for name in free if node_kind(name) is None]
+    if not free:
+        return None
+    span = specification.span
+    mode = parse_mode(rng.choice(["NotifyWhenReady", "NotifyAtFrequency", "NotifyOnMax(80)"]))
+    assert isinstance(mode, Mode)
+    hz = Fraction(rng.choice([5, 10])) if mode.name == "NotifyAtFrequency" else None
+    service = Service("Sense", span, "look", "P", modes=(mode,), hz=hz)
+    block = Module(rng.choice(free), span, (service,))
+    return _with_blocks(specification, [*specification.declared, block])
+
+
+CHANGES_OF_BLOCKS: Sequence[Change] = (
+    change_offered_modes,
+    change_an_offered_rate,
+    change_a_representation,
+    rename_a_port,
+    change_an_annotation,
+    drop_or_double_a_service,
+    change_the_guard,
+    change_a_motion,
+    add_a_motion,
+    move_a_vertex,
+    change_an_instance,
+    order_blocks_otherwise,
+    drop_a_block,
+    describe_a_module,
+    describe_a_module,
+)
 CHANGES: Sequence[Change] = (
     drop_a_line,
     swap_ends,

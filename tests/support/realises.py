@@ -1,4 +1,4 @@
-"""Whether a specification realises a configuration: clauses 1 to 5 of section 6, from the text.
+"""Whether a specification realises a configuration: clauses 0 to 5 of section 6, from the text.
 
 Nothing here uses clingo or reads `rules/`. It is for small specifications: what no comment says
 about transformers is tried in every way.
@@ -7,6 +7,7 @@ about transformers is tried in every way.
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TypeAlias
 
 from mars_asp.model.declarations import (
@@ -16,8 +17,11 @@ from mars_asp.model.declarations import (
     Data,
     Hold,
     Module,
+    Service,
+    Transformation,
     node_kind,
 )
+from mars_asp.model.transformation import normalized
 from tests.support.exhaustive import PERIODIC, Offer, inheritance, reach, serve
 
 #: Relationships of a specification that follow each other, from a module to a module.
@@ -59,6 +63,7 @@ class _Judge:
     def __init__(self, specification: Configuration, configuration: Configuration) -> None:
         self.specification, self.configuration = specification, configuration
         self.known: dict[str, Module] = {m.name: m for m in configuration.declared}
+        self.own: dict[str, Module] = {m.name: m for m in specification.declared}
         self.names = {name.text for name in configuration.modules}
         self.data = list(
             dict.fromkeys(line for line in specification.relationships if isinstance(line, Data))
@@ -72,6 +77,7 @@ class _Judge:
         return None if name in self.names else node_kind(name)
 
     def judge(self) -> None:
+        self.clause_0()
         self.kinds()
         self.clause_1()
         used = _DataJudge(self).judge() | _ControlJudge(self).judge()
@@ -80,6 +86,19 @@ class _Judge:
         named = {name.text for name in self.specification.modules}
         if idle := {end for end in ends | named if self.kind(end)} - used:
             raise UnsaidError(f"{sorted(idle)} on no way")
+
+    def clause_0(self) -> None:
+        """Compare the descriptions of each module that both describe, and stated instances."""
+        for name in self.known.keys() & self.own.keys():
+            here, there = description(self.own[name]), description(self.known[name])
+            if here != there:
+                refuse(0, f"{name} is {here}, not {there}")
+        classes = {n.text: n.described for n in self.configuration.modules}
+        for each in self.specification.modules:
+            own = each.text if each.text in self.known else None
+            declared = classes.get(each.text) or own
+            if None not in (each.described, declared) and each.described != declared:
+                refuse(0, f"{each.text} is an instance of {each.described}, not {declared}")
 
     def kinds(self) -> None:
         """Refuse data through nodes for control and the reverse."""
@@ -110,6 +129,28 @@ class _Judge:
         for name in set(taken):
             if self.kind(name) in DATA_NODES and taken.count(name) > 1:
                 refuse(1, f"{name} has several inputs")
+
+
+def description(module: Module) -> dict[str, object]:
+    """Return the meaning of a module's block, whatever the order of its annotations is."""
+    poses = {v.number: normalized(v.transformation) for v in module.vertices}
+    identity = normalized(Transformation())
+    return {
+        "guard": module.guard is not None,
+        "motions": {f.name: (f.min, f.max, f.rate) for f in module.functions},
+        "vertices": {n: pose for n, pose in poses.items() if n or pose != identity},
+        "services": sorted(map(repr, map(_meaning, module.services))),
+    }
+
+
+def _meaning(service: Service) -> tuple[object, ...]:
+    modes = [(mode.name, mode.arguments, mode.of) for mode in service.modes]
+    rate = None if service.hz is None else str(Fraction(service.hz))
+    name = service.port or service.function or service.output
+    # No line names an input of a converter.
+    inputs = (service.inputs, () if service.kind == "Converts" else service.parameters)
+    stated = (modes, rate, sorted(set(service.commands)), service.cost)
+    return (service.kind, name, service.output, *inputs, *stated)
 
 
 # ---- Data ----------------------------------------------------------------------------------------
@@ -173,14 +214,15 @@ class _DataJudge:
 
     def clause_3(self, source: str, paths: Sequence[DataPath]) -> None:
         """Try every mode of the source and every conversion that no comment says."""
-        speaker = self.known.get(source)
+        # The block of a source that only the specification describes counts.
+        speaker = self.known.get(source) or self.whole.own.get(source)
         voices = [s for s in speaker.services if s.kind in ("Sense", "DataOut")] if speaker else []
         voice = voices[0] if len(voices) == 1 else None
         offers: list[Offer | None] = [None]
         if voice:
             offers = [(m, voice.hz if m.name == PERIODIC else None) for m in voice.modes]
         delivered = voice.output if voice else None
-        first = offers[0]
+        first = offers[0] if source in self.known else None
         transformers = sorted(
             {
                 line.client
@@ -298,6 +340,9 @@ class _DataJudge:
     ) -> None:
         """Follow the service."""
         need = first if stated is None else stated
+        if offer is None and need is not None and path[0].mode is not None:
+            # The line of a source that nothing describes is taken at its word.
+            offer = (path[0].mode, path[0].hz)
         carried = offer
         doubt = None
         filtered = False
@@ -337,7 +382,9 @@ class _DataJudge:
             if need is not None and carried is None:
                 raise UnsaidError(f"{client} needs {need} of an unknown source")
             return
-        assert need is not None and carried is not None
+        assert carried is not None
+        if need is None:
+            return
         if table(need, offer) is None:
             refuse(3, f"{need} is not made of {offer}")
         if not same(need, carried):

@@ -29,6 +29,7 @@ from mars_asp.model.declarations import (
     ends_of,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
+from mars_asp.model.ports import outputs
 from mars_asp.model.rates import as_written
 from mars_asp.output import encodable
 from mars_asp.reasoning.facts.closed_walks import KNOTS, closed_walks
@@ -55,10 +56,11 @@ from mars_asp.spelling import nearest, resemblances
 
 
 class TellsAs(NamedTuple):
-    """How ports and rates are told."""
+    """How ports, rates and representations are told."""
 
     ends: Ends
     rates: Rates
+    names: Names
 
 
 def configuration_facts(
@@ -72,7 +74,7 @@ def configuration_facts(
     `modules` adds to those declared in the configuration itself; only modules that the
     configuration names, and converters, are told. Relationships are identified as `numbered`
     says, annotations by the integers that follow. With `wanted`, only facts of these predicates are
-    made. With `told_as`, ports and rates are told as those of another configuration.
+    made. With `told_as`, ports, rates and representations are told as those of another one.
     """
     return Compiler(configuration, modules or {}, wanted, told_as).compile()
 
@@ -83,7 +85,7 @@ def representation_names(configuration: Configuration, modules: Mapping[str, Mod
 
 
 def _names(described: Mapping[str, Module]) -> Names:
-    return canonical_names(sorted(set(_representations(described.values()))))
+    return canonical_names(sorted(set(representations(described.values()))))
 
 
 #: The predicates by which the architecture, modules, relationships and annotations are told.
@@ -159,16 +161,18 @@ class Compiler:
 
     @cached_property
     def _called(self) -> Mapping[tuple[str, int], str]:
-        """Return the names of outputs of modules with several, by these and their services."""
+        """Return the names of outputs, by their modules and services."""
         return {
-            (output.module, id(output.service)): name
-            for name, output in self.ends.outputs.items()
-            if output.service is not None
+            (name, id(module.services[number])): self.ends.output(name, port)
+            for name, module in self.described.items()
+            for port, number in outputs(module).items()
         }
 
     @cached_property
     def names(self) -> Names:
         """Return the representations that rules are told of."""
+        if self._told_as is not None:
+            return self._told_as.names
         return _names(self.described)
 
     @cached_property
@@ -359,7 +363,7 @@ class Compiler:
     def offer(self, number: int, name: str, service: Service) -> None:
         """Add what a module delivers, and how."""
         span = service.span
-        name = self._called.get((name, id(service)), name)
+        name = self._called[name, id(service)]
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.names.ambiguous:
             self.add(span, "output", number, name, self.names.canonical[service.output])
@@ -436,7 +440,8 @@ def facts_text(facts: Iterable[Fact]) -> str:
     return "".join(f"{fact.atom}.\n" for fact in facts)
 
 
-def _representations(modules: Iterable[Module]) -> Iterator[str]:
+def representations(modules: Iterable[Module]) -> Iterator[str]:
+    """Yield the representations that modules name."""
     for module in modules:
         for service in module.services:
             yield from (name for name in (service.output, *service.inputs) if name is not None)

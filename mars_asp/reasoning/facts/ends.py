@@ -6,7 +6,7 @@ there, which rules see.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -127,6 +127,28 @@ def _has_several_inputs(module: Module) -> bool:
     if sum(len(service.inputs) for service in module.services) < 2:
         return False
     return len(inputs(module)) > 1
+
+
+def ends_of_specification(
+    configuration: Configuration, described: Mapping[str, Module], specification: Configuration
+) -> Ends:
+    """Return the ends of a configuration, extended for the lines of a specification of it.
+
+    A port that only the specification names is the output of a source that has one, or the only
+    port that is named of a source that nothing describes.
+    """
+    ends = ends_in(configuration, described)
+    named: dict[str, set[str]] = {}
+    for line in specification.relationships:
+        if isinstance(line, Data) and line.source_port is not None:
+            named.setdefault(line.source, set()).add(line.source_port)
+    known = {module for module, _ in ends._sources}
+    alone: dict[tuple[str, str | None], str] = {}
+    for module in named.keys() - known:
+        ports = outputs(described[module]) if module in described else named[module]
+        if len(ports) == 1:
+            alone[module, *ports] = module
+    return replace(ends, _sources={**ends._sources, **alone})
 
 
 def _delivering(module: Module) -> list[Service]:
