@@ -8,36 +8,19 @@ import pytest
 
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.documents import ROOT
+from tests.support.figures import CODE, PATTERNS
 from tests.test_documents import DOCUMENTS
-
-#: What reads like a translation, and what to write instead.
-PATTERNS = {
-    r"\b(?<![Tt]here )(?:is|are) no (?!longer\b)": "is not a ..., expected a ..., must be ...",
-    r"[,;] for (?!example\b|instance\b)": "because, as, so",
-    r"\bstand(?:s|ing)?\b": "is, occurs, means, takes the place of",
-    r"\b(?:is|are|was|were|be|been|being) (?:told|said)\b": "is reported, is stated",
-    r"\b(?<!to )say(?:s|ing)?\b": "states, means, shows, explains",
-    r"(?<!splitter )\bbehind\b": "after",
-    r"\bjust\b": "only, exactly",
-    r"\b(?:no|some)body\b|\bwhoever\b": "a plain subject",
-    r"\bwhich so\b": "so it",
-    r"\bmends?\b": "fix",
-    r"\bha(?:s|ve) not (?:`|a\b)": "does not have",
-    r"\btoo,|, too\b": "also",
-    r"\(s\)": "a plural that agrees",
-}
-CODE = re.compile(r"`[^`]*`")
 
 
 def texts(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield each text of a module that is no docstring, with its line; `{}` for what it holds."""
+    """Yield each text of a module but docstrings, with its line; holes as `{}`."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             continue
         if isinstance(node, ast.JoinedStr):
             pieces = (v.value if isinstance(v, ast.Constant) else "{}" for v in node.values)
             yield node.lineno, "".join(str(piece) for piece in pieces)
-            # What a hole holds may be a text, too: a plural, or a word for nothing.
+            # The value of a hole may be a text: a plural, or a word for zero.
             for value in node.values:
                 yield from texts(value)
         elif isinstance(node, ast.Constant):
@@ -48,7 +31,7 @@ def texts(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def faults(text: str) -> Iterator[str]:
-    """Yield what reads badly in a text, with what to write instead."""
+    """Yield the bad wording of a text, each with its correction."""
     prose = CODE.sub("`x`", text)
     # A single word is a key, and a text without words a pattern.
     for pattern, better in PATTERNS.items() if " " in prose.strip() else ():
@@ -103,7 +86,7 @@ def test_documents() -> None:
         ("behind", False),
     ],
 )
-def test_what_a_fault_is(text: str, bad: bool) -> None:
+def test_faults_of_wording(text: str, bad: bool) -> None:
     assert any(faults(text)) == bad
 
 
