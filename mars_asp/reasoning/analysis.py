@@ -274,10 +274,12 @@ def _collect(
 def _places(facts: Iterable[Fact], identifiers: Iterable[TermId]) -> dict[TermId, Span]:
     """Return where the things stand that terms identify."""
     wanted = {_plain(as_symbol(identifier)): identifier for identifier in identifiers}
+    located = {"place": lambda atom: atom.arguments[0], "guard": lambda atom: atom}
     return {
         wanted[key]: fact.span
         for fact in facts
-        if fact.atom.name == "place" and (key := _identifier(fact.atom.arguments[0])) in wanted
+        if (identifier := located.get(fact.atom.name)) is not None
+        and (key := _identifier(identifier(fact.atom))) in wanted
     }
 
 

@@ -1,13 +1,13 @@
-"""Whether what an account cites are causes: without a cited line something else is said.
+"""Whether an account cites the causes of its first sentence, and no other line.
 
-A line that is cited for a consequence or node is taken out of the text. If the same is still said
-of the same, in its first sentence, the line was no cause of it. Conversely, of whatever a sentence
-counts there are as many members in the lines that are cited.
+Each line is removed from the text. A cited line is a cause if the same subject no longer has the
+same sentence. Conversely, a line is cited if the sentence disappears with it, and as many members
+are cited as the sentence counts.
 
-    python -m tests.support.counterfactual HOW_MANY [FIRST_SEED]
+    python -m tests.support.counterfactual COUNT [FIRST_SEED]
 
-asks this of every line that is cited of as many random configurations of each kind, and prints how
-often each consequence and node was asked about.
+checks COUNT random configurations of each kind, and prints how often each consequence and node was
+explained.
 """
 
 import re
@@ -15,6 +15,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from functools import lru_cache
 from itertools import product
 
 from mars_asp.cli.lines import remember, whole_line
@@ -46,6 +47,10 @@ _KEYWORDS = re.compile(
     r"|hold|forever|period|allocation|root|split|of|flat|hierarchical)\b"
 )
 STAGES = ("resolve", "account")
+#: Lines that state a relationship or annotate a function.
+_STATES = re.compile(
+    r"\s*(?:@(?!module_|modules|configuration|specification|Vertex)\w|\w.* (?:uses|is)_\w+ )"
+)
 
 
 def topics(text: str, path: str = "config.mars") -> tuple[Topic, ...]:
@@ -75,6 +80,23 @@ def uncaused(text: str, path: str = "config.mars") -> Iterator[str]:
                 yield f"{lines[at].strip()} for {sentence}"
 
 
+def uncited(text: str, path: str = "config.mars") -> Iterator[str]:
+    """Yield the lines without which a sentence disappears, and that are not cited for it.
+
+    Headings and blocks are left out, and so are vertices: where they are only a computation shows.
+    """
+    lines = text.splitlines(keepends=True)
+    before = _said(text, path)
+    for at, line in enumerate(lines):
+        if not _STATES.match(line) or all(at in cited for _, cited in before):
+            continue
+        rest = "".join([*lines[:at], *lines[at + 1 :]])
+        after = {sentence for sentence, _ in _said(rest, path)}
+        for sentence, cited in before:
+            if after and sentence not in after and at not in cited:
+                yield f"{line.strip()} is missing for {sentence}"
+
+
 def uncounted(account: Account) -> Iterator[str]:
     """Yield what the first sentence of an account counts and its lines do not show."""
     answer = account.answer or ""
@@ -96,6 +118,7 @@ def _is_stated_again(lines: Sequence[str], at: int) -> bool:
     return any(line.split()[:3] == related for line in (*lines[:at], *lines[at + 1 :]) if related)
 
 
+@lru_cache(maxsize=200)
 def _said(text: str, path: str) -> list[tuple[str, frozenset[int]]]:
     """Return what is told of a configuration, without the numbers of nodes, and the lines cited.
 
@@ -131,7 +154,7 @@ def main(words: Sequence[str]) -> int:
             remember("config.mars", text)
             accounts = [topic.account for topic in told if topic.account is not None]
             missing = (each for account in accounts for each in uncounted(account))
-            for line in (*uncaused(text), *missing):
+            for line in (*uncaused(text), *uncited(text), *missing):
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
             tried += 1

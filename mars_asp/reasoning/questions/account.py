@@ -18,6 +18,7 @@ from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.atoms import Atom
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Span
@@ -185,7 +186,6 @@ _WORDS: Mapping[str, Callable[[Names, clingo.Symbol], str]] = {
     "lines": lambda _, count: f"{count.number} line{'s' * (count.number != 1)}",
     "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
     "splitters_for": Names._splitters_for,
-    "mm": lambda _, length: f"{round(length.number / 1000)} mm",
 }
 
 
@@ -490,6 +490,11 @@ def names_of(project: Project, nodes: Iterable[Node]) -> Names:
         for number, _, annotation in numbered_annotations(configuration, described)
     }
     places |= {(str(identified(fact)),): fact.span for fact in project.attributes}
+    places |= {
+        (str(Atom("guard", (name,))),): module.guard
+        for name, module in described.items()
+        if module.guard is not None
+    }
     order = {name.text: place for place, name in enumerate(configuration.modules)}
     rates = rates_in(configuration, described)
     return Names(places, configuration.span, {node.term: node.name for node in nodes}, order, rates)
