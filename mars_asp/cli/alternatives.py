@@ -44,7 +44,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     found = alternatives(reasoner, subject, most, None if is_json else _MOST_NEEDS)
     if found is None:
-        report_unrealisable(project.configuration.path, arguments)
+        report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1
     if is_json:
         print(encoded({"subject": subject, **_json(found)}))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import replace_files
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.folding import fold, instances_of
 from mars_asp.cli.layout import columns, counted, wrapped
 from mars_asp.cli.lines import line_text, remember
 from mars_asp.cli.progress import progress_bar
@@ -76,8 +77,12 @@ class Checked:
         results: Iterable[Result],
         arguments: argparse.Namespace,
         sole: "Sequence[Repair]" = (),
+        instances: Mapping[str, str] | None = None,
     ) -> None:
-        """Print what is not hidden, some with its one repair, and count it."""
+        """Print what is not hidden, some with its one repair, and count it.
+
+        As text, equal findings of `instances` are one.
+        """
         results = tuple(results)
         found = [each.diagnostic for each in results if each.hidden is None]
         suggestions = _suggestions(found, sole)
@@ -88,6 +93,9 @@ class Checked:
                 each._replace(suggestion=suggestions.get(each.diagnostic)) for each in results
             )
         else:
+            if instances is not None and arguments.format == "text":
+                shown = [each for each in results if each.hidden is None]
+                found = fold(shown, instances, suggestions)
             report(found, arguments, suggestions)
 
 
@@ -208,7 +216,8 @@ def _check(
     one.mendable = 0 if arguments.fix else len(sole)
     unread = [d for d in project.diagnostics if d.code == NOT_READ]
     one.report((Result(d) for d in project.diagnostics if d.code != NOT_READ), arguments)
-    one.report(results_of(selected), arguments, sole)
+    instances = instances_of(project.configuration)
+    one.report(results_of(selected), arguments, sole, instances)
     one.report(map(Result, unread), arguments)
     if project.format is not None and arguments.fix:
         one.report([Result(_unfixed(project.configuration.path, _FOREIGN))], arguments)

@@ -119,8 +119,7 @@ def _causes(change: Change[Any]) -> Iterator[str]:
 
 def _costs(found: Difference) -> Iterator[str]:
     if found.old is None or found.new is None:
-        sides = [side for side, s in (("OLD", found.old), ("NEW", found.new)) if s is None]
-        yield f"no specification realises {' or '.join(sides)}, so no nodes are compared"
+        yield visible(f"{'; '.join(found.unrealised)}, so no nodes are compared")
         return
     parts = []
     for name, level in COSTS.items():

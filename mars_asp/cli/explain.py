@@ -26,6 +26,7 @@ from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.explain import Explanation, Sort, Topic, explain
 from mars_asp.reasoning.questions.stated import Stated, lines_meant, stated
+from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
 
@@ -344,7 +345,7 @@ def _depth(text: str) -> int | None:
 def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str]:
     """Yield what is said below the traces."""
     if arguments.only == "nodes" and answer.synthesis is None:
-        yield "no specification realises this configuration, so there is no node to explain"
+        yield f"{unrealised(answer.analysis)}, so there is no node to explain"
     elif not answer.topics and answer.subject is not None:
         yield f"no consequence and no node rests on `{answer.subject}`"
     elif not answer.topics and arguments.only != "nodes":
@@ -352,7 +353,7 @@ def _closing(answer: Explanation, arguments: argparse.Namespace) -> Iterator[str
     if answer.synthesis is not None and answer.subject is None:
         yield _summary(answer)
     elif answer.subject is None and arguments.only is None:
-        yield "no specification realises this configuration: `mars-asp check` shows why"
+        yield unrealised(answer.analysis)
 
 
 def _told(topics: Sequence[Topic], traced: bool, arguments: argparse.Namespace) -> Iterator[str]:

@@ -61,7 +61,6 @@ def specified(
 
     specification = _specification(project, arguments)
     if specification is None:
-        report_unrealisable(project.configuration.path, arguments)
         return None
     # A specification that was made here does not repeat the blocks of its configuration.
     modules = described_modules(project.configuration, project.modules)
@@ -71,7 +70,7 @@ def specified(
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
-    """Return the file's specification, or the minimal one of its configuration."""
+    """Return the file's specification, or the minimal one; report it where there is none."""
     if project.configuration.kind == "specification":
         return project.configuration
     from mars_asp.reasoning.analysis import findings
@@ -82,7 +81,10 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     analysis = analyse_project(project, rulebook, arguments)
     report(findings(analysis), arguments)
     found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
-    return None if found is None else found.specification.configuration
+    if found is None:
+        report_unrealisable(project.configuration.path, analysis, arguments)
+        return None
+    return found.specification.configuration
 
 
 def performed(

@@ -15,6 +15,7 @@ from mars_asp.output import visible
 
 if TYPE_CHECKING:
     from mars_asp.language.text_edits import LineEdit
+    from mars_asp.reasoning.analysis import Analysis
 
 _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1"}
 #: Further lines of a message are indented less than what belongs to it.
@@ -64,15 +65,18 @@ def report_error(error: MarsError, arguments: argparse.Namespace) -> None:
     report(error.diagnostics, arguments)
 
 
-def report_unrealisable(path: str, arguments: argparse.Namespace) -> None:
-    """Print that no specification realises the configuration at `path`."""
-    message = "no specification realises this configuration"
+def report_unrealisable(path: str, analysis: "Analysis", arguments: argparse.Namespace) -> None:
+    """Print that no specification realises the configuration at `path`, and the errors of it."""
+    from mars_asp.reasoning.questions.unrealised import unrealised
+
+    message = unrealised(analysis)
     if arguments.format == "json":
-        help_text = "`mars-asp check` shows what prevents it"
+        help_text = "`mars-asp check` shows how to resolve it"
         place = point(path, 1, 1)
         report([Diagnostic("unrealisable", "error", message, place, help=help_text)], arguments)
     else:
-        print(f"mars-asp: {message}; see `check`", file=sys.stderr)
+        for text in wrapped(visible(f"mars-asp: {message}"), columns(sys.stderr), further=_FURTHER):
+            print(text, file=sys.stderr)
 
 
 def report(

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
         budget = Budget(seconds_to_search(arguments), progress)
         found = synthesise(project, analysis, rulebook, budget)
     if found is None:
-        report_unrealisable(project.configuration.path, arguments)
+        report_unrealisable(project.configuration.path, analysis, arguments)
         return 1
     printed = found.specification.configuration
     with stage(arguments, "verifying"):

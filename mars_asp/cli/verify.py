@@ -169,9 +169,10 @@ def _run_without(arguments: argparse.Namespace) -> int:
     project = read_project(arguments, arguments.file)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
     name = arguments.without
-    found = without(name, Reasoner(project, rulebook, Budget(arguments.time_limit)))
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
+    found = without(name, reasoner)
     if found is None:
-        report_unrealisable(project.configuration.path, arguments)
+        report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1
     if arguments.format == "json":
         violations = [{"clause": b.violation.clause, **_finding_json(b.violation)} for b in found]

@@ -9,14 +9,7 @@ name and representation, feeds each of their parts.
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mars_asp.model.declarations import (
-    Configuration,
-    Data,
-    Module,
-    Name,
-    Relationship,
-    ends_of,
-)
+from mars_asp.model.declarations import Configuration, Data, Module, Name, Relationship, ends_of
 from mars_asp.model.ports import DELIVERING, inputs, outputs
 
 

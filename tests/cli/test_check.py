@@ -53,6 +53,14 @@ def test_findings_read_as_they_stand_beside_their_files(
     assert told == path.with_suffix(".txt").read_text(encoding="utf-8")
 
 
+def test_json_keeps_each_finding_of_instances(capsys: pytest.CaptureFixture[str]) -> None:
+    run_here(["check", "tests/findings/instances.mars", "--format", "json"])
+    lines = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    unused = [each["message"] for each in lines if each["code"] == "checks/unused"]
+    assert len(unused) == 5
+    assert not any(", in " in message for message in unused)
+
+
 def heads(told: str) -> list[str]:
     """Return the lines of diagnostics that name a place, up to their severity."""
     lines = (line for line in told.splitlines() if re.match(r"\S+:\d+:\d+: ", line))

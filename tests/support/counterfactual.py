@@ -41,6 +41,8 @@ _COUNTED = {
     r"functions": r"(?:Rotn|Trans)_[XYZ]|Grasp",
     r"lines|relationships|commands|joints|motions|times": r"^.*$",
 }
+#: A value that is missing from a sentence.
+_HOLE = re.compile(r"\{\w*\}|``|\bNone\b")
 #: Words of lines that are no names of modules.
 _KEYWORDS = re.compile(
     r"@\w+|\b(?:(?:Notify|Request)\w+|uses_data_from|is_\w+_(?:by|on)"
@@ -112,6 +114,19 @@ def uncounted(account: Account) -> Iterator[str]:
             yield f"{len(shown)} {nouns} are shown of {answer}"
 
 
+def malformed(topic: Topic) -> Iterator[str]:
+    """Yield the faults of an account: no sentence, a hole or an empty name in it, a line twice."""
+    account = topic.account
+    if account is None or not (account.answer or "").strip():
+        yield f"no sentence for {topic.name}"
+        return
+    sentences = (account.answer or "", *account.notes)
+    yield from (f"`{each}` for {topic.name}" for each in sentences if _HOLE.search(each))
+    shown = [*sentences, *((each.span.path, each.span.line, each.label) for each in account.cites)]
+    times = Counter(shown)
+    yield from (f"{each} twice for {topic.name}" for each, number in times.items() if number > 1)
+
+
 def _is_stated_again(lines: Sequence[str], at: int) -> bool:
     """Whether another line relates the same two modules, whatever else it says."""
     related = lines[at].split()[:3]
@@ -154,7 +169,8 @@ def main(words: Sequence[str]) -> int:
             remember("config.mars", text)
             accounts = [topic.account for topic in told if topic.account is not None]
             missing = (each for account in accounts for each in uncounted(account))
-            for line in (*uncaused(text), *uncited(text), *missing):
+            faults = (each for topic in told for each in malformed(topic))
+            for line in (*uncaused(text), *uncited(text), *missing, *faults):
                 wrong += 1
                 print(f"{kind.__name__} {seed}: {line}", flush=True)
             tried += 1

@@ -26,7 +26,7 @@ from mars_asp.reasoning.questions.why_not import (
     holds,
     is_there,
     node_term,
-    unrealised,
+    unrealised_answer,
 )
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Node
@@ -91,7 +91,8 @@ def absences(
         (kind, module): found
         for kind, module, found in reasons(reasoner.project, reasoner.rulebook, kinds, modules)
     }
-    against = unrealised("", evidence) if resolving and synthesis is None else None
+    unrealised = resolving and synthesis is None
+    against = unrealised_answer("", evidence, evidence.analysis) if unrealised else None
     elsewhere = frozenset(circles(evidence.analysis))
     for module in modules:
         for kind in kinds:

@@ -30,6 +30,7 @@ from mars_asp.reasoning.facts.compile import FRAMES
 from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
+from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import Node
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
@@ -94,6 +95,8 @@ class Difference:
     nodes: tuple[Change[Node], ...]
     old: Synthesis | None
     new: Synthesis | None
+    #: The sentences that no specification realises one of them, or each.
+    unrealised: tuple[str, ...]
 
     @property
     def is_empty(self) -> bool:
@@ -128,6 +131,11 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
         tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
         after.synthesis,
+        tuple(
+            unrealised(side.analysis, name)
+            for side, name in ((before, "OLD"), (after, "NEW"))
+            if side.synthesis is None
+        ),
     )
 
 

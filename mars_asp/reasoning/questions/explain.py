@@ -38,6 +38,7 @@ from mars_asp.reasoning.questions.subject import (
     unconcerned,
     wrong_subject,
 )
+from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import Introduced, Node
 from mars_asp.reasoning.synthesis.synthesise import (
@@ -193,7 +194,7 @@ def _asked(
         ]
     if not asked and subject is not None:
         if only is not None:
-            raise _nothing_of(subject, project, bool(chosen), synthesis)
+            raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
         asked = [_Asked(*_asked_atom(subject, project, evidence, synthesis))]
     return asked
 
@@ -267,14 +268,18 @@ def _check_module(subject: str, project: Project, only: Sort) -> None:
 
 
 def _nothing_of(
-    subject: str, project: Project, concerned: bool, synthesis: Synthesis | None
+    subject: str,
+    project: Project,
+    concerned: bool,
+    synthesis: Synthesis | None,
+    analysis: Analysis,
 ) -> MarsError:
     """Return the error that a module has nothing of the sort that was asked for."""
     if not concerned:
         return unconcerned(subject, project)
     if synthesis is None:
-        message = f"no node resolves what concerns `{subject}`: no specification realises it"
-        help_text = "`mars-asp check` shows what prevents it"
+        message = f"no node resolves what concerns `{subject}`: {unrealised(analysis)}"
+        help_text = "`mars-asp check` shows how to resolve it"
     else:
         message = f"no node resolves what concerns `{subject}`"
         help_text = "leave out `--only nodes` to see what that is"
@@ -356,11 +361,11 @@ def _asked_atom(
             synthesis.derived.hand_to(analysis.grounding)
         atom = analysis.grounding.control.symbolic_atoms[symbol]
         if synthesis is None and is_resolved(rulebook, signature_of(symbol)):
-            raise _unrealised(subject, project)
+            raise _unrealised(subject, project, analysis)
         if atom is not None and (atom.is_fact or as_term(symbol) in taken):
             return subject, symbol
     if synthesis is None and _is_node(subject, project):
-        raise _unrealised(subject, project)
+        raise _unrealised(subject, project, analysis)
     if subject in names:
         raise unconcerned(subject, project)
     if synthesis is not None and subject in described_modules(
@@ -373,6 +378,6 @@ def _asked_atom(
     raise absent_subject(subject, project, rulebook, known)
 
 
-def _unrealised(subject: str, project: Project) -> MarsError:
-    message = f"there is no `{subject}`, because no specification realises this configuration"
-    return wrong_subject(project, message, "`mars-asp check` shows what prevents it")
+def _unrealised(subject: str, project: Project, analysis: Analysis) -> MarsError:
+    message = f"there is no `{subject}`, because {unrealised(analysis)}"
+    return wrong_subject(project, message, "`mars-asp check` shows how to resolve it")

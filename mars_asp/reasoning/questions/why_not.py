@@ -17,7 +17,7 @@ from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
 from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, shown_pattern
 from mars_asp.asp.trace.text import leaves_of
-from mars_asp.asp.trace.tree import Absent, Derived, Missing, Trace
+from mars_asp.asp.trace.tree import Absent, Missing, Trace
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.analysis import Analysis, read_consequences
@@ -28,6 +28,7 @@ from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.near_miss import near_miss
 from mars_asp.reasoning.questions.preceding import is_realised
 from mars_asp.reasoning.questions.subject import spaced_subjects
+from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.questions.vicinity import BY_TYPE, vicinity
 from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis.exclusion import NoSpecificationError, excluded
@@ -156,7 +157,7 @@ def _answer(reasoner: Reasoner, question: Question, depth: int) -> WhyNot:
     evidence = reasoner.evidence(resolved=choosable)
     synthesis = reasoner.synthesis if choosable else None
     if choosable and synthesis is None:
-        return unrealised(question.shown, evidence)
+        return unrealised_answer(question.shown, evidence, reasoner.analysis)
     offered: str | None = None
     extra: Mapping[int, int] | None = None
     held = _held(question, evidence, synthesis)
@@ -311,18 +312,16 @@ def node_term(held: clingo.Symbol, kind: str | None) -> str:
     return str(held)
 
 
-def unrealised(title: str, evidence: Evidence) -> WhyNot:
+def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot:
     """Return that nothing realises the configuration, so that nothing of the kind is there."""
     analysis = evidence.analysis
     against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
     obstacles = tuple(evidence.explainer.why(against).values())
     leaves = (leaf.span for each in obstacles for leaf in leaves_of(each))
     spans = dict.fromkeys(span for span in leaves if span is not None)
-    messages = [each.message for each in obstacles if isinstance(each, Derived) and each.message]
-    because = f", as {messages[0]}" if messages else ""
     return WhyNot(
         title,
-        f"No {title}: no specification realises this configuration{because}.",
+        f"No {title}: {unrealised(whole)}.",
         tuple(spans),
         None,
         False,
@@ -437,7 +436,7 @@ def _of_named_node(reasoner: Reasoner, name: str) -> WhyNot:
     word = node_names(reasoner.project.configuration.kinds)[kind]
     evidence, synthesis = reasoner.evidence(resolved=True), reasoner.synthesis
     if synthesis is None:
-        return unrealised(name, evidence)
+        return unrealised_answer(name, evidence, reasoner.analysis)
     specification = synthesis.specification
     for node in specification.nodes:
         if node.name == name:

@@ -13,16 +13,25 @@ import pytest
 
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import atoms
+from mars_asp.asp.trace.tree import Unexplained
 from mars_asp.cli import run_here
 from mars_asp.cli.reason import load
 from mars_asp.diagnostic import Span
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited, true_atoms
 from mars_asp.reasoning.questions.capability import capability
-from mars_asp.reasoning.questions.explain import explain
+from mars_asp.reasoning.questions.explain import Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
-from tests.support.counterfactual import KINDS, STAGES, topics, uncaused, uncited, uncounted
+from tests.support.counterfactual import (
+    KINDS,
+    STAGES,
+    malformed,
+    topics,
+    uncaused,
+    uncited,
+    uncounted,
+)
 from tests.support.documents import ROOT
 
 CASES = sorted((ROOT / "tests" / "accounts").glob("*.mars"))
@@ -177,6 +186,21 @@ def test_whatever_is_cited_is_a_cause(path: Path) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_whatever_is_cited_of_random_configurations_is_a_cause(kind: type) -> None:
     assert [*uncaused(kind(0)), *uncited(kind(0))] == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_account_of_a_random_configuration_has_a_sentence_and_each_line_once(
+    kind: type,
+) -> None:
+    assert [fault for topic in topics(kind(1)) for fault in malformed(topic)] == []
+
+
+def test_an_account_without_a_sentence_or_with_a_line_twice_is_malformed() -> None:
+    cited = Cited(Span("a.mars", 1, 1, 1, 2), "a.mars:1", "")
+    named = Topic("N", "N", "node", None, None, (), Account("", (), ()), Unexplained("N", ""))
+    assert list(malformed(named)) == ["no sentence for N"]
+    twice = replace(named, account=Account("`N` is here.", (cited, cited), ()))
+    assert list(malformed(twice)) == ["('a.mars', 1, '') twice for N"]
 
 
 def test_most_answers_are_short() -> None:

@@ -1,0 +1,87 @@
+"""Equal findings of modules that one block describes, or of a file included twice, shown as one."""
+
+import re
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from mars_asp.cli.results import Result
+from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.model.declarations import Configuration, Name
+
+#: So many instances are named before the others are counted.
+_NAMED, _MOST_NAMED = 2, 4
+#: Replaces the name of an instance where texts are compared.
+_ANY = "\0"
+
+
+def fold(
+    results: Iterable[Result],
+    instances: Mapping[str, str],
+    suggested: Container[Diagnostic] = (),
+) -> list[Diagnostic]:
+    """Return the findings of results, those that differ in the name of an instance as one.
+
+    `instances` has the name of each instance by its modules. Those that are `suggested` a repair
+    stay apart.
+    """
+    alike: dict[object, list[tuple[str, Diagnostic]]] = {}
+    for number, result in enumerate(results):
+        subject = "" if result.consequence is None else result.consequence.subject
+        name = instances.get(subject) or instances.get(subject.rpartition(".")[0])
+        found = result.diagnostic
+        folds = name is not None and found not in suggested
+        key = _texts(found, name) if folds and name is not None else number
+        alike.setdefault(key, []).append((name or "", found))
+    return [_named(same) for same in alike.values()]
+
+
+def instances_of(configuration: Configuration) -> Mapping[str, str]:
+    """Return by the name of each module that has twins the part that is its own.
+
+    A module of an included file has one location, however often the file is included.
+    """
+    located: dict[Span, list[Name]] = {}
+    for name in configuration.modules:
+        located.setdefault(name.span, []).append(name)
+    names: dict[str, str] = {}
+    for same in located.values():
+        if len(same) == 1:
+            names.update({each.text: each.text for each in same if each.described is not None})
+            continue
+        parts = [each.text.split("/") for each in same]
+        tail = 0
+        while tail + 1 < min(map(len, parts)) and len({each[-tail - 1] for each in parts}) == 1:
+            tail += 1
+        for each, part in zip(same, parts, strict=True):
+            names[each.text] = "/".join(part[: len(part) - tail])
+    return names
+
+
+def natural_order(text: str) -> tuple[object, ...]:
+    """Return a key that sorts numbers within names by their value: robot2 before robot10."""
+    parts = re.split(r"(\d+)", text)
+    return tuple((int(part), part) if at % 2 else part for at, part in enumerate(parts))
+
+
+def _texts(found: Diagnostic, name: str) -> object:
+    """Return the parts of a finding without the name of its instance."""
+    pattern = re.compile(rf"(?<=`){re.escape(name)}(?=[`./])")
+    texts = (found.message, found.help, found.effect, *(text for _, text in found.labels))
+    plain = tuple(text and pattern.sub(_ANY, text) for text in texts)
+    return found.code, found.severity, found.span, tuple(at for at, _ in found.labels), plain
+
+
+def _named(same: Sequence[tuple[str, Diagnostic]]) -> Diagnostic:
+    """Return one finding for several that differ in the name of an instance."""
+    if len(same) == 1:
+        return same[0][1]
+    names = sorted({name for name, _ in same}, key=natural_order)
+    first = next(found for name, found in same if name == names[0])
+    return replace(first, message=f"{first.message}, in {_listed(names)}")
+
+
+def _listed(names: Iterable[str]) -> str:
+    shown = [f"`{name}`" for name in names]
+    if len(shown) > _MOST_NAMED:
+        shown = [*shown[:_NAMED], f"{len(shown) - _NAMED} more"]
+    return f"{', '.join(shown[:-1])} and {shown[-1]}"
