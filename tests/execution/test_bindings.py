@@ -118,7 +118,7 @@ def assert_order_of_clients_is_free(seed: int) -> None:
 
 
 def client_of(line: str) -> str:
-    return line.split()[0].partition(".")[0]
+    return line.split(maxsplit=1)[0].partition(".")[0]
 
 
 def given_in_a_run(text: str) -> Mapping[str, Mapping[str, set[str]]] | None:

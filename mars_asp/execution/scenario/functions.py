@@ -176,7 +176,9 @@ def entries(plan: Plan, name: str) -> tuple[Entry, ...] | None:
         return None  # it does not run
     if kind == "sensor":
         return ()
-    return tuple(Entry(_sources(plan, slot), _parameter(plan, name, slot), slot.place) for slot in slots)
+    return tuple(
+        Entry(_sources(plan, slot), _parameter(plan, name, slot), slot.place) for slot in slots
+    )
 
 
 def _sources(plan: Plan, slot: Slot) -> str:
