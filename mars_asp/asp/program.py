@@ -17,7 +17,7 @@ from mars_asp.asp.messages import predicate_of, said, saying
 from mars_asp.asp.rules.checks import refused_rules
 from mars_asp.asp.rules.externals import External, externals_of
 from mars_asp.asp.rules.metadata import repeated_ids
-from mars_asp.asp.rules.program_files import BASE_PART, Reader, of_part, parts_of
+from mars_asp.asp.rules.program_files import BASE_PART, ProgramReader, of_part, parts_of
 from mars_asp.asp.rules.read import NameSpace, RuleFile, told_apart
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
@@ -79,7 +79,7 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        reader = Reader(_STAGE, problems)
+        reader = ProgramReader(_STAGE, problems)
         for path in paths:
             reader.read_path(path)
         return cls._checked(reader.files, problems)
@@ -92,7 +92,7 @@ class Program:
             MarsError: everything that is wrong with them, each with its place.
         """
         problems: list[Diagnostic] = []
-        reader = Reader(_STAGE, problems)
+        reader = ProgramReader(_STAGE, problems)
         reader.read_text(text, path)
         return cls._checked(reader.files, problems)
 

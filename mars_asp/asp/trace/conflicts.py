@@ -262,9 +262,9 @@ def _open(statement: ast.AST, number: int) -> Iterator[str]:
     """Yield rules that are a statement, each instance of which can be left open."""
     head, terms = statement.head, Terms()
     body = [*map(str, statement.body)]
-    text, told, choice = str(head), "none", None
+    text, key, choice = str(head), "none", None
     if _is_atom(head):
-        text = told = choice = terms.atom(head.atom.symbol, fresh_complex=True)
+        text = key = choice = terms.atom(head.atom.symbol, fresh_complex=True)
         body += terms.equations
     elif head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
         if head.left_guard is None and head.right_guard is None:
@@ -276,7 +276,7 @@ def _open(statement: ast.AST, number: int) -> Iterator[str]:
             for atom, condition in atoms_of_head(statement)
         )
         choice = "; ".join(found)
-    on = f"{_ON}({number},{told},v({','.join(_names(statement))}))"
+    on = f"{_ON}({number},{key},v({','.join(_names(statement))}))"
     yield f"{text} :- {'; '.join([*body, on])}."
     if choice is not None:
         yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
