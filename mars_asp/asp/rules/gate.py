@@ -66,7 +66,7 @@ def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic
         begin, at = match.span()
         if match[0].startswith("%"):
             at = _closed(text, at) if match[0] == "%*" else at
-            parts += (text[kept:begin], _REFUSED.sub(_masked, text[begin:at]))
+            parts += (text[kept:begin], text[begin:at].replace("#include", " include"))
             kept = at
         elif match[0].startswith("#"):
             line = text.count("\n", 0, begin) + 1
@@ -81,10 +81,6 @@ def included(text: str, shown: str) -> tuple[str, list[Include], list[Diagnostic
             parts += (text[kept:begin], re.sub(r"[^\n]", " ", text[begin:at]))
             kept = at
     return "".join((*parts, text[kept:])), found, wrong
-
-
-def _masked(match: re.Match[str]) -> str:
-    return f" {match[0][1:]}" if match[1] == "include" else match[0]
 
 
 def read_text(path: Path, shown: str) -> str:
